@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import os
 import pkgutil
 import subprocess
 import sys
@@ -28,6 +29,37 @@ def test_every_name_is_there(package):
 def test_what_needs_no_compiler_loads_none(module):
     code = f"import sys, {module}; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=str(SOURCES), check=False, timeout=120).returncode == 0
+
+
+def test_command_that_plays_a_stream_loads_no_more_than_it_needs(tmp_path):
+    """A new process loads and compiles each module that it imports."""
+    (tmp_path / "program.lp").write_text("#program cumulative(t).\n#external e(t).\n#program volatile(t).\n")
+    (tmp_path / "updates.str").write_text("#step 1. e(1). #endstep.")
+    words = [str(SOURCES.parent / "scripts" / "oclingo"), "program.lp", "--stream", "updates.str"]
+    code = (
+        "import runpy, sys\ndel sys.argv[0]\ntry:\n    runpy.run_path(sys.argv[0], run_name='__main__')\n"
+        "finally:\n    print(*sys.modules, sep='\\n')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, *words],
+        env=dict(os.environ, PYTHONPATH=str(SOURCES)),
+        cwd=str(tmp_path),
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    loaded = set(done.stdout.splitlines())
+    assert {"rosoclingo.planning.workers.pool", "rosoclingo.oclingo.gringo3.dialect"} <= loaded
+    rooms = (
+        "oclingo.service.check_command",
+        "oclingo.service.server",
+        "oclingo.gringo3.file_translator",
+        "planning.solver",
+    )
+    folders = ("planning.explaining", "planning.strategies", "languages.golog", "reasoning")
+    assert not loaded & {f"rosoclingo.{one}" for one in (*rooms, *folders)}
+    assert "logging" not in loaded
 
 
 WITHOUT = """

@@ -21,6 +21,7 @@ import clingo
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.oclingo.solving.results import Answer
 from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.snapshot import ClosedHeads, Past, Snapshot, SnapshotItem, TimedStatement
@@ -46,6 +47,23 @@ def compacted(grounding: Grounding, snapshot: Snapshot) -> Optional[Snapshot]:
     heads = {one.head for one in statements}
     fixed = fixed_atoms(grounding, end, heads - facts)
     return _without_fixed_steps(grounding, snapshot, fixed, facts) if fixed.first > start else None
+
+
+def recent_atoms(answer: Answer, step: int, program: ReactiveProgram) -> Answer:
+    """Return ``answer`` without atoms of cycles that lie more than :data:`SHOWN_STEPS` before ``step``.
+
+    Otherwise the answers of a long run would grow until the next compaction.
+    """
+
+    def is_recent(atom: clingo.Symbol) -> bool:
+        """Return whether an atom has a recent cycle or none."""
+        function = atom.type is clingo.SymbolType.Function
+        position = program.time_position(atom.name, len(atom.arguments)) if function else None
+        if position is None or atom.arguments[position].type is not clingo.SymbolType.Number:
+            return True
+        return atom.arguments[position].number >= step - SHOWN_STEPS
+
+    return frozenset(filter(is_recent, answer))
 
 
 def end_of_past(program: ReactiveProgram, snapshot: Snapshot) -> int:

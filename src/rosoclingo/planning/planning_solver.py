@@ -10,8 +10,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import AcceptedUpdate, History, Plan
 from rosoclingo.planning.prediction import is_predicted
-from rosoclingo.planning.question import Stop
-from rosoclingo.planning.strategies.probe import Verdict
+from rosoclingo.planning.question import Stop, Verdict
 
 LONG_PREDICTED = 20
 """Number of updates after which a checkpoint is worthwhile even without a search: every reader has to fold them."""

@@ -13,18 +13,18 @@ from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import Reader, is_predictable
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.asking import Asking
-from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past
+from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past, recent_atoms
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy
+from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, Verdict
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
-from rosoclingo.planning.strategies.probe import Verdict, probe
+from rosoclingo.planning.strategies.probe import probe
 from rosoclingo.planning.strategies.shortest import SearchResult, shortest
 from rosoclingo.planning.strategies.soon import CLOCK, Clock, Soon, TimeLimit
 
@@ -198,6 +198,10 @@ class PlanSolver(PlanningSolver):
             if str(one) not in self.remarks:
                 self.remarks.add(str(one))
                 yield str(one)
+
+    def recent(self, answer: Answer) -> Answer:
+        """Return ``answer`` without atoms of cycles that are long over."""
+        return recent_atoms(answer, self.step, self.program)
 
     def _predicted(self, asking: Asking, reply: Reply, proven: bool) -> FrozenSet[clingo.Symbol]:
         """Return the predicted returns; a plan that is ``proven`` shortest has to remain shortest."""

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.planning.workers.wire import stream_from_message, stream_to_message
+from rosoclingo.planning.explaining.questions import stream_from_message, stream_to_message
 from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.keywords import identifier_of
 from rosoclingo.reasoning.records import Record, group, symbol_of, text_of

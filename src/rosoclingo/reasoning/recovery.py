@@ -35,7 +35,7 @@ from rosoclingo.planning.minimal_sets import (
     remember,
     yes_or_no,
 )
-from rosoclingo.planning.strategies.probe import Verdict
+from rosoclingo.planning.question import Verdict
 from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal

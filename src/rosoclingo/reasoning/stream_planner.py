@@ -23,7 +23,7 @@ from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.strategies.probe import Verdict
+from rosoclingo.planning.question import Verdict
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.keywords import Action

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.planning.minimal_sets import UndecidedError
-from rosoclingo.planning.strategies.probe import Verdict
+from rosoclingo.planning.question import Verdict
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.recovery import FEW, Question, first_found, is_answerable, recover

@@ -17,8 +17,8 @@ from rosoclingo.oclingo import (
 from rosoclingo.oclingo.progression.updates import Over
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, History
+from rosoclingo.planning.question import Verdict
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.strategies.probe import Verdict
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner, steps_for
 

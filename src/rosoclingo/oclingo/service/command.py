@@ -8,20 +8,21 @@ import shutil
 import signal
 import sys
 from pathlib import Path
-from typing import Any, Callable, List, NoReturn, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, List, NoReturn, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
-from rosoclingo.oclingo.service.check_command import More, Verifier, add_trials, check
 from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
-from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 from rosoclingo.oclingo.unread import ends_unread
 from rosoclingo.planning.workers.pool import WorkerPool
+
+if TYPE_CHECKING:
+    from rosoclingo.oclingo.service.check_command import More, Verifier
 
 DEFAULT_HOST = "127.0.0.1"
 
@@ -44,7 +45,7 @@ update of --stream has no answer."""
 _REMAPPING = re.compile(r"[\w~/]+:=")
 
 
-Checks = Callable[[], Tuple[Optional[More], Optional[Verifier]]]
+Checks = Callable[[], "Tuple[Optional[More], Optional[Verifier]]"]
 """What ``--check`` looks at beside the program; asked for it only where that is wanted."""
 
 
@@ -136,16 +137,14 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]
     parser = make_parser()
-    more = verifier = None
-    if any("--check".startswith(word) and len(word) > len("--c") for word in words):
-        more, verifier = checks()
-        add_trials(parser, more, verifier)
+    is_check = any("--check".startswith(word) and len(word) > len("--c") for word in words)
+    check = _make_check(parser, checks) if is_check else None
     options = parser.parse_intermixed_args(words)
     files, models = _files_and_models(options.words)
     _check(parser, options, files)
-    if options.check:
+    if check is not None:
         options.files = files
-        return check(options, more, verifier)
+        return check(options)
     signal.signal(signal.SIGTERM, _terminate)
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(encoding="utf-8", errors="replace")
@@ -155,7 +154,7 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
         for text in program.warnings:
             _say(f"warning: {text}")
         ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest, "plan_time": options.plan_time}
-        with WorkerPool(program, models=models, horizon_limit=options.imax, **ways) as process:
+        with WorkerPool(program, models=models, horizon_limit=options.imax, fork=True, **ways) as process:
             process.start()
             return _run(process.solver(), options)
     except (ProgramError, SolverError) as error:
@@ -168,6 +167,15 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
         return 1
     except KeyboardInterrupt:
         return 130
+
+
+def _make_check(parser: argparse.ArgumentParser, checks: Checks) -> Callable[[argparse.Namespace], int]:
+    """Add to the command line what tells how to check; return the check."""
+    from rosoclingo.oclingo.service.check_command import add_trials, check  # noqa: PLC0415 as much as all else
+
+    more, verifier = checks()
+    add_trials(parser, more, verifier)
+    return lambda options: check(options, more, verifier)
 
 
 def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
@@ -188,6 +196,8 @@ def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
 
 
 def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
+    from rosoclingo.oclingo.service.server import Service, listen  # noqa: PLC0415 not for a stream
+
     host = DEFAULT_HOST if options.host is None else options.host
     port = DEFAULT_PORT if options.port is None else options.port
     try:

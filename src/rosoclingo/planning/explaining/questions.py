@@ -6,13 +6,15 @@ from typing import FrozenSet, Iterable, List, NamedTuple, Optional
 import clingo
 
 from rosoclingo.oclingo.errors import DroppedError
+from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.planning.explaining.relaxed_program import RelaxedProgram
-from rosoclingo.planning.history import History
+from rosoclingo.planning.history import History, entry_from_message, entry_to_message
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply, Stop
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.text import Message
 
 Facts = FrozenSet[clingo.Symbol]
 
@@ -32,6 +34,17 @@ class Stream(NamedTuple):
     update: StreamUpdate
     steps: int
     oclingo_strings: bool = False
+
+
+def stream_to_message(stream: Stream) -> Message:
+    """Return ``stream`` for :func:`stream_from_message`."""
+    return {**stream._asdict(), "log": [*map(entry_to_message, stream.log.entries)], "update": str(stream.update)}
+
+
+def stream_from_message(message: Message) -> Stream:
+    """Return the stream of :func:`stream_to_message`."""
+    log = History().with_entries(*map(entry_from_message, message["log"]))
+    return Stream(**{**message, "log": log, "update": parse_update(message["update"])})
 
 
 class Questions:

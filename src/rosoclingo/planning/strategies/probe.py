@@ -4,7 +4,7 @@ A question without an answer has an unsat core of assumable facts (see clingo's 
 that agrees on these facts has no answer either.
 """
 
-from typing import FrozenSet, NamedTuple, Optional, Sequence, Set
+from typing import FrozenSet, Sequence, Set
 
 import clingo
 
@@ -13,19 +13,6 @@ from rosoclingo.planning.question import Question, Reply, Strategy
 
 PIECE = 32
 """Least number of steps to add before the next question."""
-
-
-class Verdict(NamedTuple):
-    """The reply to a hypothetical question.
-
-    Attributes:
-        satisfiable: whether there is an answer, None after a stop.
-        core: assumable facts that exclude an answer, each enabled or disabled as in the question.
-
-    """
-
-    satisfiable: Optional[bool]
-    core: FrozenSet[clingo.Symbol] = frozenset()
 
 
 def probe(

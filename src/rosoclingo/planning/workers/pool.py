@@ -6,16 +6,15 @@ stop, or crashes, is replaced. Workers have no state except caches, so this cost
 
 import time
 from contextlib import suppress
-from typing import Any, Callable, NamedTuple, Optional, Set, Type, TypeVar
+from typing import Any, Callable, Optional, Set, Type, TypeVar
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.planning.workers.wire import program_to_message, stream_to_message
+from rosoclingo.planning.workers.wire import program_to_message
 from rosoclingo.planning.workers.worker import Search, Worker, WorkerLostError
 
 T = TypeVar("T")
@@ -25,9 +24,6 @@ GRACE = 1.0
 
 PATIENCE = 2.0
 """Seconds of wall time after a stop until the worker is killed."""
-
-EXPLAIN_GRACE, EXPLAIN_PATIENCE = 2.0, 5.0
-"""The same for explanations: a stopped worker still assembles what it has found."""
 
 RETRIES = 1
 """Number of times that a command which crashed a worker is repeated with another one."""
@@ -58,6 +54,7 @@ class WorkerPool:
         patience: float = PATIENCE,
         grace: float = GRACE,
         standby: bool = False,
+        fork: bool = False,
         **options: Any,
     ) -> None:
         """Start a worker for ``program``; :meth:`start` waits until it has loaded the program.
@@ -67,12 +64,14 @@ class WorkerPool:
             patience: seconds of wall time after a stop until the worker is killed.
             grace: seconds of wall time after a stop until a grounding is dropped between two pieces.
             standby: whether to keep a standby worker; it is started after the first answer.
+            fork: whether workers are forks of this process, which is much faster; it must have no threads then.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
                 :class:`ReactiveSolver`.
 
         """
         self._patience = grace, patience
         self._keeps_standby = standby
+        self._forked = program if fork else None
         self._load = {"do": "load", "program": program_to_message(program), "options": options}
         self._active: Optional[Worker] = None
         self._standby: Optional[Worker] = None
@@ -208,7 +207,7 @@ class WorkerPool:
         """Return the standby worker, started if there is none; raises WorkerLostError."""
         if self._standby is None or not self._standby.alive:
             self._discard_standby()
-            self._standby = Worker(self._load, self._patience)
+            self._standby = Worker(self._load, self._patience, self._forked)
         return self._standby
 
     def _replace(self) -> None:
@@ -227,34 +226,3 @@ class WorkerPool:
         worker, self._standby = self._standby, None
         if worker is not None:
             worker.kill()
-
-
-class Explanation(NamedTuple):
-    """Why there is no plan, in words and as a value for JSON, see :class:`WhyNot`."""
-
-    text: str
-    message: Message
-
-
-def explain_in_worker(
-    program: ReactiveProgram, stream: Stream, seconds: float, stopped: Stop = lambda: False
-) -> Optional[Explanation]:
-    """Explain in a process of its own why there is no plan; None if there is one.
-
-    The explanation contains what is found in ``seconds`` of processor time. Raises DroppedError if nothing is found by
-    then, or before a stop, and SolverError if the process cannot be started, crashes or refuses the stream.
-    """
-    with WorkerPool(program, patience=EXPLAIN_PATIENCE, grace=EXPLAIN_GRACE, shortest=True) as pool:
-        elapsed = pool.stopwatch()
-
-        def is_over() -> bool:
-            """Return whether to stop."""
-            return stopped() or elapsed() >= seconds
-
-        try:
-            reply = pool.ask({"do": "explain", "stream": stream_to_message(stream)}, None, is_over)
-        except DroppedError as error:
-            if is_over():
-                raise DroppedError(f"no explanation was found in {seconds:g} s") from None
-            raise SolverError(f"the explaining process was lost: {error}") from None
-    return Explanation(reply["text"], reply["why"]) if reply["why"] else None

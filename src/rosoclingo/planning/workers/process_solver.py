@@ -11,8 +11,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History, Plan, entry_from_message
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
-from rosoclingo.planning.question import Stop
-from rosoclingo.planning.strategies.probe import Verdict
+from rosoclingo.planning.question import Stop, Verdict
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.planning.workers.wire import result_from_message
 from rosoclingo.planning.workers.worker import Search

@@ -8,14 +8,16 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple, NoReturn, Optional, Tuple
+from typing import NamedTuple, NoReturn, Optional, Tuple, Union
 
 from rosoclingo.oclingo.errors import DroppedError, Fault, NotReadyError, ProgramError, SolverError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.planning.history import History, entry_from_message, entry_to_line
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.channel import Channel
+from rosoclingo.planning.workers.forking import ForkedProcess, fork_worker
 
 POLL = 0.002
 """Seconds of wall time between two calls of a stop function."""
@@ -27,8 +29,22 @@ Patience = Tuple[float, float]
 """Seconds of wall time after a stop until a command is dropped, and until the worker is killed."""
 
 
+Process = Union["subprocess.Popen[bytes]", ForkedProcess]
+
+
 class WorkerLostError(Exception):
     """The worker process has ended; the text says how."""
+
+
+def _new_process(connection: socket.socket) -> "Process":
+    """Start a process that executes the commands that come by ``connection``; raises OSError."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "rosoclingo.planning.workers.worker_main", str(connection.fileno())],
+        stdin=subprocess.PIPE,  # closed when this process ends
+        pass_fds=[connection.fileno()],
+        start_new_session=True,
+        env=dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path))),
+    )
 
 
 class Search(NamedTuple):
@@ -62,20 +78,16 @@ class Worker:
 
     """
 
-    def __init__(self, load: Message, patience: Patience) -> None:
-        """Start a process and send it the command ``load``; raises WorkerLostError."""
+    def __init__(self, load: Message, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
+        """Start a process and send it the command ``load``; raises WorkerLostError.
+
+        With a ``program`` the process is a fork of this one, see :class:`ForkedProcess`; otherwise ``load`` brings it.
+        """
         self._patience = patience
         ours, theirs = socket.socketpair()
-        search_path = os.pathsep.join(filter(None, sys.path))
         with theirs:
             try:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-m", "rosoclingo.planning.workers.worker_main", str(theirs.fileno())],
-                    stdin=subprocess.PIPE,  # closed when this process ends
-                    pass_fds=[theirs.fileno()],
-                    start_new_session=True,
-                    env=dict(os.environ, PYTHONPATH=search_path),
-                )
+                self._process = _new_process(theirs) if program is None else fork_worker(theirs, program)
             except OSError as error:
                 ours.close()
                 raise WorkerLostError(f"cannot start a solver process: {error}") from None
@@ -237,6 +249,6 @@ class Worker:
 
     def _raise_lost(self) -> NoReturn:
         self.kill()
-        code = self._process.returncode
+        code = self._process.wait()
         how = f"with exit code {code}" if code >= 0 else f"by signal {signal.Signals(-code).name}"
         raise WorkerLostError(f"the solver process ended {how}")

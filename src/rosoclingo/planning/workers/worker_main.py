@@ -15,25 +15,21 @@ import sys
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import Callable, Dict, List, Union
+from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Union
 
 from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.history import History, entry_from_message, entry_to_message
-from rosoclingo.planning.minimal_sets import UndecidedError
-from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.planning.workers.channel import Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
-from rosoclingo.planning.workers.wire import (
-    program_from_message,
-    recent,
-    result_to_message,
-    stream_from_message,
-)
+from rosoclingo.planning.workers.wire import program_from_message, result_to_message
+
+if TYPE_CHECKING:
+    from rosoclingo.planning.solver import PlanSolver
 
 NICENESS = 10
 """Niceness of an explaining process."""
@@ -45,14 +41,26 @@ CACHED = 100
 """Greatest number of cached histories."""
 
 
+def new_solver(program: ReactiveProgram, options: Message) -> "Union[PlanSolver, LoggedSolver]":
+    """Return a solver with the ``options`` of :class:`WorkerPool`."""
+    if options.pop("shortest", False):
+        from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
+
+        return PlanSolver(program, **options)
+    options.pop("plan_time", None)
+    return LoggedSolver(lambda: ReactiveSolver(program, **options))
+
+
 class WorkerMain:
     """Executes commands one after the other and replies to each.
 
     Its only state is caches: histories with their snapshots, and the solver's groundings.
     """
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(self, channel: Channel, program: Optional[ReactiveProgram] = None) -> None:
+        """Use ``program``, or the one that the command ``load`` brings."""
         self._channel = channel
+        self._given = program
         self._histories: Dict[str, History] = {}  # text -> history; the solver's groundings refer to these objects
         self._reported = time.monotonic()
         self._handlers: Dict[str, Callable[[Message], Message]] = {
@@ -86,17 +94,11 @@ class WorkerMain:
 
     def _load(self, command: Message) -> Message:
         try:
-            self._program = program = program_from_message(command["program"])
+            self._program = program = self._given or program_from_message(command["program"])
         except ProgramError as error:
             return {"faults": [vars(one) for one in error.faults]}
-        options = dict(command["options"])
         self._histories.clear()
-        self._solver: Union[PlanSolver, LoggedSolver]
-        if options.pop("shortest", False):
-            self._solver = PlanSolver(program, **options)
-        else:
-            options.pop("plan_time", None)
-            self._solver = LoggedSolver(lambda: ReactiveSolver(program, **options))
+        self._solver = new_solver(program, dict(command["options"]))
         return {}
 
     def _update(self, command: Message) -> Message:
@@ -137,6 +139,10 @@ class WorkerMain:
 
     def _explain(self, command: Message) -> Message:
         """Explain why there is no plan."""
+        from rosoclingo.planning.explaining.explainer import explain  # noqa: PLC0415 rarely needed
+        from rosoclingo.planning.explaining.questions import stream_from_message  # noqa: PLC0415
+        from rosoclingo.planning.minimal_sets import UndecidedError  # noqa: PLC0415
+
         os.nice(NICENESS)
         try:
             found = explain(self._program, stream_from_message(command["stream"]), self._is_interrupted)
@@ -145,8 +151,8 @@ class WorkerMain:
         return {"why": None} if found is None else {"why": found.to_message(), "text": found.text()}
 
     @property
-    def _planner(self) -> PlanSolver:
-        assert isinstance(self._solver, PlanSolver)
+    def _planner(self) -> "PlanSolver":
+        assert not isinstance(self._solver, LoggedSolver)
         return self._solver
 
     # ---- Histories ---------------------------------------------------------------------------------------------------
@@ -163,7 +169,7 @@ class WorkerMain:
 
     def _cache(self, log: History) -> None:
         """Cache a history, and evict the least recently used one; histories without checkpoints are too long."""
-        if not isinstance(self._solver, PlanSolver):
+        if isinstance(self._solver, LoggedSolver):
             return
         text = log.text()
         self._histories.pop(text, None)
@@ -176,8 +182,8 @@ class WorkerMain:
     def _answer(self, result: SolveResult, start: History) -> Message:
         """Return the reply with a ``result`` and the entries that follow ``start``."""
         remarks: List[str] = []  # all of them, as earlier replies may be unread
-        if isinstance(self._solver, PlanSolver):
-            answers = tuple(recent(one, result.step, self._program) for one in result.answers)
+        if not isinstance(self._solver, LoggedSolver):
+            answers = tuple(map(self._solver.recent, result.answers))
             warnings = tuple(one for one in result.warnings if one not in self._solver.remarks)
             remarks, result = sorted(self._solver.remarks), replace(result, answers=answers, warnings=warnings)
         return {"result": result_to_message(result), "remarks": remarks, **self._entries_since(start)}
@@ -214,13 +220,13 @@ def end_with_parent(lifeline: int) -> None:
         raise SystemExit(0)  # it was closed before F_SETOWN
 
 
-def main() -> None:
-    """Execute the commands of the parent."""
+def work(connection: socket.socket, program: Optional[ReactiveProgram] = None) -> None:
+    """Execute the commands of the parent, which come by ``connection``."""
     end_with_parent(0)
     os.dup2(2, 1)  # scripts in a program can print; standard output belongs to the parent
     with suppress(EOFError):
-        WorkerMain(Channel(socket.socket(fileno=int(sys.argv[1])))).run()
+        WorkerMain(Channel(connection), program).run()
 
 
 if __name__ == "__main__":
-    main()
+    work(socket.socket(fileno=int(sys.argv[1])))

@@ -19,9 +19,8 @@ from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, SolveOutcome, Solve
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, StoppedError
+from rosoclingo.planning.question import Question, Read, Reply, StoppedError, Verdict
 from rosoclingo.planning.snapshot import Snapshot, TimedStatement
-from rosoclingo.planning.strategies.probe import Verdict
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
 """What to read of an answer's model, given its grounding and the step of the update."""

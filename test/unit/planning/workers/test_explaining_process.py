@@ -8,8 +8,8 @@ from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.planning.workers import pool, worker
-from rosoclingo.planning.workers.pool import explain_in_worker
+from rosoclingo.planning.workers import explanation, worker
+from rosoclingo.planning.workers.explanation import explain_in_worker
 
 PROGRAM = ReactiveProgram.from_text(
     "#program cumulative(t).\n#external on(t).\n{ up(t) }.\n:- up(t), on(t-1).\n#program volatile(t).\n:- not up(t).\n",
@@ -57,8 +57,8 @@ at(P,t) :- _action_lib(go,P,t).
 @pytest.mark.once
 @pytest.mark.slow
 def test_explaining_process_ends_in_time(monkeypatch):
-    monkeypatch.setattr(pool, "EXPLAIN_GRACE", 0.1)
-    monkeypatch.setattr(pool, "EXPLAIN_PATIENCE", 0.2)
+    monkeypatch.setattr(explanation, "GRACE", 0.1)
+    monkeypatch.setattr(explanation, "PATIENCE", 0.2)
     asked = stream("#step 1. e(1). #end step.", 3)
     with pytest.raises(DroppedError, match="no explanation was found in 1 s"):
         explain_in_worker(EXPLODING, asked, 1.0)

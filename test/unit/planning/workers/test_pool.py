@@ -188,11 +188,12 @@ def test_update_that_crashes_two_workers_is_dropped():
 
 
 @pytest.mark.slow
-def test_worker_ends_with_parent_even_while_grounding():
+@pytest.mark.parametrize("fork", [False, True])
+def test_worker_ends_with_parent_even_while_grounding(fork):
     code = (
         "import sys\nfrom rosoclingo.oclingo import *\n"
         "from rosoclingo.planning.workers.pool import WorkerPool\n"
-        f"process = WorkerPool(ReactiveProgram.from_text({EXPLODING!r}))\nprocess.start()\n"
+        f"process = WorkerPool(ReactiveProgram.from_text({EXPLODING!r}), fork={fork})\nprocess.start()\n"
         "looks = []\n"
         "def stopped():\n    looks.append(0)\n    len(looks) == 9 and print(process.pid, flush=True)\n"
         "process.solver().update(parse_update('#step 2. #endstep.'), stopped)\n"

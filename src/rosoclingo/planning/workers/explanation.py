@@ -1,0 +1,44 @@
+"""Explanations in a process of their own."""
+
+from typing import NamedTuple, Optional
+
+from rosoclingo.oclingo.errors import DroppedError, SolverError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.planning.explaining.questions import Stream, stream_to_message
+from rosoclingo.planning.question import Stop
+from rosoclingo.planning.text import Message
+from rosoclingo.planning.workers.pool import WorkerPool
+
+GRACE, PATIENCE = 2.0, 5.0
+"""Those of the pool, longer: a stopped worker still assembles what it has found."""
+
+
+class Explanation(NamedTuple):
+    """Why there is no plan, in words and as a value for JSON, see :class:`WhyNot`."""
+
+    text: str
+    message: Message
+
+
+def explain_in_worker(
+    program: ReactiveProgram, stream: Stream, seconds: float, stopped: Stop = lambda: False
+) -> Optional[Explanation]:
+    """Explain in a process of its own why there is no plan; None if there is one.
+
+    The explanation contains what is found in ``seconds`` of processor time. Raises DroppedError if nothing is found by
+    then, or before a stop, and SolverError if the process cannot be started, crashes or refuses the stream.
+    """
+    with WorkerPool(program, patience=PATIENCE, grace=GRACE, shortest=True) as pool:
+        elapsed = pool.stopwatch()
+
+        def is_over() -> bool:
+            """Return whether to stop."""
+            return stopped() or elapsed() >= seconds
+
+        try:
+            reply = pool.ask({"do": "explain", "stream": stream_to_message(stream)}, None, is_over)
+        except DroppedError as error:
+            if is_over():
+                raise DroppedError(f"no explanation was found in {seconds:g} s") from None
+            raise SolverError(f"the explaining process was lost: {error}") from None
+    return Explanation(reply["text"], reply["why"]) if reply["why"] else None
