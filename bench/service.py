@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Times an update through the TCP service against the same update in the library, both in one run.
+"""Times an update through the TCP service against the same update in the library, both in one run, and starts.
 
 Ratios are the figures to compare: the two take turns, update by update, so that whatever else the machine does hits
-both. Needs no ROS: ./dev exec python3 bench/service.py
+both. A start is the processor time, of all its processes, that the command needs to answer one update and to end.
+Needs no ROS: ./dev exec python3 bench/service.py
 """
 
 import argparse
+import resource
 import socket
 import statistics
 import subprocess
@@ -21,6 +23,9 @@ from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
 SMALL = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n:- t < 0.\n"
 #: Answers of some three hundred atoms.
 WIDE = "#base.\nroom(1..300).\n#cumulative t.\n#external e(t).\nat(X,t) :- e(t), room(X).\n#volatile t.\n:- t < 0.\n"
+#: A program in gringo 3's language, which has to be translated.
+OLD = "#base.\nroom(1..3).\n#cumulative t.\n#external e(X,t) : room(X) : X != 2.\n#volatile t.\n:- t < 0.\n"
+SCRIPT = str(Path(__file__).parents[1] / "scripts" / "oclingo")
 
 
 class Client:
@@ -48,7 +53,7 @@ def measure(program, count):
     with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
         file.write(program)
         file.flush()
-        command = [sys.executable, str(Path(__file__).parents[1] / "scripts" / "oclingo"), file.name, "--port", "0"]
+        command = [sys.executable, SCRIPT, file.name, "--port", "0"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as service:
             try:
                 client = Client(int(service.stdout.readline().rsplit(":", 1)[1]))
@@ -70,10 +75,36 @@ def compare(solver, client, count):
     return library, service
 
 
+def processor_time():
+    """Seconds of processor time of all processes that were started from here and have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def stream_start(program):
+    """Milliseconds of processor time to play one update."""
+    with tempfile.TemporaryDirectory() as folder:
+        file, stream = Path(folder, "program.lp"), Path(folder, "updates.str")
+        file.write_text(program)
+        stream.write_text("#step 1. #endstep.\n")
+        before = processor_time()
+        command = [sys.executable, SCRIPT, str(file), "--stream", str(stream)]
+        subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
+        return 1000 * (processor_time() - before)
+
+
+def service_start(program):
+    """Milliseconds of processor time to serve one update."""
+    before = processor_time()
+    measure(program, 1)
+    return 1000 * (processor_time() - before)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--updates", type=int, default=300, help="updates of each program (default: %(default)s)")
-    options = parse(parser, updates=100)
+    parser.add_argument("--starts", type=int, default=9, help="starts of each kind (default: %(default)s)")
+    options = parse(parser, updates=100, starts=5)
     found = []
     print(f"{'answers':<12} {'library':>11} {'service':>11} {'more':>10} {'ratio':>7}   median of {options.updates}")
     for name, program in (("3 atoms", SMALL), ("300 atoms", WIDE)):
@@ -83,6 +114,11 @@ def main():
         print(f"{name:<12} {here:8.2f} ms {there:8.2f} ms {more:7.2f} ms {there / here:7.2f}")
         found += [Figure(f"{name}, library", here, "ms"), Figure(f"{name}, service", there, "ms")]
         found.append(Figure(f"{name}, service over library", there / here, ""))
+    for name, start in (("stream", stream_start), ("service", service_start)):
+        for language, program in (("clingo's", SMALL), ("gringo 3's", OLD)):
+            needed = statistics.median(start(program) for _ in range(options.starts))
+            print(f"{name}, a program in {language} language: {needed:.0f} ms of processor time to the first answer")
+            found.append(Figure(f"{name} starts, {language} language", needed, "ms"))
     write(options.json, found)
 
 

@@ -236,10 +236,6 @@ class ReactiveProgram:
         known = any(one.may_match(atom, first, FAR) for one in self._action_cycles)
         return known or ACTION in self.open_signatures
 
-    def prepare_steps(self) -> None:
-        """Work out what who grounds step by step asks for with the first update."""
-        self.steps_apart  # noqa: B018
-
     @cached_property
     def steps_apart(self) -> bool:
         """Whether no step sees what a later one defines, so that steps may as well be ground together."""

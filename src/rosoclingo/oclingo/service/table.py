@@ -1,5 +1,6 @@
 """Answers as tables over time: a row for each atom without its time, a column for each time step."""
 
+from functools import lru_cache
 from typing import Dict, Iterable, List, Optional, Set, Tuple
 
 import clingo
@@ -27,8 +28,8 @@ def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) 
 
 def _sort(answer: Iterable[clingo.Symbol], last: int) -> Tuple[List[str], List[Row]]:
     """Part the atoms into those without time and rows; rows in order of predicate and first time."""
-    atoms = [(str(atom), *_signature_and_time(atom, last)) for atom in answer]
-    without_time = {signature for _, signature, time in atoms if time is None}
+    atoms = [_text_signature_and_time(atom) for atom in answer]
+    without_time = {signature for _, signature, time in atoms if time is None or time > last}
     held: Dict[Tuple[str, int, str], Set[int]] = {}
     for text, signature, time in atoms:
         if time is not None and signature not in without_time:
@@ -39,13 +40,14 @@ def _sort(answer: Iterable[clingo.Symbol], last: int) -> Tuple[List[str], List[R
     return sorted(timeless), [(key[2], held[key]) for key in order]
 
 
-def _signature_and_time(atom: clingo.Symbol, last: int) -> Tuple[Tuple[str, int], Optional[int]]:
+@lru_cache(maxsize=4096)  # most atoms of an answer are in the previous one
+def _text_signature_and_time(atom: clingo.Symbol) -> Tuple[str, Tuple[str, int], Optional[int]]:
     if atom.type is not clingo.SymbolType.Function:
-        return ("", 0), None
+        return str(atom), ("", 0), None
     name, arguments = atom.name, atom.arguments
     time = arguments[-1] if name and arguments else atom
-    timed = time.type is clingo.SymbolType.Number and 0 <= time.number <= last
-    return (name, len(arguments)), time.number if timed else None
+    timed = time.type is clingo.SymbolType.Number and time.number >= 0
+    return str(atom), (name, len(arguments)), time.number if timed else None
 
 
 def _wrap(words: List[str], width: int) -> List[str]:

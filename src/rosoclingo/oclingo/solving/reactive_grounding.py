@@ -171,7 +171,7 @@ def build_grounding(program: ReactiveProgram, state: StreamState, dropped: Calla
     facts = state.facts
     open_atoms = dict.fromkeys(state.open_atoms)
     grounding = ReactiveGrounding(program, open_atoms, facts)
-    block = BLOCK if program.steps_apart else 1
+    block = BLOCK if state.horizon > grounding.horizon + 1 and program.steps_apart else 1
     while grounding.horizon < state.horizon:
         if dropped():
             raise DroppedError("stopped while the program was grounded again; the request was discarded")

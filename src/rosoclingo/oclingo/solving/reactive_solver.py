@@ -56,7 +56,6 @@ class ReactiveSolver:
         self._grounding: Optional[ReactiveGrounding] = None  # fits the state
         self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
         self._stop = False
-        program.prepare_steps()
 
     @property
     def horizon(self) -> int:
