@@ -85,9 +85,13 @@ class PlanningSolver(ABC):
         """
         return False
 
-    def has_prefetched(self, update: StreamUpdate) -> bool:
-        """Return whether the answer to ``update``, as the next update, was prefetched."""
+    def has_prefetched(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> bool:
+        """Return whether the answer to the next update was prefetched; wait for it until ``stopped``."""
         return False
+
+    def predicts(self, update: StreamUpdate) -> bool:
+        """Return whether ``update``, as the next update, needs no search."""
+        return self._log_after([update]) is not None
 
     def _adopt(self, result: SolveResult) -> None:
         """Adopt the plan in ``result``, the answer to the whole history."""

@@ -143,7 +143,7 @@ class WorkerPool:
         """Return the reply to ``search``; the standby worker takes over if it has begun this search."""
         prefetched = self._standby is not None and self._standby.searches(search)
         if prefetched:
-            self._replace()
+            self._exchange()
 
         def ask(worker: Worker) -> Message:
             """Ask a worker, or wait for it if it has begun."""
@@ -172,9 +172,9 @@ class WorkerPool:
             return True
         return False
 
-    def has_prefetched(self, search: Search) -> bool:
-        """Return whether the standby worker has the answer to ``search``."""
-        return self._standby is not None and self._standby.has_answer(search)
+    def has_prefetched(self, search: Search, stopped: Optional[Stop] = None) -> bool:
+        """Return whether the standby worker has the answer to ``search``; wait for it until ``stopped``."""
+        return self._standby is not None and self._standby.has_answer(search, stopped)
 
     def _run(self, action: Callable[[Worker], T], stopped: Optional[Stop], retries: int = RETRIES) -> T:
         """Call ``action`` with the active worker, and again with another one if it is lost before a stop."""
@@ -209,6 +209,12 @@ class WorkerPool:
             self._discard_standby()
             self._standby = Worker(self._load, self._patience, self._forked)
         return self._standby
+
+    def _exchange(self) -> None:
+        """Make the standby worker active and the active worker, if there is one, the standby worker."""
+        self._active, self._standby = self._standby, self._active
+        for worker, sign in ((self._active, -1), (self._standby, 1)):
+            self._cpu_time += 0.0 if worker is None else sign * worker.cpu_time
 
     def _replace(self) -> None:
         """Replace the active worker; if that fails, the next call tries again."""

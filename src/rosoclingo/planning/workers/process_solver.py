@@ -52,9 +52,9 @@ class ProcessSolver(PlanningSolver):
         log = self._log_after(before) if before else self.log
         return log is not None and self._pool.prefetch(Search(log, update, improves=bool(before)))
 
-    def has_prefetched(self, update: StreamUpdate) -> bool:
-        """Return whether the answer to ``update`` was prefetched."""
-        return self._pool.has_prefetched(Search(self.log, update))
+    def has_prefetched(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> bool:
+        """Return whether the answer to ``update`` was prefetched; wait for it until ``stopped``."""
+        return self._pool.has_prefetched(Search(self.log, update), stopped)
 
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a shorter plan; None after a stop, or if the search is exhausted. Raises like :meth:`update`.

@@ -218,9 +218,13 @@ class Worker:
         """Return whether it has begun ``search``, or one with the same answer."""
         return self.alive and self.search is not None and self.search.has_answer_of(search)
 
-    def has_answer(self, search: Search) -> bool:
-        """Return whether it has found the answer to ``search``."""
-        self.is_busy()
+    def has_answer(self, search: Search, stopped: Optional[Stop] = None) -> bool:
+        """Return whether it has found the answer to ``search``; wait for it until ``stopped``."""
+        while self.searches(search) and self.is_busy() and self._reply is None and stopped is not None:
+            if stopped():
+                break
+            with suppress(WorkerLostError):
+                self._receive(POLL)
         result = (self._reply or {}).get("result", {})
         return self.searches(search) and result.get("outcome") in ("satisfiable", "unsatisfiable")
 
