@@ -39,8 +39,8 @@ EFFORT = 20_000
 Conflicts with few steps are cheap, and additional steps make all later questions more expensive.
 """
 
-PROOF_AGAIN = 0.1
-"""Fraction of the time limit for proving again that a plan whose success was predicted is shortest."""
+KEPT = 0.1
+"""Fraction of the time limit for shorter plans if the last plan is still valid: the robot does not wait for them."""
 
 
 class TimeLimit:
@@ -57,9 +57,8 @@ class TimeLimit:
         self._start = clock()
 
     def plan_is_kept(self, shortest: bool) -> None:
-        """Reduce the limit if the last plan, which was proven ``shortest`` or not, is still valid."""
-        if self.predicted:
-            self._seconds *= PROOF_AGAIN if shortest else 0.0
+        """Reduce the limit: the last plan, proven ``shortest`` or not, is still valid, and improved while it runs."""
+        self._seconds *= 0.0 if self.predicted and not shortest else KEPT
 
     def is_over(self) -> bool:
         """Return whether to accept the best plan so far."""

@@ -165,14 +165,14 @@ def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
     [
         (plan(9, 9), True, 9),
         (plan(9, 9, shortest=True), True, 7),
-        (plan(9, 9), False, 3),
+        (plan(9, 9), False, 7),
         (plan(5, 5), True, 3),
         (plan(3, 2, shortest=True), True, 3),
     ],
 )
 @pytest.mark.usefixtures("plain")
-def test_soon_proves_a_predicted_plan_again_in_a_tenth_of_the_time(last, predicted, least):
-    """None of it if it was not the shortest; one that is no longer a plan leaves the time as it is."""
+def test_soon_shortens_a_plan_that_is_still_valid_for_a_tenth_of_the_time(last, predicted, least):
+    """A predicted one that was not the shortest is not shortened; without a valid plan there is all the time."""
     assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, seconds=20, predicted=predicted)[0] == least
 
 
