@@ -9,6 +9,7 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, Halt, Outcome
+from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import unwatched
 
 ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
@@ -27,7 +28,8 @@ class PooledCore:
 
     def __init__(self, program, plan_time, settings=None):
         self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
-        self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), self.watch)
+        watches = {"watch": self.watch, "watch_joining": self.watch_joining}
+        self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), **watches)
 
     def __enter__(self):
         self.process.start()
@@ -48,6 +50,11 @@ class PooledCore:
 
     def note(self, event):
         """Hear of an event of the core."""
+
+    def watch_joining(self):
+        """As in the node, goals join later if a plan with them takes longer than a moment."""
+        begin = time.monotonic()
+        return lambda: Halt("they join later") if time.monotonic() - begin >= JOINING else None
 
     def watch(self):
         """Watch over a search, which goes on as long as it takes."""

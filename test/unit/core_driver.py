@@ -69,13 +69,15 @@ class Driver:
         solver: Callable[[ReactiveProgram], PlanningSolver] = shortest,
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
+        watch_joining: Optional[SearchWatch] = None,
         start: bool = True,
         events: int = 10000,
     ) -> None:
         self.program = program or ReactiveProgram.from_text(text)
         self.journal = Journal(events)
         settings = settings or CoreSettings(horizon_limit=8)
-        self.core = Core(self.program, lambda: solver(self.program), self.journal, settings, watch, watch_recovery)
+        watches = watch, watch_recovery, watch_joining
+        self.core = Core(self.program, lambda: solver(self.program), self.journal, settings, *watches)
         self.now = 1.0
         if start:
             self.begin()

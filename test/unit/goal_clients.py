@@ -40,7 +40,8 @@ class Clients:
         return batch
 
     def plan(self, seconds=0.0):
-        """A plan is found, in so many seconds, for all that are with the program, of which some are new."""
+        """The next update reaches the program, and a plan is found for all its goals, in so many seconds."""
+        self._taken()
         self.goals.plan_found(seconds)
         return self
 

@@ -42,7 +42,8 @@ class Core:
     ``observer`` hears of everything, in order. Time (``now``) is in seconds of whatever clock the caller keeps. The
     caller passes on what arrives (``add_goal``, ``cancel_goal``, ``receive``), calls ``poll`` as time passes and
     ``advance`` until it returns False. Nothing here blocks except the search in ``start`` and ``advance``.
-    ``watch`` may end each search, ``watch_recovery`` the one for the goals to give up and the reasons why.
+    ``watch`` can end each search, ``watch_recovery`` the one for the goals to give up and the reasons why. The wait for
+    a plan with new goals while the plan in force goes on is ended by ``watch_joining``; None: it is not ended.
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class Core:
         settings: CoreSettings,
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
+        watch_joining: Optional[SearchWatch] = None,
     ) -> None:
         self._tell, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
         self._problem = self._announce.problem
@@ -63,7 +65,7 @@ class Core:
         self._feeder = InputFeeder(self._clock)
         self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
-        self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit)
+        self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, watch_joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
         self._latest = (0, TaskPlan())  # the plan that was used last, and its cycle
@@ -186,8 +188,7 @@ class Core:
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
         self._step, over, self._planner.lookahead = self._outlook()
-        joining, here = self._ahead.join is not None, (self._step, over)
-        self._solve(self._ahead.next_update(self._planner, *here) if joining else self._feeder.next_update(*here), now)
+        self._solve(self._ahead.next_update(self._planner, self._latest[1], self._step, over), now)
 
     def _outlook(self) -> Outlook:
         """What is known of the next update beforehand."""
@@ -199,7 +200,7 @@ class Core:
         return Outlook(told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps)
 
     def _solve(self, batch: Batch, now: float) -> None:
-        refused, self.queue.hurried = False, batch.is_predicted and bool(self._latest[1].remaining(self._step))
+        refused = False
         try:
             try:
                 result = self._planner.update(batch.update)

@@ -82,8 +82,8 @@ class GoalManager:
         self._admit()
         if self.queue.waits(goal):
             before, size = self.queue.first or self.queue.tried, self.queue.window.size
-            why = "others join first" if self.queue.closed else f"{size} goals at a time are planned for"
-            self._tell_wait(goal, why if before is None else f"first comes {before}")
+            why = f"{size} goals at a time are planned for" if before is None else f"first comes {before}"
+            self.tell_wait([goal], why)
 
     def _check_heard(self, goal: Goal) -> None:
         """Raise GoalError for a goal that no rule can see; it would count as met without a plan."""
@@ -179,7 +179,7 @@ class GoalManager:
         for goal in goals:
             goal.forget()
             self.queue.put(goal)
-            self._tell_wait(goal, why)
+        self.tell_wait(goals, why)
         if alone:
             self.queue.window.restore()
         else:
@@ -189,7 +189,6 @@ class GoalManager:
 
     def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
         """An update that was for some goals is in force; those whose request is not among its heads were left out."""
-        self.queue.hurried = False
         left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
         if left:
             self._left_out(left)
@@ -205,11 +204,8 @@ class GoalManager:
         for goal in goals:
             goal.forget()
             self.queue.put(goal)
-            self._tell_wait(goal, "the solver could not take it in time")
+        self.tell_wait(goals, "the solver could not take it in time")
         self._admit()
-
-    def _tell_wait(self, goal: Goal, why: str) -> None:
-        self._tell(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
 
     # -- what is written down
 
@@ -227,25 +223,16 @@ class GoalManager:
             self.queue.restore_goal(goal, waits, held)
         self.queue.restore(record["queue"])
 
-    def hold(self, goals: Sequence[Goal], why: str) -> None:
-        """Goals are to join later: until then nobody does."""
-        self.queue.closed = True
-        for goal in goals:
-            self._tell_wait(goal, why)
-
     def join(self, goals: Iterable[Goal]) -> None:
         """Goals that wait are fed now, whatever room there is."""
         for goal in goals:
             self.queue.remove(goal)
             self._feeder.add_goal(goal)
 
-    def release(self, goals: Iterable[Goal] = (), why: str = "") -> None:
-        """Goals may join as there is room for them; some were to join later, and ``why`` they do not."""
-        self.queue.closed = False
-        self._admit()
+    def tell_wait(self, goals: Iterable[Goal], why: str) -> None:
+        """Report why goals wait."""
         for goal in goals:
-            if goal.live and self.queue.waits(goal):
-                self._tell_wait(goal, why)
+            self._tell(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
 
     # -- in and out
 

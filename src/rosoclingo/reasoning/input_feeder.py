@@ -41,6 +41,10 @@ MOST_TRIES = 5
 FACT_REST = 10.0
 
 
+#: A goal, or the identifier of a cancelled one.
+Request = Union[Goal, Symbol]
+
+
 class Batch(NamedTuple):
     """A stream update with its ``requests`` (an identifier stands for its cancellation) and ``facts``, in order.
 
@@ -48,7 +52,7 @@ class Batch(NamedTuple):
     """
 
     update: StreamUpdate
-    requests: Tuple[Union[Goal, Symbol], ...] = ()
+    requests: Tuple[Request, ...] = ()
     facts: Tuple[Observation, ...] = ()
     executed: Tuple[Action, ...] = ()
     first: Optional["Batch"] = None
@@ -82,11 +86,6 @@ class Batch(NamedTuple):
     def failures(self) -> Tuple[Observation, ...]:
         """The returns of failed actions, each with its actions."""
         return tuple(one for one in self.facts if one.actions)
-
-    @property
-    def is_predicted(self) -> bool:
-        """Whether all actions have succeeded, and only new goals have come besides: the plan can go on."""
-        return len(self.goals) == len(self.requests) and all(one.is_return and not one.actions for one in self.facts)
 
     @property
     def without_present_facts(self) -> StreamUpdate:
@@ -217,8 +216,8 @@ class InputFeeder:
 
     def __init__(self, clock: Optional[Clock] = None) -> None:
         self._clock = clock or Clock()
-        self._requests: List[Union[Goal, Symbol]] = []
-        self._rejected: List[Union[Goal, Symbol]] = []
+        self._requests: List[Request] = []
+        self._rejected: List[Request] = []
         self._facts: Dict[Symbol, Observation] = {}
         self._executed: Tuple[Action, ...] = ()
         self._withdrawn: FrozenSet[Symbol] = frozenset()
@@ -234,10 +233,14 @@ class InputFeeder:
         return bool(waits) and self.arrivals != self._waits
 
     def has_beside(self, expected: Container[Optional[Symbol]]) -> bool:
-        """Whether the next update is to tell more than what was done and facts that are ``expected``."""
-        return bool(self._requests or self._rejected or self._withdrawn) or any(
-            fact not in expected for fact in self._left.due(self._facts)
-        )
+        """Whether the next update reports more than requests, executed actions and facts that are ``expected``."""
+        unexpected = (fact for fact in self._left.due(self._facts) if fact not in expected)
+        return bool(self._rejected or self._withdrawn) or any(True for _ in unexpected)
+
+    @property
+    def requests(self) -> Tuple[Request, ...]:
+        """The new goals and cancellations that wait to be fed."""
+        return tuple(self._requests)
 
     @property
     def waiting(self) -> int:
@@ -290,15 +293,18 @@ class InputFeeder:
         if answer in self._facts:
             self._facts[answer] = self._facts[answer]._replace(actions=actions)
 
-    def next_update(self, step: int, over: int = 0) -> Batch:
+    def next_update(self, step: int, over: int = 0, chosen: Optional[Sequence[Request]] = None) -> Batch:
         """Return the update that starts cycle ``step``, or a later one; its content waits until it is ``taken``.
+
+        It has the ``chosen`` requests, None for all.
 
         Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
         where a fact of now takes effect only then; so does one whose identifier is that of a goal that was given up and
         of whose cancellation the program hears only now.
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
-        requests = [one for one in self._requests if not (too_early and isinstance(one, Goal))]
+        chosen = self._requests if chosen is None else chosen
+        requests = [one for one in chosen if not (too_early and isinstance(one, Goal))]
         due = self._left.due(self._facts)
         batch = self._batch(step, self._executed, self._after_rejected(requests), due.values(), over)
         turns = _turns(due.values())
@@ -368,13 +374,13 @@ class InputFeeder:
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
 
     def predicted(
-        self, step: int, executed: Sequence[Action], goals: Iterable[Goal] = (), over: int = 0
+        self, step: int, executed: Sequence[Action], requests: Iterable[Request] = (), over: int = 0
     ) -> StreamUpdate:
-        """Return the update of ``step`` where ``executed`` was done with success and nothing has come but ``goals``."""
+        """Return the update of ``step`` after the success of ``executed``, with only ``requests`` besides."""
         returns = (Observation(success_of(action), step - 1) for action in executed)
-        return self._batch(step, executed, goals, returns, over).update
+        return self._batch(step, executed, requests, returns, over).update
 
-    def _after_rejected(self, requests: Sequence[Union[Goal, Symbol]]) -> Tuple[Union[Goal, Symbol], ...]:
+    def _after_rejected(self, requests: Sequence[Request]) -> Tuple[Request, ...]:
         """Return ``requests`` behind the cancellations of what was rejected, but for what is asked for anew.
 
         Goals are left out of whose identifiers others were given up, as is told only with these requests.
@@ -388,7 +394,7 @@ class InputFeeder:
         self,
         step: int,
         executed: Iterable[Action],
-        requests: Iterable[Union[Goal, Symbol]],
+        requests: Iterable[Request],
         facts: Iterable[Observation],
         over: int = 0,
     ) -> Batch:
@@ -417,7 +423,7 @@ class InputFeeder:
         return fact._replace(atom=self._clock.dated(fact.atom, step))
 
     @staticmethod
-    def _request(item: Union[Goal, Symbol], step: int) -> Symbol:
+    def _request(item: Request, step: int) -> Symbol:
         return request(item.term, step + 1) if isinstance(item, Goal) else cancellation(item, step)
 
 

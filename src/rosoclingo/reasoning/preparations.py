@@ -1,36 +1,25 @@
-"""Answers that are had before they are asked for, while actions run.
+"""Prefetching: the standby worker solves updates that can come, while the robot acts.
 
-Two are worth it. What is to be done should the action fail, or where something new waits should it succeed. And a plan
-with goals that wait since there is no room for them: for many goals that takes longer than a robot may stand still, so
-it is made for a later cycle, up to which the plan that there is goes on, and in which the goals join. Where anything
-else comes before, it is of no use, and the goals wait as they would have.
+The robot does not stand still for a search while the plan in force goes on. New goals and cancellations join in the
+very next update if a plan with them is found soon. Otherwise the plan in force continues without them, and the standby
+worker plans for a later cycle, in which they join. That cycle is twice as far away after each plan that came too late.
+
+If nothing is to join, the answer in case of a failure is prefetched.
 """
 
 import math
-from typing import Callable, NamedTuple, Optional, Tuple
+from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.input_feeder import Batch, InputFeeder
+from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, Request
 from rosoclingo.reasoning.returns import ExecutionMonitor
-from rosoclingo.reasoning.stream_planner import Planner, steps_for
+from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
 
-#: So many times the time that a plan for all goals is expected to take is given to it.
-MARGIN = 2.0
-
-#: Seconds that it takes beside: a solver has to read what was done.
-START = 1.0
-
-#: So many times as many goals as there are may join at once: how long a plan for still more takes is hard to tell.
+#: Limit of goals without room that join at once, relative to the number of goals that the program has.
 MOST = 1.5
-
-#: And at most so many times as long where plans were not there in time.
-SLOWEST = 8.0
-
-#: Goals that join a plan for others later, at least, if so many wait, or half as many as there are.
-FEW = 4
 
 
 class Outlook(NamedTuple):
@@ -42,14 +31,20 @@ class Outlook(NamedTuple):
 
 
 class Join(NamedTuple):
-    """Goals that are to join in a later cycle.
+    """Goals and cancellations that join in a later cycle.
 
-    ``over`` and ``lookahead`` stay until then, ``updates`` are those that are predicted, the last without the goals;
-    with them it is ``whole``.
+    Attributes:
+        planner: the planner whose updates are predicted.
+        requests: the goals and the identifiers of cancelled goals.
+        over: the cycle before which facts come too late, the same until the requests join.
+        lookahead: the lookahead of all updates until then.
+        updates: the predicted updates, the last one without the requests.
+        whole: the last update with the requests.
+
     """
 
     planner: Planner
-    goals: Tuple[Goal, ...]
+    requests: Tuple[Request, ...]
     over: int
     lookahead: int
     updates: Tuple[StreamUpdate, ...]
@@ -62,107 +57,125 @@ class Join(NamedTuple):
 
     @property
     def cycle(self) -> int:
-        """The cycle in which the goals join."""
+        """The cycle in which the requests join."""
         return self.updates[-1].step or 0
 
 
 class Preparations:
-    """Has answers prepared; ``limit`` is how many steps a plan for one goal may have.
+    """Prefetches answers, and decides which requests the next update has.
 
     Attributes:
-        join: the goals that are to join later: until then the plan should go on as it is, and nobody else joins.
+        join: the requests that join later, and a plan for them is searched for.
 
     """
 
-    def __init__(self, goals: GoalManager, feeder: InputFeeder, execution: ExecutionMonitor, limit: int) -> None:
+    def __init__(
+        self,
+        goals: GoalManager,
+        feeder: InputFeeder,
+        execution: ExecutionMonitor,
+        limit: int,
+        watch: Optional[SearchWatch],
+    ) -> None:
+        """Prepare for the core; ``limit`` is the number of steps that a plan for one goal can have.
+
+        ``watch`` ends the wait for a plan with new requests while the plan in force goes on. None: the next update has
+        them in any case.
+        """
         self._goals, self._feeder, self._execution, self._limit = goals, feeder, execution, limit
+        self._watch = watch
         self.join: Optional[Join] = None
-        self._reach = math.inf  # so many cycles nothing unforeseen is likely to come
-        self._slower = 1.0  # so many times as long as expected plans take
-        self._seen = self._asked = 0  # the last step, and that for which a plan was asked for last
-        self._ended = -math.inf  # the cycle in which goals joined last, or there was no plan for that
+        self._cycles = 1  # how far away the cycle is in which requests join
 
     def prepare(self, planner: Planner, plan: TaskPlan, step: int, outlook: Callable[[], Outlook]) -> None:
-        """Have prepared what is worth it before the update of ``step``; ``plan`` is the one that was used last."""
-        if self._join_may_come(planner, step) or self._begin_join(planner, plan, step):
-            return
-        likely = self._execution.likely_return(succeeds=self._feeder.pending)
-        if likely is not None:
+        """Prefetch for the update of ``step`` or a later one; ``plan`` is in force."""
+        join = self.join
+        if join is not None:
+            planner.has_prepared(join.whole)  # reads what the standby worker reports, which can be much
+            if self._is_broken(join, planner) or self._feeder.has_beside(join.updates[step - join.first].heads):
+                self._lose(join)
+        if self.join is None and self._execution.awaited:
             _, over, lookahead = outlook()
-            planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
+            if not self._begin_join(planner, plan, step, over, lookahead):
+                likely = self._execution.likely_return(succeeds=self._feeder.pending)
+                if likely is not None:
+                    planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
 
-    def next_update(self, planner: Planner, step: int, over: int) -> Batch:
-        """The next update, while goals are to join: with them when it is time, unless something else has come."""
+    def next_update(self, planner: Planner, plan: TaskPlan, step: int, over: int) -> Batch:
+        """Return the next update, with new requests if a plan with them is there or none goes on without them."""
         batch, join = self._feeder.next_update(step, over), self.join
-        assert join is not None
-        if not self._may_come(join, planner) or batch.update != join.updates[step - join.first]:
-            self._lose(join, step)
-        elif step == join.cycle and not planner.has_prepared(join.whole):
-            self._slower, self._ended = min(2 * self._slower, SLOWEST), step
-            self._end(join, "the plan with it was not there by the cycle in which it was to join")
-        elif step == join.cycle:
-            self._reach, self._slower = 2 * self._reach, max(1.0, self._slower / 2)
-            self.join, self._ended = None, step
-            self._goals.join(join.goals)
-            batch = self._feeder.next_update(step, over)
-            self._goals.release()
-        return batch
+        if self._watch is None or not (join or self._requests):
+            return batch
+        rest, predicted = self._feeder.next_update(step, over, ()), self._predicted(plan, step, over)
+        goes_on = not rest.failures and planner.predicts(predicted)
+        if join is not None and (self._is_broken(join, planner) or rest.update != join.updates[step - join.first]):
+            self._lose(join)
+        if self.join is None and goes_on and rest.update == predicted:
+            self._begin_join(planner, plan, step, over, planner.lookahead)
+        if self.join is None:
+            self._cycles = self._cycles if plan.steps_after(step - 1) else 1
+            return rest if goes_on and self._is_late(planner, batch, rest) else batch
+        if step == self.join.cycle:
+            if not goes_on or planner.has_prepared(self.join.whole, self._watch):
+                return self._complete(self.join)
+            self._cycles, self.join = 2 * len(self.join.updates), None
+            self._begin_join(planner, plan, step, over, planner.lookahead)
+        return rest
 
-    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int) -> bool:
-        """Have a plan made for a later cycle with goals that wait, if there are any; tell whether that is so."""
-        queue, cycle = self._goals.queue, step - 1
-        left = plan.steps_after(cycle)
-        new = any((goal.request_cycle or 0) >= step for goal in self._goals.fed)  # the plan is to be improved first
-        idle = self._feeder.has_beside(()) or not (queue.joinable and left and self._execution.awaited)
-        if new or idle or self._asked == step:
+    @property
+    def _requests(self) -> Tuple[Request, ...]:
+        """The requests that can join, those of goals without room last."""
+        queue = self._goals.queue
+        return (*self._feeder.requests, *queue.joinable[: math.ceil(MOST * len(queue.served))])
+
+    def _predicted(self, plan: TaskPlan, step: int, over: int, requests: Iterable[Request] = ()) -> StreamUpdate:
+        """Return the update of ``step`` after success, with ``requests``."""
+        return self._feeder.predicted(step, plan.at(step - 1), requests, over)
+
+    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, over: int, lookahead: int) -> bool:
+        """Search for a plan with the requests that wait; return whether there are any and the search has begun."""
+        requests, left = self._requests, plan.steps_after(step - 1)
+        beside = self._feeder.has_beside(self._predicted(plan, step, over).heads)
+        if self._watch is None or not requests or beside:
             return False
-        self._reach, self._seen = self._reach + (step != self._seen), step  # further from cycle to cycle
-        most = min(self._reach, max(2, left // 2))
-        served = len(queue.served)
-        waiting = queue.joinable[: math.ceil(MOST * served)]
-        number = next((one for one in range(len(waiting), 0, -1) if self._cycles_for(served + one) <= most), 0)
-        lasts = self._cycles_for(served + number)
-        # while such a plan is made the one that there is gets no shorter: between, there is half as much time for that
-        if number < min(len(waiting), max(FEW, served // 2)) or cycle - self._ended < lasts / 2:
+        goals = len({*self._goals.queue.served, *goals_of(requests)})
+        steps = max(lookahead, steps_for(goals, self._limit, left, goals - len(self._goals.fed)))
+        last = step - 1 + min(self._cycles, left + 1)
+        updates = [self._predicted(plan, one, over) for one in range(step, last + 1)]
+        whole = self._predicted(plan, last, over, requests)
+        if not planner.prepare([*updates[:-1], whole], steps):
             return False
-        goals, over, fresh = waiting[:number], planner.log.keep_from, number + served - len(self._goals.fed)
-        lookahead = steps_for(served + number, self._limit, left, fresh)
-        last = cycle + int(lasts)
-        updates = [self._feeder.predicted(one, plan.at(one - 1), (), over) for one in range(step, last + 1)]
-        self._asked = step
-        whole = self._feeder.predicted(last, plan.at(last - 1), goals, over)
-        if not planner.prepare([*updates[:-1], whole], lookahead):
-            return False
-        self.join = Join(planner, tuple(goals), over, lookahead, tuple(updates), whole)
-        self._goals.hold(goals, f"it joins in cycle {last}, a plan is made for that")
+        planner.lookahead, self.join = steps, Join(planner, requests, over, steps, tuple(updates), whole)
+        if last > step:
+            self._goals.tell_wait(goals_of(requests), f"it joins in cycle {last}, a plan is made for that")
         return True
 
-    def _join_may_come(self, planner: Planner, step: int) -> bool:
-        """Tell whether goals are to join; where something else has come by now they are not."""
-        join = self.join
-        if join is None:
-            return False
-        planner.has_prepared(join.whole)  # what the other process tells is read as it comes, it may be much
-        if self._may_come(join, planner) and not self._feeder.has_beside(join.updates[step - join.first].heads):
-            return True
-        self._lose(join, step)
-        return False
+    def _complete(self, join: Join) -> Batch:
+        """Return the update in which requests join."""
+        self.join, self._cycles = None, max(1, 3 * self._cycles // 4)
+        self._goals.join(goal for goal in goals_of(join.requests) if self._goals.queue.waits(goal))
+        return self._feeder.next_update(join.cycle, join.over, join.requests)
 
-    def _may_come(self, join: Join, planner: Planner) -> bool:
-        return planner is join.planner and all(map(self._goals.queue.waits, join.goals))
+    def _is_late(self, planner: Planner, batch: Batch, rest: Batch) -> bool:
+        """Return whether a ``batch`` has more requests than the ``rest``, and no answer soon."""
+        begun = batch.requests != rest.requests and planner.prepare([batch.update], planner.lookahead)
+        return begun and not planner.has_prepared(batch.update, self._watch)
 
-    def _lose(self, join: Join, step: int) -> None:
-        """Something else has come before the update of ``step``, or comes with it."""
-        self._reach = max(1, step - join.first)
-        self._end(join, "something else has come before the cycle in which it was to join")
+    def _is_broken(self, join: Join, planner: Planner) -> bool:
+        """Return whether requests have been dropped, or others have come that are not to join later."""
+        waiting = (*self._feeder.requests, *self._goals.queue.waiting)
+        new = [one for one in self._feeder.requests if one not in join.requests]
+        soon = len(join.updates) == 1 or not all(isinstance(one, Goal) for one in new)
+        return planner is not join.planner or not set(join.requests).issubset(waiting) or (bool(new) and soon)
 
-    def _end(self, join: Join, why: str) -> None:
+    def _lose(self, join: Join) -> None:
+        """Something else has come before requests joined."""
         self.join = None
-        self._goals.release(join.goals, why)
+        if len(join.updates) > 1:
+            waiting = [goal for goal in goals_of(join.requests) if goal.live]
+            self._goals.tell_wait(waiting, "something else has come before the cycle in which it was to join")
 
-    def _cycles_for(self, goals: int) -> float:
-        """After how many cycles there should be a plan for so many goals."""
-        seconds, lasts = self._goals.queue.window.seconds_for(goals), self._execution.seconds_per_cycle
-        if seconds is None or lasts <= 0.0:
-            return math.inf
-        return 1 + math.ceil(MARGIN * self._slower * (START + seconds) / lasts)
+
+def goals_of(requests: Iterable[Request]) -> List[Goal]:
+    """Return the goals among ``requests``."""
+    return [one for one in requests if isinstance(one, Goal)]

@@ -2,7 +2,6 @@
 
 from collections import deque
 from contextlib import contextmanager
-from statistics import median_low
 from typing import Any, Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
@@ -47,9 +46,6 @@ DONE = 10
 
 #: So many of the last actions done are remembered.
 EXECUTED = 64
-
-#: Cycles of which the median is taken for how long one takes.
-MEASURED = 10
 
 #: Limits of the facts that wait for the next update, apart from returns: their number, and their characters.
 MOST_WAITING, MOST_TEXT = 10000, 1 << 24
@@ -228,7 +224,6 @@ class ExecutionMonitor:
         self._text = 0  # characters of the facts that wait
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
-        self._begun: Deque[float] = deque(maxlen=MEASURED + 1)  # when actions went out
         self._reasons: Dict[Symbol, Symbol] = {}  # interface -> why an action of it failed last
         self.observations = Observations()
         self.untaken = UntakenFailures(program)
@@ -257,12 +252,6 @@ class ExecutionMonitor:
         value = action.parameter if succeeds else self._dispatch.failure(action, reason)
         return Return(action.interface, value, action.cycle).atom
 
-    @property
-    def seconds_per_cycle(self) -> float:
-        """How long a cycle with actions takes from one to the next, in the median of the last ones; 0 if unknown."""
-        begun = list(self._begun)
-        return median_low([end - begin for begin, end in zip(begun, begun[1:])] or [0.0])
-
     def preempted(self, action: Action) -> Symbol:
         """Return the return of an action under way that is preempted as unwanted."""
         assert self._dispatch is not None
@@ -271,7 +260,6 @@ class ExecutionMonitor:
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""
         self._dispatch = Dispatch(cycle, actions, now)
-        self._begun.append(now)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""

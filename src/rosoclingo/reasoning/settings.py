@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+#: Seconds of wall time that the next action waits for a plan with new goals while the plan in force goes on.
+JOINING = 0.3
+
 
 @dataclass(frozen=True)
 class CoreSettings:

@@ -227,9 +227,17 @@ class Planner:
             log = log.with_entries(AcceptedUpdate(whole[-1], log.horizon))
         return self._solver.prefetch(whole[-1], whole[:-1])
 
-    def has_prepared(self, update: StreamUpdate) -> bool:
-        """Whether the answer to ``update`` is there, should it come next."""
-        return self._solver.has_prefetched(_whole(self.log, update, self.lookahead))
+    def has_prepared(self, update: StreamUpdate, watch: Optional[SearchWatch] = None) -> bool:
+        """Return whether the answer to ``update``, as the next update, was prefetched; wait until ``watch`` says so."""
+        whole = _whole(self.log, update, self.lookahead)
+        if watch is None:
+            return self._solver.has_prefetched(whole)
+        look = watch()
+        return self._solver.has_prefetched(whole, lambda: look() is not None)
+
+    def predicts(self, update: StreamUpdate) -> bool:
+        """Return whether ``update``, as the next update, needs no search."""
+        return self._solver.predicts(_whole(self.log, update, self.lookahead))
 
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with that ``result``, gave no plan."""

@@ -7,7 +7,7 @@ it, and then has more time.
 """
 
 import math
-from typing import Any, Callable, Container, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Container, List, Optional, Sequence, Set
 
 from rosoclingo.reasoning.goals import Goal
 
@@ -22,9 +22,6 @@ SHARE = 0.6
 
 #: So many times as many goals as before there may be at the next time, and after a search took too long.
 FASTER, SLOWLY = 4.0, 1.25
-
-#: The time for a plan grows with the goals' number to this power.
-GROWTH = 2.0
 
 #: And so many times as many at least.
 FEWER = 0.5
@@ -44,7 +41,6 @@ class GoalWindow:
 
     def __init__(self, most: int = 0, seconds: float = 0.0) -> None:
         self.most, self._wanted = most, SHARE * seconds
-        self._latest: Optional[Tuple[int, float]] = None  # goals, and seconds for a plan for them
         self._size = FIRST if seconds else None
         self._growth = FASTER
         self._full = False
@@ -71,16 +67,11 @@ class GoalWindow:
         """Go on from a record."""
         self._size, self._growth, self._full, self._before, self._lost = record
 
-    def seconds_for(self, goals: int) -> Optional[float]:
-        """How many seconds a plan for so many goals should take, by the latest with new ones; None if unknown."""
-        return None if self._latest is None else self._latest[1] * (goals / self._latest[0]) ** GROWTH
-
     def found(self, goals: int, seconds: Optional[float]) -> None:
         """A plan for so many goals was found in so many ``seconds``; None where none of the goals is new."""
         self._lost = False
         if self._size is None or seconds is None:
             return
-        self._latest = (goals, seconds) if goals else self._latest
         factor = math.sqrt(self._wanted / seconds) if self._wanted and seconds else self._growth
         size = math.ceil(goals * max(FEWER, min(factor, self._growth)))
         if factor < 1 or goals >= self._size:
@@ -106,12 +97,10 @@ class GoalQueue:
     search has so many ``seconds``, 0 for no limit.
 
     Attributes:
-        closed: whether nobody is fed, since goals join in a later cycle.
         now: the time in seconds of whatever clock.
         window: how many goals there is room for.
         stuck: how often in a row no plan was found in time, and no goal could be taken out.
         left: whether an arrival interrupted the last search.
-        hurried: whether the plan in force can go on during a search for new goals; then wall time counts.
 
     """
 
@@ -123,10 +112,9 @@ class GoalQueue:
         self._waiting: Set[Goal] = set()
         self.window = GoalWindow(at_once, seconds)
         self.stuck = 0
-        self.left = self.hurried = False
+        self.left = False
         self._held: Set[Goal] = set()  # what could not be taken out
         self.now = 0.0
-        self.closed = False
 
     @property
     def waiting(self) -> List[Goal]:
@@ -185,7 +173,7 @@ class GoalQueue:
 
     def next(self) -> Optional[Goal]:
         """The goal whose turn it is to be fed, None where there is none."""
-        if self.closed or not self._waiting or self.tried is not None:
+        if not self._waiting or self.tried is not None:
             return None
         if not self.window.has_room(len(self.served), len(self._waiting)):
             return None
@@ -244,11 +232,11 @@ class GoalQueue:
 
     def found(self, seconds: Optional[float] = None) -> None:
         """There is a plan for all goals that are with the program; if some are new, it took so many ``seconds``."""
-        served, self.left = self.served, False
-        for goal in served:
-            goal.tries, goal.together = 0, max(goal.together, len(served))
+        planned, self.left = [goal for goal in self.served if goal.fed], False
+        for goal in planned:
+            goal.tries, goal.together = 0, max(goal.together, len(planned))
         self.go_on()
-        self.window.found(len(served), seconds)
+        self.window.found(len(planned), seconds)
 
     def stay(self, goals: Sequence[Goal]) -> None:
         """No goal can be taken out, nor can these, which are in hand: the next search has more time.
@@ -261,7 +249,7 @@ class GoalQueue:
 
     def give_time(self) -> None:
         """Nothing of an update could be taken in time: the next search has more."""
-        self.left = self.hurried = False
+        self.left = False
         self.stuck += 1
 
     def go_on(self) -> None:

@@ -11,6 +11,7 @@ from core_driver import Driver
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from late_standby import NEVER, Standby
 from office_world import OFFICES, World
 from shipped import shipped
 from stream_replay import check_replay
@@ -26,6 +27,7 @@ from rosoclingo.reasoning import (
     stream_planner,
 )
 from rosoclingo.reasoning.returns import DONE
+from rosoclingo.reasoning.stream_planner import unwatched
 
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
 TIMEOUT = 50.0
@@ -49,14 +51,16 @@ FOLLOWS = {
 class CoreMachine(RuleBasedStateMachine):
     """The core between clients and interfaces that do anything."""
 
-    @initialize(preempt=st.booleans(), forgetful=st.booleans())
-    def begin(self, preempt, forgetful):
+    @initialize(preempt=st.booleans(), forgetful=st.booleans(), delay=st.sampled_from([None, 0, 1, 2, 5, NEVER]))
+    def begin(self, preempt, forgetful, delay):
+        """Begin with a standby worker whose answers come with a ``delay`` in cycles; None for no such worker."""
         self.patches = ExitStack()
         for module, name, value in FORGETFUL if forgetful else ():
             self.patches.enter_context(patch.object(module, name, value))
         self.driver = Driver(
             settings=CoreSettings(horizon_limit=60, action_timeout=TIMEOUT, preempt=preempt),
             program=shipped("mailbot.lp", "office.lp"),
+            **({} if delay is None else {"solver": Standby(delay, plan_time=None).solver, "watch_joining": unwatched}),
         )
         self.world = World()
         self.goals = {}  # key -> (from, to, package)
@@ -99,6 +103,10 @@ class CoreMachine(RuleBasedStateMachine):
     @precondition(lambda self: self.goals)
     def cancel(self, data):
         self.driver.cancel(data.draw(st.sampled_from(sorted(self.goals))))
+
+    @rule()
+    def prepare(self):
+        self.driver.core.prepare()
 
     @rule()
     def cancel_nobody(self):

@@ -123,8 +123,6 @@ def test_whether_more_comes_than_is_expected():
     assert feeder.has_beside(())
     assert not feeder.has_beside({seen})
     for add in (
-        lambda one: one.add_goal(goal("do(walk,1)")),
-        lambda one: one.add_cancellation(parse_term("1")),
         lambda one: one.add_rejection(parse_term("1")),
         lambda one: one.add_withdrawals(frozenset([parse_atom("_request(do(walk,1),1)")])),
         lambda one: one.add_fact(parse_atom("_seen(sun)")),

@@ -1,30 +1,34 @@
-"""Goals that wait join in a later cycle, for which a plan is made by another process while the robot goes on."""
+"""New goals and cancels join a plan that goes on once a plan with them is there: the robot waits for no search."""
 
 import pytest
 from children import preparing_process, wait_until_prepared
 from core_driver import Driver
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from late_standby import NEVER, Standby
 from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.planning.workers.worker import Worker
-from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalProgress, Outcome, preparations, waiting_queue
+from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome, waiting_queue
+from rosoclingo.reasoning.stream_planner import unwatched
 
 FLOOR = (4, ((1, 2), (2, 3), (3, 4)), 1, 3)
-ROOM = 2  # goals that are planned for at first
 
 
 class World:
-    """A core on a row of offices; a cycle takes a second."""
+    """A core on a row of offices, whose solver's standby worker is late by some cycles."""
 
-    def __init__(self, process):
+    def __init__(self, delay=0, solver=None, watch_joining=unwatched, search_timeout=0.0):
         _, corridors, start, capacity = FLOOR
-        self.process = process
+        self.standby = Standby(delay)
         self.office = Office(neighbours([(f"o{a}", f"o{b}") for a, b in corridors]), capacity, f"o{start}")
-        limits = CoreSettings(search_timeout=600.0)
-        self.driver = Driver(settings=limits, program=program(*FLOOR), solver=lambda _: process.solver())
+        self.driver = Driver(
+            settings=CoreSettings(search_timeout=search_timeout),
+            program=program(*FLOOR),
+            solver=solver or self.standby.solver,
+            watch_joining=watch_joining,
+        )
 
     @property
     def core(self):
@@ -41,40 +45,205 @@ class World:
             self.office.packages[number] = ("waits", f"o{origin}", f"o{destination}")
             self.core.add_goal(str(number), f"goal(o{origin},o{destination},{number})")
         self.driver.run()
-
-    def prepare(self):
-        """The core has prepared what is worth it, and that is done; tell whether goals are to join."""
-        self.core.prepare()
-        wait_until_prepared(self.process, self.core.prepare)
-        return self.core.queue.closed
+        return self
 
     def step(self, fails=False):
-        """The action is done, or fails; where nothing is, that is told."""
+        """The action is done, or fails; return whether there was one."""
         if not self.core.awaited:
             return False
         (action,) = self.core.awaited
         if not fails:
             self.office.do(action)
-        self.driver.now += 1.0
         (self.driver.fail("failed") if fails else self.driver.succeed())
         return True
 
-    def hear(self, what, key):
-        """While the action runs a fact comes, the cancel of a goal, or another goal."""
-        if what == "cancel":
-            self.driver.cancel(key)
-        elif what == "fact":
-            self.driver.facts("_blocked(o4,o1,now)")
-        elif what == "another":
-            self.ask((3, 4))
+    def go_on(self):
+        """The action is done; if the plan in force has another action, that goes out without a search."""
+        due, before = self.core.plan.at(self.core.cycle + 1), self.standby.searches
+        assert self.step()
+        assert not due or (self.core.awaited and self.standby.searches == before)
+
+    def waits(self, key):
+        """The reasons that a client was told while its goal waited."""
+        return [one.waits for one in self.driver.feedback(key) if one.waits]
 
     def finish(self):
-        """All that is asked for is done, and said to be."""
+        """All that is asked for is done, and reported."""
         while self.step():
             pass
         assert set(self.office.packages.values()) == {None}
         ended = {one.outcome for one in self.driver.journal.of(GoalChanged) if one.outcome is not None}
         assert ended == {Outcome.SUCCEEDED}
+
+
+def requests(update):
+    """The requests in an update's text."""
+    heads = [str(one.head) for _, one in parse_update(update).sections() if one.head]
+    return [head for head in heads if head.startswith("_request")]
+
+
+# ---- New goals
+
+
+def test_new_goal_is_in_the_next_update_if_its_plan_is_there():
+    world = World(delay=0).ask((2, 4)).ask((3, 1))
+    world.go_on()
+    assert requests(world.driver.journal.updates[-1]) == ["_request(goal(o3,o1,2),3)"]
+    assert world.waits("2") == []
+    world.finish()
+
+
+@pytest.mark.parametrize(("delay", "cycles"), [(1, [3]), (2, [3, 6]), (3, [3, 6]), (4, [3, 6, 13])])
+def test_new_goal_joins_later_without_a_search(delay, cycles):
+    """The cycle in which it joins is twice as far away each time."""
+    world = World(delay).ask((1, 4), (4, 1), (1, 4), (4, 1)).ask((2, 3))
+    while "5" not in world.fed:
+        world.go_on()
+    assert world.core.cycle == cycles[-1]
+    assert world.waits("5") == [f"it joins in cycle {one}, a plan is made for that" for one in cycles]
+    world.finish()
+
+
+def test_new_goal_joins_when_the_plan_is_over():
+    world = World(delay=NEVER).ask((1, 2)).ask((3, 1))
+    while world.core.plan.at(world.core.cycle + 1):
+        world.go_on()
+        assert world.fed == ["1"]
+    world.finish()
+
+
+def test_goals_that_come_before_others_join_wait_for_the_next_time():
+    world = World(delay=2).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
+    for _ in range(4):
+        world.go_on()
+    world.ask((3, 2))
+    while "4" not in world.fed:
+        world.go_on()
+    assert "5" not in world.fed
+    while "5" not in world.fed:
+        world.go_on()
+    world.finish()
+
+
+def test_next_cycle_for_joining_is_nearer_after_each_success():
+    world = World(delay=3).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
+    while "4" not in world.fed:
+        world.go_on()
+    far = world.core._ahead._cycles
+    world.standby.delay = 0
+    for number in range(5, 7):
+        world.ask((2, 3))
+        while str(number) not in world.fed:
+            world.go_on()
+        assert world.core._ahead._cycles < far
+        far = world.core._ahead._cycles
+    assert far == 1
+    world.finish()
+
+
+def test_without_a_limit_new_goals_are_in_the_next_update():
+    """As with plans that are to be shortest, whatever the search takes."""
+    world = World(delay=NEVER, watch_joining=None).ask((2, 4)).ask((3, 1))
+    world.step()
+    assert world.fed == ["1", "2"]
+    world.finish()
+
+
+def test_without_a_standby_worker_new_goals_are_in_the_next_update():
+    world = World(solver=None)
+    world.driver = Driver(settings=CoreSettings(), program=program(*FLOOR), watch_joining=unwatched)
+    world.ask((2, 4)).ask((3, 1)).step()
+    assert world.fed == ["1", "2"]
+    world.finish()
+
+
+def test_goals_without_room_join_while_the_robot_acts(monkeypatch):
+    monkeypatch.setattr(waiting_queue, "FIRST", 2)
+    world = World(delay=0, search_timeout=600.0)
+    world.ask((1, 4), (4, 1), (1, 3), (3, 1), (2, 3))
+    assert world.fed == ["1", "2"]
+    world.go_on()
+    assert world.fed == ["1", "2", "3", "4", "5"]
+    world.finish()
+
+
+# ---- Other events
+
+
+def test_failure_brings_new_goals_into_the_update():
+    """There is no plan that goes on."""
+    world = World(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3))
+    for _ in range(2):
+        world.go_on()
+    world.step(fails=True)
+    assert world.fed == ["1", "2", "3"]
+    assert world.waits("3")[-1] == "something else has come before the cycle in which it was to join"
+    world.finish()
+
+
+def test_fact_is_in_the_next_update_without_new_goals():
+    world = World(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3))
+    world.go_on()
+    world.driver.facts("_blocked(o4,o1,now)")
+    world.step()
+    assert "_blocked(o4,o1," in world.driver.journal.updates[-1]
+    assert world.fed == ["1", "2"]
+    world.standby.delay = 0
+    while "3" not in world.fed:
+        world.go_on()
+    world.finish()
+
+
+@pytest.mark.parametrize("delay", [0, 1, 2, NEVER])
+def test_cancel_does_not_stop_the_robot(delay):
+    world = World(delay).ask((1, 4), (4, 1))
+    world.go_on()
+    world.driver.cancel("2")
+    while "2" in world.fed and world.core.plan.at(world.core.cycle + 1):
+        world.go_on()
+    world.driver.finish()
+    assert world.driver.states("2")[-1] in ("preempted", "succeeded")
+    assert world.driver.states("1")[-1] == "succeeded"
+
+
+def test_cancel_of_a_goal_that_is_to_join_ends_it():
+    world = World(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3), (3, 2))
+    for _ in range(2):
+        world.go_on()
+    world.driver.cancel("3")
+    assert world.driver.states("3")[-1] == "recalled"
+    del world.office.packages[3]
+    world.standby.delay = 0
+    while "4" not in world.fed:
+        world.go_on()
+    world.driver.finish()
+    assert world.driver.states("4")[-1] == "succeeded"
+
+
+EVENTS = st.lists(st.sampled_from(["done", "done", "done", "failed", "asked", "prepared"]), max_size=12)
+
+
+@pytest.mark.mostly_slow
+@settings(max_examples=max(1, settings.default.max_examples // 20))
+@given(EVENTS, st.lists(st.permutations(range(1, 5)).map(lambda way: way[:2]), min_size=18, max_size=18), st.data())
+def test_robot_acts_and_all_goals_are_met_however_late_answers_are(events, errands, data):
+    world, ways, failed = World(), iter(errands), 0
+    world.ask(*(next(ways) for _ in range(3)))
+    for event in events:
+        world.standby.delay = data.draw(st.sampled_from([0, 1, 2, 3, 5, NEVER]))
+        failed = failed + 1 if event == "failed" and failed < 2 else 0
+        if event == "asked":
+            world.ask(next(ways))
+        elif event == "prepared":
+            world.core.prepare()
+        elif failed:
+            world.step(fails=True)
+        elif world.core.awaited:
+            world.go_on()
+    world.finish()
+
+
+# ---- Worker processes
 
 
 @pytest.fixture(scope="module")
@@ -83,174 +252,39 @@ def process():
         yield one
 
 
-@pytest.fixture(autouse=True)
-def little_room(monkeypatch):
-    """There is room for few goals, and it does not grow; a plan for more takes four cycles."""
-    for name, value in {"FIRST": ROOM, "FASTER": 1.0}.items():
-        monkeypatch.setattr(waiting_queue, name, value)
-    monkeypatch.setattr(waiting_queue.GoalWindow, "seconds_for", lambda window, goals: 0.5)
-
-
-@pytest.fixture
-def world(process):
-    return World(process)
-
-
-ERRANDS = [(2, 4), (4, 1), (1, 3), (3, 1), (2, 3)]
-
-
-def begun(world):
-    """Errands are asked for, and as the second action runs those that wait are to join; return the cycle of that."""
-    world.ask(*ERRANDS)
-    assert world.fed == ["1", "2"]
-    assert not world.prepare(), "how long a cycle takes is not known, and the plan is new"
-    world.step()
-    assert world.prepare()
-    assert world.fed == ["1", "2"]
-    told = {one.waits for one in world.driver.journal.of(GoalProgress) if one.waits.startswith("it joins")}
-    (why,) = told
-    return int(why.split("in cycle ")[1].split(",")[0])
-
-
 @pytest.mark.slow
-def test_goals_that_wait_join_with_a_plan_that_is_there_by_then(process, world):
-    cycle = begun(world)
-    before, spare = process.pid, process.standby_pid
-    while world.core.cycle < cycle - 1:
-        world.step()
-        assert world.fed[-1] == "2"
-        assert process.pid == before
-    update = world.driver.journal.updates[-1]
-    assert "_request" not in update
-    world.step()
-    assert process.pid == spare, "whoever had prepared that goes on"
-    heads = [str(one.head) for _, one in parse_update(world.driver.journal.updates[-1]).sections() if one.head]
-    assert heads[:3] == [f"_request(goal(o{a},o{b},{n}),{cycle + 1})" for n, (a, b) in enumerate(ERRANDS[2:], 3)]
-    assert set(world.fed) >= {"3", "4", "5"}
-    world.finish()
+@pytest.mark.parametrize("waits", [True, False])
+def test_standby_worker_that_has_the_plan_takes_over(process, waits):
+    """A plan that is not there yet is waited for until the watch ends that."""
+    looks = []
 
+    def watch():
+        return lambda: looks.append(1)
 
-@pytest.mark.slow
-@pytest.mark.parametrize("what", ["failure", "fact", "cancel"])
-def test_goals_that_wait_go_on_waiting_where_something_else_comes(process, world, what):
-    begun(world)
-    before = process.pid
-    world.hear(what, "3")
-    if what == "cancel":
-        del world.office.packages[3]
-    world.step(fails=what == "failure")
-    assert not world.core.queue.closed
-    assert process.pid == before
-    world.office.packages = {key: value for key, value in world.office.packages.items() if value}
-    world.prepare()
-    while world.step():
-        pass
-    assert not any(world.office.packages.values())
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("what", ["fact", "cancel", "another"])
-def test_what_comes_while_an_action_runs_has_its_answer_prepared_at_once(process, world, what):
-    """Though goals were to join: that is over then. A further goal only waits, it changes nothing."""
-    begun(world)
+    world = World(solver=lambda _: process.solver(), watch_joining=watch).ask((2, 4))
     spare = process.standby_pid
-    world.hear(what, "2")
-    assert world.core.queue.closed
-    assert world.prepare() is (what == "another")
-    if what != "another":
-        world.step()
-        assert process.pid == spare, "it had the answer"
-
-
-@pytest.mark.slow
-def test_goals_do_not_join_where_the_last_action_before_fails(process, world):
-    """There is no plan for that, and to make one would take long."""
-    cycle, before = begun(world), process.pid
-    while world.core.cycle < cycle - 1:
-        world.step()
-    world.step(fails=True)
-    assert world.core.cycle == cycle
-    assert (process.pid, world.fed[-1]) == (before, "2")
-    assert not world.core.queue.closed
+    world.ask((3, 1)).core.prepare()
+    if waits:
+        wait_until_prepared(process, world.core.prepare)
+    world.step()
+    assert process.pid == spare
+    assert waits or looks
+    assert world.fed == ["1", "2"]
     world.finish()
 
 
 @pytest.mark.slow
-def test_a_plan_that_is_not_there_in_time_is_not_waited_for_and_the_next_has_more_time(process, world, monkeypatch):
-    monkeypatch.setattr(preparations, "MARGIN", 0.5)
-    cycle, before = begun(world), process.pid
-    usual = world.core._ahead._cycles_for(5)
-    with monkeypatch.context() as patch:
-        patch.setattr(Worker, "has_answer", lambda *_: False)
-        while world.core.cycle < cycle:
-            world.step()
-    assert (process.pid, world.fed[-1]) == (before, "2")
-    told = [one.waits for one in world.driver.journal.of(GoalProgress) if "not there by the cycle" in one.waits]
-    assert len(told) == 3
-    assert not world.core.queue.closed
-    assert world.core._ahead._cycles_for(5) > usual
-    world.core._ahead._reach = 100
-    assert not world.prepare(), "first the plan that there is may get shorter"
-    while not world.prepare():
+def test_worker_processes_let_goals_join_later(process):
+    halts = []
+
+    def watch():
+        return lambda: Halt("the test") if halts else None
+
+    world = World(solver=lambda _: process.solver(), watch_joining=watch).ask((1, 4), (4, 1))
+    halts.append(1)
+    world.ask((2, 3))
+    while "3" not in world.fed:
         assert world.step()
-    while world.core.queue.closed:
-        world.step()
-    assert set(world.fed) >= {"3", "4", "5"}
-    assert world.core._ahead._cycles_for(5) == usual
-    world.finish()
-
-
-@pytest.mark.slow
-def test_no_goal_joins_beside_those_for_which_a_plan_is_made(world):
-    cycle = begun(world)
-    world.ask((3, 4))
-    assert [one.waits for one in world.driver.feedback("6")] == ["others join first"]
-    while world.core.cycle < cycle:
-        world.step()
-    assert "6" not in world.fed
-    world.finish()
-
-
-def test_nothing_is_held_where_nobody_can_prepare():
-    here = Driver(settings=CoreSettings(search_timeout=600.0), program=program(*FLOOR))
-    for number, (origin, destination) in enumerate(ERRANDS, 1):
-        here.core.add_goal(str(number), f"goal(o{origin},o{destination},{number})")
-    here.run()
-    for _ in range(3):
-        here.now += 1.0
-        here.succeed()
-        here.core.prepare()
-        assert not here.core.queue.closed
-
-
-def test_a_world_that_takes_its_own_way_is_foreseen_less_far(process, world):
-    """The further away the cycle is, the less likely it comes to that."""
-    begun(world)
-    world.step(fails=True)
-    assert world.core._ahead._reach == 1
-    assert not world.prepare()
-    assert world.core._ahead._reach == 2
-    world.core._ahead._reach = 1 + -(-preparations.MARGIN * 1.5 // 1)
-    assert world.prepare()
-    world.finish()
-
-
-EVENTS = st.lists(st.sampled_from(["done", "done", "done", "failed", "asked", "prepared"]), max_size=12)
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@settings(max_examples=max(1, settings.default.max_examples // 20))
-@given(EVENTS, st.lists(st.permutations(range(1, 5)).map(lambda way: way[:2]), min_size=18, max_size=18))
-def test_all_is_done_whatever_comes_before_goals_join(process, events, errands):
-    world, ways, failed = World(process), iter(errands), 0
-    world.ask(*(next(ways) for _ in range(5)))
-    for event in events:
-        if event == "asked":
-            world.ask(next(ways))
-        elif event == "prepared":
-            world.prepare()
-        else:
-            failed = failed + 1 if event == "failed" and failed < 2 else 0
-            world.step(fails=failed > 0)
+        wait_until_prepared(process, world.core.prepare)
+    assert world.waits("3")
     world.finish()

@@ -110,15 +110,6 @@ def test_what_was_done_was_done_though_all_that_was_told_is_forgotten():
     assert monitor.executed == tuple(actions[2:])
 
 
-@pytest.mark.parametrize(("begun", "seconds"), [([], 0), ([7], 0), ([7, 9], 2), ([0, 5, 10, 3610, 3614], 5)])
-def test_how_long_a_cycle_takes_is_told_by_most_of_the_last_ones(begun, seconds):
-    """A robot that had nothing to do for an hour is not slow."""
-    monitor = monitor_of([])
-    for cycle, now in enumerate(begun, 1):
-        monitor.begin(cycle, (action_of(parse_atom(f"_action_lib(go,a,{cycle})")),), float(now))
-    assert monitor.seconds_per_cycle == seconds
-
-
 KEPT = "#external _return/3. #external _seen/1. #external _battery(X,t) : X = (low;high). #cumulative t. #volatile t."
 
 

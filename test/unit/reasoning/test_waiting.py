@@ -369,19 +369,3 @@ def test_a_goal_that_something_was_done_for_stays_where_its_search_is_too_long()
     driver.core.receive("interface", ["_return(walk,failed,1)"])
     driver.turns(1)
     assert driver.core.queue.waiting == [], "who knows whether it is in hand"
-
-
-def test_wall_time_counts_while_the_plan_in_force_can_go_on():
-    driver, seen = BusyDriver(most=9), []
-    driver.look = lambda: seen.append(driver.core.queue.hurried)
-    ask(driver, 1, 2, 3).run()
-    assert not any(seen), "there is no plan yet"
-    ask(driver, 4)
-    seen.clear()
-    driver.succeed()
-    assert seen[:1] == [True], "a new goal must not keep the robot from its next action"
-    seen.clear()
-    ask(driver, 5).fail("failed")
-    assert seen
-    assert not any(seen), "after a failure there is no plan to go on with"
-    assert driver.finish().core.live_goals == []

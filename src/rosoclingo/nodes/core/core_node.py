@@ -42,6 +42,7 @@ from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import return_of
+from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.runs.recorded_run import RunProgram
 
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
@@ -76,8 +77,8 @@ class CoreNode:
         ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
             further goal adds a tenth, and more where the plan that there is has nearly as many.
         ~plan (str, default soon): ``soon``: each plan is the shortest if that is found within ``~plan_time``, else the
-            best that is known by then, which is shortened while actions run; ``shortest``: the shortest, as in the
-            paper, whatever it takes.
+            best that is known by then, which is shortened while actions run, and new goals join a plan that goes on
+            once a plan with them is there; ``shortest``: the shortest, as in the paper, whatever it takes.
         ~plan_time (float, default 1.0): seconds of the solver's processor time in which it looks for a shorter plan
             than the first one that it has found; 0 takes the first.
         ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the
@@ -85,7 +86,7 @@ class CoreNode:
         ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it, or as many as it
             was planned for together with, if that is more; then no newer one is fed until it has ended. 0 for no limit.
         ~search_timeout (float, default 10.0): seconds of the solver's processor time that one search may go on before
-            goals wait, the newest first; of wall time where the plan in force can go on meanwhile. 0 for no limit.
+            goals wait, the newest first. 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time, which here passes no faster than wall time, until
             an action that has not returned counts as failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
         ~recovery_timeout (float, default 5.0): seconds of the solver's processor time in which to look for the fewest
@@ -157,6 +158,7 @@ class CoreNode:
             self._parameters.settings,
             self._watch_search,
             self._watch_recovery,
+            None if self._parameters.time_to_shorten is None else self._watch_joining,
             record=found.state,
             doubtful=found.doubtful,
         )
@@ -365,14 +367,26 @@ class CoreNode:
 
         return look
 
+    def _watch_joining(self) -> Callable[[], Optional[Halt]]:
+        """End the wait for a plan with new goals before the next action."""
+        start = time.monotonic()
+
+        def look() -> Optional[Halt]:
+            """Return why the wait has to end now, None while it can go on."""
+            self._attend()
+            over = self._ending or time.monotonic() - start >= JOINING
+            return Halt(f"it took longer than {JOINING:g} s") if over else None
+
+        return look
+
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
-        """End a search after some seconds of processor time, of wall time if a plan can go on; 0: never."""
+        """End a search after some seconds of processor time; 0: never."""
         queue = self._core.queue
-        worked, limit, start = self._solvers.stopwatch(), seconds * queue.patience, time.monotonic()
+        worked, limit = self._solvers.stopwatch(), seconds * queue.patience
 
         def look() -> Optional[Halt]:
             """Return why to end it now, None while it may go on."""
-            if not 0 < limit <= time.monotonic() - start or (worked() < limit and not queue.hurried):
+            if not 0 < limit <= worked():
                 return None
             if not queue.unhurried:
                 return Halt(f"it took longer than {limit:g} s")
@@ -417,7 +431,7 @@ class CoreNode:
             if one.new:
                 self._health.problem(Problem(self._core.cycle, one.text, one.action.interface_name))
         awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
-        goals, waiting = len(self._core.live_goals), len(self._core.queue.waiting)
+        goals, waiting = len(self._core.live_goals), sum(not goal.fed for goal in self._core.live_goals)
         report = health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
         if self._keeper.fault:
             report = report._replace(level=Level.WARN, message=self._keeper.fault)

@@ -1,0 +1,48 @@
+"""Plays the standby worker of a solver in this process: its answers come some cycles after they were asked for."""
+
+from rosoclingo.planning.solver import PlanSolver
+
+NEVER = 10**9
+
+
+class Standby:
+    """Its answers are there ``delay`` cycles after their search began; ``plan_time`` is that of its solvers.
+
+    Attributes:
+        searches: how often the robot waited for a search, as no answer was there.
+
+    """
+
+    def __init__(self, delay=0, plan_time=0.0):
+        self.delay, self.searches, self.plan_time = delay, 0, plan_time
+        self._asked, self._since = None, 0
+
+    def solver(self, program):
+        """A solver that it works for."""
+        return _Solver(program, self)
+
+    def ask(self, question, step):
+        if self._asked != question:
+            self._asked, self._since = question, step
+
+    def has(self, question, step):
+        return self._asked == question and step - self._since >= self.delay
+
+
+class _Solver(PlanSolver):
+    def __init__(self, program, standby):
+        super().__init__(program, plan_time=standby.plan_time)
+        self._standby = standby
+
+    def prefetch(self, update, before=()):
+        log = self._log_after(before) if before else self.log
+        if log is not None:
+            self._standby.ask((update, log.key), self.log.step)
+        return log is not None
+
+    def has_prefetched(self, update, stopped=None):
+        return self._standby.has((update, self.log.key), self.log.step)
+
+    def _search(self, update, *watches):
+        self._standby.searches += not self.has_prefetched(update)
+        return super()._search(update, *watches)
