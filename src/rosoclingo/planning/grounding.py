@@ -79,6 +79,8 @@ class _Answer(NamedTuple):
 
     shown: FrozenSet[clingo.Symbol]
     horizon: int
+    cost: Tuple[int, ...]
+    optimal: bool
     predicted: Predicted
     read: Tuple[FrozenSet[clingo.Symbol], ...]
 
@@ -433,7 +435,7 @@ class Grounding:
         if result.satisfiable or answers:
             shown = tuple(one.shown for one in (answers if question.proven else answers[-1:]))
             last, read = answers[-1], tuple(one.read for one in answers)
-            return Reply(True, shown, last.horizon, predicted=last.predicted, read=read)
+            return Reply(True, shown, last.horizon, last.cost, last.optimal, predicted=last.predicted, read=read)
         if self.is_conflicting:
             lasts = all(
                 one.lifetime == FOREVER for one in self.snapshot.timed_statements
@@ -456,7 +458,8 @@ class Grounding:
         horizon = self._ends.horizon_of(model, question.first, question.last)
         predicted = Predicted() if self._return_rules is None else self._predict(model, self._return_rules)
         read = tuple(one(model) for one in question.reads)
-        answers.append(_Answer(self.shown | self._compacted, horizon, predicted, read))
+        cost, optimal = tuple(model.cost), bool(model.optimality_proven)
+        answers.append(_Answer(self.shown | self._compacted, horizon, cost, optimal, predicted, read))
         differ = [one.literal for one in self._atoms(question.differ)]
         if differ and question.models != 1:
             model.context.add_clause([-one if model.is_true(one) else one for one in differ])

@@ -34,7 +34,7 @@ class Plan(NamedTuple):
     Attributes:
         actions: the ``_action_lib`` atoms.
         horizon: the horizon of the answer.
-        shortest: whether all shorter horizons were refuted.
+        shortest: whether all shorter horizons were refuted and no plan of this horizon costs less.
 
     """
 

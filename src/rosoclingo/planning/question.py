@@ -68,6 +68,8 @@ class Reply(NamedTuple):
         satisfiable: whether there is an answer, None if the search was ended or reached its limit.
         answers: the shown atoms of each answer.
         horizon: the horizon of the last answer.
+        cost: the costs of the last answer by priority, highest first, if the program optimizes.
+        optimal: whether no answer with these horizons and assumptions costs less.
         core: the assumable facts in the unsat core.
         blamed: the atoms of ``kept`` in the unsat core.
         hopeless: whether all other horizons are unsatisfiable too, for the same reason.
@@ -80,6 +82,8 @@ class Reply(NamedTuple):
     satisfiable: Optional[bool]
     answers: Tuple[FrozenSet[clingo.Symbol], ...] = ()
     horizon: int = 0
+    cost: Tuple[int, ...] = ()
+    optimal: bool = False
     core: FrozenSet[clingo.Symbol] = frozenset()
     blamed: FrozenSet[clingo.Symbol] = frozenset()
     hopeless: bool = False

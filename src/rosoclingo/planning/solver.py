@@ -212,14 +212,14 @@ class PlanSolver(PlanningSolver):
     # ---- Shorter plans -----------------------------------------------------------------------------------------------
 
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
-        """Search for a shorter plan with the same actions up to the present step, and adopt it.
+        """Search for a better plan with the same actions up to the present step, and adopt it.
 
-        Returns the first shorter plan as another answer to the last update; further calls can find a still shorter
-        one. Returns None after a stop, or if nothing is left to try before the next update. Only for solvers of one
-        answer and programs that do not optimize.
+        A plan is better if it is shorter or, if the program optimizes, as short and costs less. Returns the first one
+        as another answer to the last update; further calls can find a still better one. Returns None after a stop, or
+        if nothing is left to try before the next update. Only for solvers of one answer.
         """
         plan = self.log.plan
-        if plan is None or plan.shortest or self.models != 1 or self.program.optimizes:
+        if plan is None or plan.shortest or self.models != 1:
             return None
         halt = stopped or _never
         start, (asking, returns) = time.perf_counter(), self._last_search(halt)

@@ -41,7 +41,7 @@ class SolveResult:
         step: k, the step of the update.
         warnings: what was ignored and why.
         permanent: True if no further step and no external can make the program satisfiable.
-        shortest: True if it is proven that no answer has a lesser horizon.
+        shortest: True if it is proven that no answer has a lesser horizon or, with the same, a lesser cost.
         predicted: success returns that leave the answer unchanged. An update with only these and the matching
             commitments needs no search.
         statistics: seconds of wall time spent in ``ground`` and ``solve``; and seconds of processor time that were

@@ -1,14 +1,16 @@
-"""Shorter plans by large neighbourhood search (Shaw 1998): most of a plan is fixed, a part of it is free.
+"""Better plans by large neighbourhood search (Shaw 1998): most of a plan is fixed, a part of it is free.
 
 Each round asks for plans of several kinds:
 
 * The tasks of the plan in another *order*, see reorder.py. All actions are fixed: the solver checks the candidate.
 * Any plan of half the length, as the first plan can be many times too long.
 * A free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap by half.
+* If the program optimizes: a plan of the same length that costs less, with a free window of steps.
 
-If a round finds nothing, the next has larger windows and allows more conflicts. Each plan is trimmed, see trim.py.
+If a round finds nothing, the next has larger windows and allows more conflicts. Shorter plans are trimmed, see trim.py.
 """
 
+from contextlib import suppress
 from random import Random
 from typing import Iterator, List, Optional, Tuple
 
@@ -17,6 +19,7 @@ import clingo
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Question, Reply, StoppedError, Strategy
+from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import moved, trimmed
 
@@ -36,13 +39,14 @@ FEW_STEPS = 100
 
 
 class Improvement:
-    """A search for shorter plans than one plan; each call of :meth:`run` resumes it."""
+    """A search for better plans than one plan; each call of :meth:`run` resumes it."""
 
     def __init__(self, plan: Plan, step: int, first: int) -> None:
-        """Shorten ``plan`` after the present ``step``; ``first`` is the least possible horizon."""
+        """Improve ``plan`` after the present ``step``; ``first`` is the least possible horizon."""
         self._plan, self._step, self._first = plan, step, first
         self._random = Random(0)
         self._asking: Asking  # that of the last call
+        self._costed: Optional[Tuple[Asking, Reply]] = None  # the plan with its cost in a grounding, once it is known
         self._exhausted = False
         self._questions = self._rounds()
 
@@ -56,29 +60,45 @@ class Improvement:
         return same
 
     def run(self, asking: Asking) -> Strategy[Optional[Reply]]:
-        """Return the first shorter plan that is found; None after a stop, or if the search is exhausted."""
+        """Return the first better plan that is found; None after a stop, or if the search is exhausted."""
         self._asking = asking
         present: Optional[List[Assumption]] = None
-        while not asking.is_stopped():
-            present = self._present(asking) if present is None else present
-            question = next(self._questions, None)
-            if question is None:
-                self._exhausted = True
-                break
-            last = min(question.last, self._plan.horizon - 1, asking.horizon)  # the grounding does not grow
-            if last < self._begin:  # earlier questions of the round have excluded all shorter plans
-                continue
-            try:
-                found = yield question._replace(last=last, given=[*present, *question.given])
-            except StoppedError:
-                break
-            if found.satisfiable:
-                found = yield from trimmed(found, asking, self._step, self._first, present)
-                self._plan = Plan.from_atoms(found.answers[-1], found.horizon)
-                return found
-            if found.satisfiable is False and not question.given:
-                self._first = last + 1
+        with suppress(StoppedError):
+            while not asking.is_stopped():
+                present = self._present(asking) if present is None else present
+                question = next(self._questions, None)
+                if question is None:
+                    self._exhausted = True
+                    break
+                found = yield from (self._cheaper if question.best else self._shorter)(question, asking, present)
+                if found is not None:
+                    self._plan = Plan.from_atoms(found.answers[-1], found.horizon)
+                    return found
         return None
+
+    def _shorter(self, question: Question, asking: Asking, present: List[Assumption]) -> Strategy[Optional[Reply]]:
+        """Return the trimmed plan if there is an answer to ``question``."""
+        last = min(question.last, self._plan.horizon - 1, asking.horizon)  # the grounding does not grow
+        if last < self._begin:  # earlier questions of the round have excluded all shorter plans
+            return None
+        found = yield question._replace(last=last, given=[*present, *question.given])
+        if found.satisfiable:
+            self._costed = None
+            return (yield from trimmed(found, asking, self._step, self._first, present))
+        if found.satisfiable is False and not question.given:
+            self._first = last + 1
+        return None
+
+    def _cheaper(self, question: Question, asking: Asking, present: List[Assumption]) -> Strategy[Optional[Reply]]:
+        """Return a plan of the same length that costs less, if one of the answers to ``question`` does."""
+        known = Reply(True, (self._plan.actions,), self._plan.horizon)
+        if self._costed is not None and self._costed[0] is asking:
+            known = self._costed[1]
+        found = yield from cheaper(known, asking, self._step, [*present, *question.given], question.conflicts)
+        if found.cost:
+            self._costed = asking, found._replace(optimal=found.optimal and not question.given)
+        changed = Plan.from_atoms(found.answers[-1], found.horizon).rest(self._step) != self._plan.rest(self._step)
+        return found if changed else None
 
     def _present(self, asking: Asking) -> List[Assumption]:
         """Return the assumptions that fix the actions up to the present step as executed.
@@ -94,10 +114,12 @@ class Improvement:
     def _rounds(self) -> Iterator[Question]:
         """Yield questions until a round over the whole plan with the greatest limit finds nothing."""
         size, conflicts = SIZE, CONFLICTS
-        while self._length > 0:
-            horizon, whole = self._plan.horizon, size >= self._length
+        optimizes = self._asking.program.optimizes
+        while self._length > 0 or (optimizes and not self._is_optimal):
+            before = self._plan
+            whole = size >= (self._plan.horizon - self._step if optimizes else self._length)
             yield from self._round(size, conflicts)
-            if self._plan.horizon < horizon:
+            if self._plan.actions != before.actions:
                 continue
             if whole and conflicts >= MOST_CONFLICTS:
                 return
@@ -111,16 +133,23 @@ class Improvement:
                 yield Question(self._first, half, conflicts=2 * conflicts, advised=advised)
         first = self._step + 1
         while first <= self._plan.horizon:
-            yield from self._reordered(conflicts)
-            yield self._window(conflicts, first, first + size)
+            if self._length > 0:
+                yield from self._reordered(conflicts)
+                yield self._window(conflicts, first, first + size)
+            if self._asking.program.optimizes:
+                yield self._window(conflicts, first, first + size, earlier=0)
             first = max(self._step + 1, first + size // 2)
 
-    def _window(self, conflicts: int, first: int, end: int) -> Question:
-        """Return the question for a plan in which the steps from ``first`` up to, without, ``end`` are free."""
+    def _window(self, conflicts: int, first: int, end: int, earlier: int = 1) -> Question:
+        """Return the question for a plan in which the steps from ``first`` up to, without, ``end`` are free.
+
+        The actions from ``end`` on move one step ``earlier``, or stay and the plan has to cost less.
+        """
         actions = self._plan.rest(self._step + 1).actions
         before = [(action, True) for action in actions if cycle_of(action) < first]
-        after = [(moved(action, -1), True) for action in actions if cycle_of(action) >= end]
-        return Question(self._first, self._plan.horizon - 1, [*before, *after], conflicts=conflicts)
+        after = [(moved(action, -earlier), True) for action in actions if cycle_of(action) >= end]
+        last = self._plan.horizon - earlier
+        return Question(self._first, last, [*before, *after], conflicts=conflicts, best=not earlier)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
         """Yield questions for the tasks in another order, as long as they shorten the plan."""
@@ -132,6 +161,11 @@ class Improvement:
                 given = [(action, True) for action in plan.actions]
                 yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
             shortened = self._plan.horizon < horizon
+
+    @property
+    def _is_optimal(self) -> bool:
+        """Whether no plan of this length costs less."""
+        return self._costed is not None and self._costed[1].optimal
 
     @property
     def _length(self) -> int:

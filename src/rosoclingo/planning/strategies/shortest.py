@@ -4,6 +4,7 @@ from typing import Generator, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.question import Question, Reply, Strategy
+from rosoclingo.planning.strategies.trim import trimmed
 
 _Asks = Generator[Question, Reply, Reply]
 
@@ -13,7 +14,7 @@ class SearchResult(NamedTuple):
 
     Attributes:
         reply: the last reply, with the answers if there are any.
-        proven: whether all shorter horizons were refuted.
+        proven: whether all shorter horizons were refuted and the answer is optimal.
         answered: this process's processor time when the first acceptable answer was found; None for the end of the
             search.
 
@@ -37,6 +38,8 @@ def shortest(asking: Asking, models: int, hint: int) -> Strategy[SearchResult]:
     while reply.satisfiable is False and not reply.hopeless and asking.may_grow(asking.horizon):
         first = asking.horizon + 1
         reply = yield from _search(asking, models, first, asking.last(asking.horizon + asking.block))
+    if reply.satisfiable and models == 1 and not asking.program.optimizes:
+        reply = yield from trimmed(reply, asking, asking.step - 1, reply.horizon)
     return SearchResult(reply, bool(reply.satisfiable))
 
 

@@ -1,10 +1,11 @@
 """The search for a plan in limited time: first any plan, preferably the last one, then shorter plans.
 
 Refuting all shorter horizons, as a shortest plan requires, can take arbitrarily long. A plan with more steps than
-necessary is easy to find, in particular if ``#heuristic`` statements guide the search. So the horizon grows by a
-quarter if a few conflicts decide nothing (as in Rintanen's algorithms for planning as satisfiability, 2006), and by a
-half if it is refuted. The best plan and the refuted horizons then bound the search for shorter plans from above and
-below. If the program claims a number of steps, that number and a quarter more are ground at once.
+necessary is easy to find, in particular if ``#heuristic`` statements guide the search. So the horizon grows if a
+limited number of conflicts decides nothing, and the shortest horizons get a part of the effort, as in Rintanen's
+algorithms for planning as satisfiability (2006). The best plan and the refuted horizons then bound the search for
+shorter plans from above and below. If the program claims a number of steps, that number and a quarter more are ground
+at once.
 """
 
 import time
@@ -13,6 +14,7 @@ from typing import Callable, Generator, List, Optional, TypeVar
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import UNKNOWN, Given, Question, Reply, Stop, StoppedError, Strategy
+from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.improve import FEW_STEPS
 from rosoclingo.planning.strategies.shortest import SearchResult
 from rosoclingo.planning.strategies.trim import trimmed
@@ -38,6 +40,15 @@ EFFORT = 20_000
 
 Conflicts with few steps are cheap, and additional steps make all later questions more expensive.
 """
+
+CONFLICTS_PER_STEP = 200
+"""The limit of conflicts, per step, of a question about any plan if the program has no ``#heuristic`` statements.
+
+With fewer, the horizon grows far beyond the length of a plan before a search comes to its end.
+"""
+
+LEAST_CONFLICTS = 1000
+"""The limit of conflicts of a question about the least horizon that is not refuted."""
 
 KEPT = 0.1
 """Fraction of the time limit for shorter plans if the last plan is still valid: the robot does not wait for them."""
@@ -99,7 +110,8 @@ class Soon:
         except StoppedError:
             if not self._best.satisfiable:
                 raise
-        return SearchResult(self._best, self._least >= self._best.horizon, answered)
+        optimal = self._best.optimal or not self._program.optimizes
+        return SearchResult(self._best, optimal and self._least >= self._best.horizon, answered)
 
     # ---- The last plan -----------------------------------------------------------------------------------------------
 
@@ -141,8 +153,8 @@ class Soon:
         factor = 1
         while True:
             reply = yield from self._ask_for_any(factor)
-            if reply.satisfiable is None and self._program.advises and self._idles:
-                reply = yield from self._ask_unadvised(factor)
+            if reply.satisfiable is None and self._idles:
+                reply = yield from (self._ask_unadvised(factor) if self._program.advises else self._ask_for_least())
             if reply.satisfiable:
                 yield from self._adopt(reply)
                 return reply
@@ -164,7 +176,7 @@ class Soon:
                 return reply
         if not self._idles or not (grows or advises):
             return (yield from self._ask(self._least, last, None))
-        conflicts = self._few_conflicts(last) * (1 if advises and grows else factor)
+        conflicts = self._few_conflicts(last) * (1 if grows else factor)
         return (yield from self._ask(self._least, last, conflicts))
 
     def _ask_unadvised(self, factor: int) -> _Asks[Reply]:
@@ -177,17 +189,27 @@ class Soon:
                     break
         return reply
 
+    def _ask_for_least(self) -> _Asks[Reply]:
+        """Ask for the least horizon that is not refuted, until a question reaches its limit of conflicts."""
+        reply = UNKNOWN
+        while self._least <= self._end:
+            reply = yield from self._ask(self._least, self._least, LEAST_CONFLICTS)
+            if reply.satisfiable is not False or reply.hopeless:
+                break
+        return reply
+
     def _few_conflicts(self, last: int) -> int:
         """Return the initial limit of conflicts for the steps up to ``last``."""
-        return max(CONFLICTS, EFFORT // max(1, last - self._asking.step + 1))
+        steps = max(1, last - self._asking.step + 1)
+        return max(CONFLICTS, EFFORT // steps if self._program.advises else CONFLICTS_PER_STEP * steps)
 
     def _next_end(self, refuted: bool) -> int:
-        """Return the next end: by a quarter of the lookahead later, or by a half if all horizons are ``refuted``.
+        """Return the next end: later by half of the lookahead, with ``#heuristic`` by a quarter if nothing is refuted.
 
         The first call adds at least the steps that the program claims, and a quarter more.
         """
         asking = self._asking
-        more = (self._end - asking.step) // (2 if refuted else 4)
+        more = (self._end - asking.step) // (4 if self._program.advises and not refuted else 2)
         last = self._end + (max(asking.block, more) if self._idles else 1)
         if self._claimed is None:
             steps = asking.ground().claimed_steps() if self._idles else 0
@@ -225,13 +247,12 @@ class Soon:
 
     def _finish(self) -> _Asks[None]:
         """Compute all answers of the best horizon, or optimize the answer in the remaining time."""
-        single, last = self._models == 1, self._best.horizon
-        if single and not self._program.optimizes:
-            return
-        until = self._deadline if single else None
-        reply = yield Question(last, last, models=self._models, best=True, proven=not single, until=until)
-        if reply.satisfiable:
-            self._best = reply
+        last = self._best.horizon
+        if self._models != 1:
+            reply = yield Question(last, last, models=self._models, best=True)
+            self._best = reply if reply.satisfiable else self._best
+        elif self._program.optimizes:
+            self._best = yield from cheaper(self._best, self._asking, self._asking.step, (), None, self._deadline)
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 

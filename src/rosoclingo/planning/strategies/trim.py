@@ -37,19 +37,25 @@ def trimmed(
         given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
         return Question(first, last, given, tuple(plan.actions if fewer else ()), conflicts=CONFLICTS, until=until)
 
-    plan = _plan_after(found, step)
-    with suppress(StoppedError):
-        while plan.actions and not advises:
-            fewer = yield question(plan, first, found.horizon, fewer=True)
-            if not fewer.satisfiable:
-                break
-            found, plan = fewer, _plan_after(fewer, step)
+    def without_idling(found: Reply) -> _Trimmed:
+        """Return the plan without idle steps, or at least without those at its end."""
+        plan = _plan_after(found, step)
         for shorter in dict.fromkeys((_without_idling(plan, step), plan)):
             end = max(first, step, shorter.last_cycle)
             if end < found.horizon:
                 sooner = yield question(shorter, end, end, fewer=False)
                 if sooner.satisfiable:
                     return sooner
+        return found
+
+    with suppress(StoppedError):
+        found = yield from without_idling(found)  # questions about fewer steps are cheaper
+        fewer = found
+        while fewer.satisfiable and not advises and _plan_after(found, step).actions:
+            fewer = yield question(_plan_after(found, step), first, found.horizon, fewer=True)
+            found = fewer if fewer.satisfiable else found
+        if not advises:
+            found = yield from without_idling(found)
     return found
 
 

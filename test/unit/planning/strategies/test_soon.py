@@ -30,7 +30,8 @@ def plain(monkeypatch):
         return found
         yield
 
-    monkeypatch.setattr(soon, "EFFORT", 0)
+    for limit, value in (("EFFORT", 0), ("CONFLICTS_PER_STEP", 0), ("LEAST_CONFLICTS", 100)):
+        monkeypatch.setattr(soon, limit, value)
     monkeypatch.setattr(soon, "trimmed", as_found)
 
 
@@ -89,8 +90,14 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
 
 @pytest.mark.usefixtures("plain")
 @cases(
-    # a quarter more of the steps to come, half of them if all are refuted, a block at least
-    ({50: [50]}, {"horizon": 41, "hard": {41: 150}}, NOW, "1..41/100 >51 1..51/200"),
+    # half as many steps more, with advice a quarter, a block at least; and the least horizon by itself
+    ({50: [50]}, {"horizon": 41, "hard": {1: 150}}, NOW, "1..41/100 1..1/100 >61 1..61/100"),
+    (
+        {12: [12]},
+        {"horizon": 3, "hard": {3: 150}},
+        NOW,
+        "1..3/100 1..1/100 2..2/100 3..3/100 >11 3..11/100 3..3/100 >19 3..19/100",
+    ),
     ({60: [60]}, {"horizon": 41}, NOW, "1..41/100 >61 42..61/100"),
     ({12: [12]}, {"most": 12}, NOW, "1..1/100 >9 2..9/100 >12 10..12"),
     ({20: [20]}, ADVISED, NOW, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
@@ -116,7 +123,7 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
     # the best, or more, of the answers of the plan's horizon
     ({9: [9]}, {"horizon": 9}, {"models": 0}, "1..9/100 1..8/100 9..9!0"),
     ({9: [9]}, {"horizon": 9}, {"models": 2, **NOW}, "1..9/100 9..9!2"),
-    ({9: [9]}, {"horizon": 9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9!"),
+    ({9: [9]}, {"horizon": 9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9+9-1-2-3-4-5-6-7-8/1000! 9..9!"),
     ({9: [9]}, {"horizon": 9, "optimizes": True}, {"seconds": 1}, "1..9/100"),
     # no plan
     (

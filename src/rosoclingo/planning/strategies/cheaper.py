@@ -1,0 +1,32 @@
+"""Plans that cost less, for programs with ``#minimize``: a plan is as good as its horizon, then as its cost."""
+
+from typing import Generator, Optional
+
+from rosoclingo.planning.asking import Asking
+from rosoclingo.planning.history import Plan
+from rosoclingo.planning.question import Given, Question, Reply, Stop
+
+CONFLICTS = 1000
+"""Limit of conflicts for the cost of given actions; most need few."""
+
+
+def cheaper(
+    found: Reply, asking: Asking, step: int, given: Given, conflicts: Optional[int], until: Optional[Stop] = None
+) -> Generator[Question, Reply, Reply]:
+    """Return the best answer with the horizon of ``found`` and the assumptions ``given``.
+
+    That is ``found``, with its cost, if no better one is found before a limit. Its cost is the least of all answers
+    with the same actions from ``step`` on; it is computed if ``found`` has none.
+    """
+    last = found.horizon
+    if not found.cost:
+        plan = Plan.from_atoms(found.answers[-1], last)
+        fixed = [(action, action in plan.actions) for action in asking.actions(step, last)]
+        reply = yield Question(last, last, fixed, conflicts=CONFLICTS, best=True, proven=False, until=until)
+        if not reply.satisfiable:
+            return found
+        found = reply._replace(optimal=False)
+    reply = yield Question(last, last, given, conflicts=conflicts, best=True, proven=False, until=until)
+    if not reply.satisfiable or reply.cost > found.cost:
+        return found
+    return reply if reply.cost < found.cost else found._replace(optimal=reply.optimal)
