@@ -41,7 +41,7 @@ EFFORT = 20_000
 Conflicts with few steps are cheap, and additional steps make all later questions more expensive.
 """
 
-CONFLICTS_PER_STEP = 200
+CONFLICTS_PER_STEP = 100
 """The limit of conflicts, per step, of a question about any plan if the program has no ``#heuristic`` statements.
 
 With fewer, the horizon grows far beyond the length of a plan before a search comes to its end.
