@@ -150,7 +150,7 @@ def test_a_real_bench(tmp_path):
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
-    assert [line.split()[0] for line in lines[1:-1]] == ["service"] * 6
+    assert [line.split()[0] for line in lines[1:-1]] == ["service"] * 10
     assert not list((tmp_path / "bench").iterdir()), "the logs of what went well are removed"
 
 
