@@ -62,7 +62,7 @@ class PlanningSolver(ABC):
 
     @abstractmethod
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
-        """Search for a shorter plan; return None after a stop or if nothing is left to try."""
+        """Search for a better plan; return None after a stop or if nothing is left to try."""
 
     @abstractmethod
     def compact(self, stopped: Optional[Stop] = None) -> None:

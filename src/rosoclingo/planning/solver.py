@@ -209,7 +209,7 @@ class PlanSolver(PlanningSolver):
             return frozenset()
         return reply.predicted.certain if proven else reply.predicted.returns
 
-    # ---- Shorter plans -----------------------------------------------------------------------------------------------
+    # ---- Better plans ------------------------------------------------------------------------------------------------
 
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a better plan with the same actions up to the present step, and adopt it.

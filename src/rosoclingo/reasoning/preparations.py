@@ -135,8 +135,8 @@ class Preparations:
     def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, over: int, lookahead: int) -> bool:
         """Search for a plan with the requests that wait; return whether there are any and the search has begun."""
         requests, left = self._requests, plan.steps_after(step - 1)
-        beside = self._feeder.has_beside(self._predicted(plan, step, over).heads)
-        if self._watch is None or not requests or beside:
+        disturbed = self._feeder.has_beside(self._predicted(plan, step, over).heads)
+        if self._watch is None or not requests or disturbed:
             return False
         goals = len({*self._goals.queue.served, *goals_of(requests)})
         steps = max(lookahead, steps_for(goals, self._limit, left, goals - len(self._goals.fed)))

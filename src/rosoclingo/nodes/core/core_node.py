@@ -76,9 +76,9 @@ class CoreNode:
         ~places (str, default ""): facts to add to the program, of the floor as the command ``places`` writes them.
         ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
             further goal adds a tenth, and more where the plan that there is has nearly as many.
-        ~plan (str, default soon): ``soon``: each plan is the shortest if that is found within ``~plan_time``, else the
-            best that is known by then, which is shortened while actions run, and new goals join a plan that goes on
-            once a plan with them is there; ``shortest``: the shortest, as in the paper, whatever it takes.
+        ~plan (str, default soon): ``soon``: each plan is the best one that is found within ``~plan_time``; it is
+            improved while actions run, and new goals join as soon as there is a plan with them; ``shortest``: each
+            plan is the shortest, as in the paper, without a limit of time.
         ~plan_time (float, default 1.0): seconds of the solver's processor time in which it looks for a shorter plan
             than the first one that it has found; 0 takes the first.
         ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the

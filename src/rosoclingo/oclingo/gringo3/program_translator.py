@@ -19,8 +19,8 @@ def translated(
     """Return the translation of each file, and the warnings about it; raises TranslationError."""
     naming = Naming(token.text for found in lexed for token in found if token.kind is Kind.VARIABLE)
     program, translators = Program(naming), []
-    for (name, text), found, told, dialect in zip(files, lexed, inspected, dialects):
-        translators.append(FileTranslator(program, PurePath(name).name, text, found, told, dialect))
+    for (name, text), found, findings, dialect in zip(files, lexed, inspected, dialects):
+        translators.append(FileTranslator(program, PurePath(name).name, text, found, findings, dialect))
     faults = _run(files, program, translators)
     if faults:
         raise TranslationError(faults)

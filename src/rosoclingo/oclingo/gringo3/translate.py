@@ -44,7 +44,7 @@ def translate_program(
     decided = decide(inspected, undecided)
     dialects = [dialect for dialect, _ in decided]
     texts: Sequence[Tuple[str, Tuple[str, ...]]] = [(text, ()) for _, text in files]
-    if Dialect.GRINGO3 in dialects or any(told.of(Dialect.GRINGO3) for told in inspected):
+    if Dialect.GRINGO3 in dialects or any(one.of(Dialect.GRINGO3) for one in inspected):
         from rosoclingo.oclingo.gringo3.program_translator import translated  # noqa: PLC0415 most programs are clingo's
 
         texts = translated(files, lexed, inspected, dialects)

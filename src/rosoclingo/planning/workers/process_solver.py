@@ -57,7 +57,7 @@ class ProcessSolver(PlanningSolver):
         return self._pool.has_prefetched(Search(self.log, update), stopped)
 
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
-        """Search for a shorter plan; None after a stop, or if the search is exhausted. Raises like :meth:`update`.
+        """Search for a better plan; None after a stop, or if the search is exhausted. Raises like :meth:`update`.
 
         A stop does not wait for the worker.
         """
