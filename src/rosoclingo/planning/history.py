@@ -63,6 +63,10 @@ class Plan(NamedTuple):
         )
         return Plan(frozenset(actions), self.horizon + 1)
 
+    def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
+        """Return the assumptions that, of ``actions``, exactly those of the plan are executed."""
+        return [(action, action in self.actions) for action in actions]
+
     @property
     def last_cycle(self) -> int:
         """The cycle of the last action; a very small number if there are no actions."""

@@ -334,8 +334,7 @@ class PlanSolver(PlanningSolver):
         asking = self._asking(self.snapshot, _never, None)
         grounding, horizon = asking.ground(), max(plan.horizon, self.snapshot.min_horizon)
         actions = grounding.actions(self.program.first_step, grounding.horizon)
-        given = [(action, action in plan.actions) for action in actions]
-        grounding.ask(Question(horizon, horizon, given), _never)
+        grounding.ask(Question(horizon, horizon, plan.fixing(actions)), _never)
         self._searched = _Cached(self.log.key, asking)
 
     @property

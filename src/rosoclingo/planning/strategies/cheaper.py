@@ -21,7 +21,7 @@ def cheaper(
     last = found.horizon
     if not found.cost:
         plan = Plan.from_atoms(found.answers[-1], last)
-        fixed = [(action, action in plan.actions) for action in asking.actions(step, last)]
+        fixed = plan.fixing(asking.actions(step, last))
         reply = yield Question(last, last, fixed, conflicts=CONFLICTS, best=True, proven=False, until=until)
         if not reply.satisfiable:
             return found

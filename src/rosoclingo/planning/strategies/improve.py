@@ -106,8 +106,7 @@ class Improvement:
         They begin with the first step that is open in the grounding, which can precede the present step.
         """
         cycles = [asking.step, self._step, *map(cycle_of, self._plan.actions)]
-        open_actions = asking.actions(min(cycles), self._step)
-        return [(action, action in self._plan.actions) for action in open_actions]
+        return self._plan.fixing(asking.actions(min(cycles), self._step))
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 

@@ -143,7 +143,7 @@ class Soon:
         actions = self._asking.ground(self._end).actions(self._asking.step, last + 1)
         if not plan.actions.issubset(actions):
             return Reply(False)
-        given = [(action, action in plan.actions) for action in actions]
+        given = plan.fixing(actions)
         return (yield from self._ask(max(self._least, min(plan.last_cycle, last)), last, CONFLICTS, given))
 
     # ---- Any plan ----------------------------------------------------------------------------------------------------
