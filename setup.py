@@ -14,7 +14,7 @@ WITHOUT_ROS = [
     "rosoclingo",
     *(
         f"rosoclingo.{room}{below}"
-        for room in ("oclingo", "planning", "languages", "reasoning")
+        for room in ("oclingo", "planning", "languages", "reasoning", "checking")
         for below in ("", ".*")
     ),
     "rosoclingo.common",
@@ -22,8 +22,8 @@ WITHOUT_ROS = [
 LIBRARIES = ("clingo",)
 
 COMMANDS = [
-    "check = rosoclingo.reasoning.verifying.verify_option:main",
-    "oclingo = rosoclingo.reasoning.verifying.verify_option:oclingo",
+    "check = rosoclingo.checking.check_command:main",
+    "oclingo = rosoclingo.checking.oclingo_command:main",
     "golog = rosoclingo.languages.golog.golog_command:main",
     "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",
 ]

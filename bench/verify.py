@@ -14,10 +14,10 @@ from typing import NamedTuple, Tuple
 
 from figures import Figure, parse, write
 
+from rosoclingo.checking.verifying.scope import Limits, Wanted
+from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning.verifying.scope import Limits, Wanted
-from rosoclingo.reasoning.verifying.verification import verify
 
 ROOT = Path(__file__).resolve().parents[1]
 

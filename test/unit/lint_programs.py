@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rosoclingo.oclingo.program.lint.linting import findings, lint_sources
+from rosoclingo.checking.lint.linting import findings, lint_sources
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 

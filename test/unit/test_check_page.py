@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rosoclingo.oclingo.program.lint.kinds import KINDS
+from rosoclingo.checking.lint.kinds import KINDS
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = ("check.md", "why_no_plan.md", "verify.md")

@@ -11,7 +11,7 @@ import pytest
 pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "src" / "rosoclingo"
-PURE = ("oclingo", "planning", "languages", "reasoning", "runs", "robot/navigation", "robot/simulation")
+PURE = ("oclingo", "planning", "languages", "reasoning", "checking", "runs", "robot/navigation", "robot/simulation")
 PURE_COMMON = ("durable", "labels", "lazy", "reading")  # what pure packages may import of common
 MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "common": set(),
@@ -20,19 +20,14 @@ MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "oclingo/program": {"oclingo", "oclingo/progression", "oclingo/gringo3"},
     "oclingo/gringo3": {"oclingo"},
     "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program"},
-    "oclingo/service": {
-        "oclingo",
-        "oclingo/progression",
-        "oclingo/program",
-        "oclingo/solving",
-        "planning",
-    },
+    "oclingo/service": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving"},
     "planning": {"oclingo"},
     "languages": {"oclingo"},  # found by name where a program's files are read
     "reasoning": {"common", "oclingo", "planning"},
-    "runs": {"common", "oclingo", "planning", "reasoning"},
-    "interfaces": {"common", "oclingo", "planning", "reasoning", "runs"},
-    "nodes": {"common", "oclingo", "planning", "reasoning", "runs"},
+    "checking": {"oclingo", "planning", "reasoning"},
+    "runs": {"common", "oclingo", "planning", "reasoning", "checking"},
+    "interfaces": {"common", "oclingo", "planning", "reasoning", "checking", "runs"},
+    "nodes": {"common", "oclingo", "planning", "reasoning", "checking", "runs"},
     "robot": set(),
     "robot/navigation": {"common"},
     "robot/simulation": {"common", "robot/navigation"},

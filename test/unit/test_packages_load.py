@@ -52,7 +52,7 @@ def test_command_that_plays_a_stream_loads_no_more_than_it_needs(tmp_path):
     loaded = set(done.stdout.splitlines())
     assert {"rosoclingo.planning.workers.pool", "rosoclingo.oclingo.gringo3.dialect"} <= loaded
     rooms = (
-        "oclingo.service.check_command",
+        "checking.check_command",
         "oclingo.service.server",
         "oclingo.gringo3.file_translator",
         "planning.solver",

@@ -2,8 +2,8 @@
 
 from core_driver import Driver
 
+from rosoclingo.checking.verifying.confirmation import SteeredSolver
 from rosoclingo.reasoning import CoreSettings
-from rosoclingo.reasoning.verifying.confirmation import SteeredSolver
 
 #: A robot goes where somebody wants it; what fails is given up. A sensor tells of closed places, which nothing heeds.
 VISITS = """

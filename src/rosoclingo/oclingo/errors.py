@@ -14,7 +14,7 @@ class OclingoError(Exception):
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault of a program: where it is, what it is, what to write instead, its kind (program/lint/kinds.py)."""
+    """One fault of a program: where it is, what it is, what to write instead, its kind (checking/lint/kinds.py)."""
 
     file: str
     line: int

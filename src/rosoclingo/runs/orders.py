@@ -13,9 +13,9 @@ goal differ: a label that is chosen among ``labels`` is no other place of it.
 import re
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
+from rosoclingo.checking.sample_requests import IDENTIFIER, chosen
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgressionError, parse_term
-from rosoclingo.oclingo.service.sample_requests import IDENTIFIER, chosen
 
 #: Choices that the world makes.
 LABELS, PACKAGES, PLACE_OF = "labels", "packages", "place of "

@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client, Hands, Updates
 from interface_helpers import init_node, wait_to_hear, wait_until
 
+from rosoclingo.checking.verifying.scope import Kind, Limits
+from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.verifying.scope import Kind, Limits
-from rosoclingo.reasoning.verifying.verification import verify
 
 PROGRAM = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data", "late_door.lp")
 

@@ -11,7 +11,7 @@ ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 COMMANDS = [
     ("rosoclingo.languages.golog.golog_command", "golog/elevator.golog"),
     ("rosoclingo.oclingo.gringo3.translate_command", "paper.lp"),
-    ("rosoclingo.oclingo.service.check_command", "paper.lp"),
+    ("rosoclingo.checking.check_command", "paper.lp"),
 ]
 
 

@@ -8,8 +8,8 @@ from core_driver import PLANS, Driver
 from shipped import shipped
 from stream_replay import recorded
 
+from rosoclingo.checking.oclingo_command import main as oclingo
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.service.command import main as oclingo
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import Replay, Verdict, summary

@@ -5,14 +5,14 @@ from typing import AbstractSet, Any, Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
+from rosoclingo.checking.lint.actions import Named
 from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec
 from rosoclingo.interfaces.templates import texts_in
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.lint.actions import Named
-from rosoclingo.oclingo.program.lint.likeness import likely_word
-from rosoclingo.oclingo.program.lint.survey import Place, Survey, written
+from rosoclingo.oclingo.program.likeness import likely_word
+from rosoclingo.oclingo.program.survey import Place, Survey, written
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.runs.drawing import DRAWS, drawing_fault
 from rosoclingo.runs.topic_atoms import atom_in

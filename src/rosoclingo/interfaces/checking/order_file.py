@@ -5,13 +5,14 @@ from typing import Iterator, List, Sequence
 
 import clingo
 
+from rosoclingo.checking.more import Kinds
+from rosoclingo.checking.sample_requests import names_in_facts
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.lint.survey import written
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.survey import written
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
-from rosoclingo.oclingo.service.sample_requests import Kinds, names_in_facts
 from rosoclingo.reasoning.keywords import request
 from rosoclingo.runs.orders import OrderForm, read_orders
 

@@ -7,6 +7,9 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 import clingo
 
+from rosoclingo.checking.lint.actions import Actions, Labelled, Named
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.checking.more import Kinds, Texts
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
@@ -30,15 +33,11 @@ from rosoclingo.interfaces.templates import (
     texts_in,
 )
 from rosoclingo.oclingo.errors import Fault, ProgressionError
-from rosoclingo.oclingo.program.lint.actions import Actions, Labelled, Named
-from rosoclingo.oclingo.program.lint.argument_values import ArgumentValues
-from rosoclingo.oclingo.program.lint.likeness import likely_external, likely_word
-from rosoclingo.oclingo.program.lint.survey import label_facts
+from rosoclingo.oclingo.program.likeness import likely_external, likely_word
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.program.survey import label_facts
 from rosoclingo.oclingo.progression.terms import parse_atom, parse_term, signature_of
-from rosoclingo.oclingo.service.check_command import Texts
-from rosoclingo.oclingo.service.sample_requests import Kinds
 
 
 class RobotFiles:

@@ -6,8 +6,8 @@ from typing import Any, Dict, List, Optional, Set, Tuple
 
 import yaml
 
+from rosoclingo.checking.lint.actions import Named
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.lint.actions import Named
 from rosoclingo.oclingo.program.sources import Source
 
 _UNKNOWN = re.compile(r"unknown key '([^']*)'")

@@ -23,7 +23,7 @@ from rosoclingo.languages.golog.tree import (
     Variable,
 )
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.lint.likeness import is_slip
+from rosoclingo.oclingo.program.likeness import is_slip
 
 NOTHING = Sequence(())
 

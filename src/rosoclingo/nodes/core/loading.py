@@ -4,15 +4,15 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
+from rosoclingo.checking.lint.actions import Named, lint_labels
+from rosoclingo.checking.lint.linting import findings, is_error, lint_program
 from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
-from rosoclingo.oclingo.program.lint.actions import Named, lint_labels
-from rosoclingo.oclingo.program.lint.constants import given_values
-from rosoclingo.oclingo.program.lint.linting import findings, is_error, lint_program
-from rosoclingo.oclingo.program.lint.survey import LABELS, label_facts
+from rosoclingo.oclingo.program.constants import given_values
 from rosoclingo.oclingo.program.sources import Source, parse_constants
+from rosoclingo.oclingo.program.survey import LABELS, label_facts
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.resuming import RESUMES
 

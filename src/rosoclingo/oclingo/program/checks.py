@@ -11,10 +11,10 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, STEPS
-from rosoclingo.oclingo.program.lint.survey import Place, places, written
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.survey import Place, places, written
 from rosoclingo.oclingo.progression.terms import Signature
 
 KEYWORDS = {

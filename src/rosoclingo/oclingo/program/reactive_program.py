@@ -13,20 +13,20 @@ from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, closing_text, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.constants import given_values
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directive_values import constant_values, number_of
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
-from rosoclingo.oclingo.program.lint.constants import given_values
-from rosoclingo.oclingo.program.lint.survey import Survey
-from rosoclingo.oclingo.program.lint.trial import Trial, redefined_by, suspicious_heads
-from rosoclingo.oclingo.program.lint.undefined import undefined
+from rosoclingo.oclingo.program.first_steps import Trial, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, Patterns
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources, statement_at
+from rosoclingo.oclingo.program.survey import Survey
 from rosoclingo.oclingo.program.times import time_positions
+from rosoclingo.oclingo.program.undefined import undefined
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
 PathLike = Union[str, Path]

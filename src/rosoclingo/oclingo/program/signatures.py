@@ -5,7 +5,7 @@ Works on :mod:`clingo.ast` statements.
 
 import operator
 from functools import cached_property
-from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType, BinaryOperator, Sign, UnaryOperator
@@ -47,6 +47,11 @@ def term_signature(term: Node) -> Signature:
     if kind == ASTType.SymbolicTerm:
         return Signature(term.symbol.name, 0, term.symbol.positive)
     return Signature(term.name, len(term.arguments))
+
+
+def parted(term: Node) -> Tuple[Signature, List[Node]]:
+    """Return an atom's predicate and its arguments."""
+    return term_signature(term), arguments_of(term)
 
 
 def atom_terms(term: Node) -> Iterator[Node]:
@@ -111,6 +116,17 @@ def _from_element(element: Node, found: List[Occurrence]) -> None:
         return
     for literal in element.condition if hasattr(element, "condition") else ():
         _from_body(literal, True, found)
+
+
+def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
+    """Yield the literals of a head, each with its condition."""
+    if head.ast_type == ASTType.Literal:
+        yield head, ()
+    elif head.ast_type in (ASTType.Disjunction, ASTType.Aggregate, ASTType.HeadAggregate):
+        for element in head.elements:
+            one = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
+            if one.ast_type == ASTType.ConditionalLiteral:
+                yield one.literal, list(one.condition)
 
 
 def evaluate(term: Node, values: Dict[str, clingo.Symbol]) -> Optional[clingo.Symbol]:

@@ -8,7 +8,7 @@ import shutil
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, List, NoReturn, Optional, Sequence, Tuple
+from typing import Any, Callable, List, NoReturn, Optional, Protocol, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -19,10 +19,6 @@ from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 from rosoclingo.oclingo.unread import ends_unread
-from rosoclingo.planning.workers.pool import WorkerPool
-
-if TYPE_CHECKING:
-    from rosoclingo.oclingo.service.check_command import More, Verifier
 
 DEFAULT_HOST = "127.0.0.1"
 
@@ -45,8 +41,24 @@ update of --stream has no answer."""
 _REMAPPING = re.compile(r"[\w~/]+:=")
 
 
-Checks = Callable[[], "Tuple[Optional[More], Optional[Verifier]]"]
-"""What ``--check`` looks at beside the program; asked for it only where that is wanted."""
+Check = Callable[[argparse.ArgumentParser], Callable[[argparse.Namespace], int]]
+"""Adds the arguments of ``--check`` to a parser; returns the check, which returns the exit code."""
+
+
+class Workers(Protocol):
+    """Solvers in processes of their own."""
+
+    def __enter__(self) -> "Workers":
+        """Return itself."""
+
+    def __exit__(self, *error: Any) -> None:
+        """End the processes."""
+
+    def start(self) -> None:
+        """Start the first process; raises ProgramError."""
+
+    def solver(self) -> StreamSolver:
+        """Return a solver for one stream."""
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -133,12 +145,12 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
 
 
 @ends_unread
-def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (None, None)) -> int:
-    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+def main(arguments: Optional[Sequence[str]], make_workers: Callable[..., Workers], add_check: Check) -> int:
+    """Run the command with ``arguments`` (None: those of the process) and return its exit code."""
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]
     parser = make_parser()
     is_check = any("--check".startswith(word) and len(word) > len("--c") for word in words)
-    check = _make_check(parser, checks) if is_check else None
+    check = add_check(parser) if is_check else None
     options = parser.parse_intermixed_args(words)
     files, models = _files_and_models(options.words)
     _check(parser, options, files)
@@ -154,7 +166,7 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
         for text in program.warnings:
             _say(f"warning: {text}")
         ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest, "plan_time": options.plan_time}
-        with WorkerPool(program, models=models, horizon_limit=options.imax, fork=True, **ways) as process:
+        with make_workers(program, models=models, horizon_limit=options.imax, fork=True, **ways) as process:
             process.start()
             return _run(process.solver(), options)
     except (ProgramError, SolverError) as error:
@@ -167,15 +179,6 @@ def main(arguments: Optional[Sequence[str]] = None, checks: Checks = lambda: (No
         return 1
     except KeyboardInterrupt:
         return 130
-
-
-def _make_check(parser: argparse.ArgumentParser, checks: Checks) -> Callable[[argparse.Namespace], int]:
-    """Add to the command line what tells how to check; return the check."""
-    from rosoclingo.oclingo.service.check_command import add_trials, check  # noqa: PLC0415 as much as all else
-
-    more, verifier = checks()
-    add_trials(parser, more, verifier)
-    return lambda options: check(options, more, verifier)
 
 
 def _run(solver: StreamSolver, options: argparse.Namespace) -> int:

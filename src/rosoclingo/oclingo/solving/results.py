@@ -8,7 +8,7 @@ from typing import Dict, FrozenSet, Iterable, Optional, Tuple
 import clingo
 
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.lint.likeness import asked, likely
+from rosoclingo.oclingo.program.likeness import asked, likely
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement

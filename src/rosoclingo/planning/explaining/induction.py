@@ -10,11 +10,10 @@ from typing import Iterable, List, Optional
 import clingo
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo.program.lint.rule_shapes import parted
-from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.program.signatures import Occurrence, parted
+from rosoclingo.oclingo.program.survey import OWN
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.planning.explaining.named_rules import RuleKind
 from rosoclingo.planning.explaining.reach import Reach, mentions

@@ -7,11 +7,10 @@ import clingo
 from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.domains import plain_literals
-from rosoclingo.oclingo.program.lint.rule_shapes import parted
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import atom_terms
+from rosoclingo.oclingo.program.signatures import atom_terms, parted
 from rosoclingo.oclingo.progression.terms import Signature, parse_term, signature_of
 from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, pattern_of, shown
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleTexts

@@ -12,12 +12,11 @@ from clingo.ast import ASTType, Sign
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.program.domains import names_in
-from rosoclingo.oclingo.program.lint.rule_shapes import head_literals, parted
-from rosoclingo.oclingo.program.lint.survey import OWN
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import atom_terms
+from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, parted
+from rosoclingo.oclingo.program.survey import OWN
 
 _MOST = 100_000  # ground rules
 _TIME = clingo.Number(0)  # for all times

@@ -22,12 +22,12 @@ import clingo
 from clingo.ast import ASTType, BodyAggregate, BodyAggregateElement, Literal, Sign
 
 from rosoclingo.oclingo.program.domains import names_in
-from rosoclingo.oclingo.program.lint.survey import shows
 from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.program.survey import shows
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleKind, RuleTexts
 

@@ -6,9 +6,8 @@ import re
 import pytest
 from verified_programs import VISITS, more
 
+from rosoclingo.checking import check_command
 from rosoclingo.interfaces.checking.robot_files import RobotFiles
-from rosoclingo.oclingo.service import check_command
-from rosoclingo.reasoning.verifying.verify_option import VerifyOption
 
 PROGRAM = more(VISITS, "_status(X,rejected,t) :- _request(ring(X),t+1), place(X).")
 ORDERS = """
@@ -26,7 +25,7 @@ def ask(tmp_path, capsys):
         (tmp_path / "program.lp").write_text(PROGRAM)
         (tmp_path / "orders.yaml").write_text(orders)
         words = [str(tmp_path / "program.lp"), "--orders", str(tmp_path / "orders.yaml"), *options]
-        return check_command.main(words, RobotFiles(), VerifyOption()), capsys.readouterr().out
+        return check_command.main(words, RobotFiles()), capsys.readouterr().out
 
     return run
 

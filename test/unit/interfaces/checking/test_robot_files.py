@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rosoclingo
+from rosoclingo.checking import check_command
 from rosoclingo.interfaces.checking.robot_files import RobotFiles
-from rosoclingo.oclingo.service import check_command
 
 TEMPLATE = lint_programs.ROOT / "templates" / "package" / "config"
 CONFIG = lint_programs.ROOT / "config"

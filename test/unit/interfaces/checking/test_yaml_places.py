@@ -2,9 +2,9 @@
 
 import pytest
 
+from rosoclingo.checking.check_command import _shown
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.service.check_command import _shown
 
 
 def read(folder, text):

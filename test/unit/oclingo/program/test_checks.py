@@ -3,7 +3,7 @@
 import pytest
 
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
-from rosoclingo.oclingo.program.lint.trial import suspicious_heads
+from rosoclingo.oclingo.program.first_steps import suspicious_heads
 
 STEPS = "#program cumulative(t).\n{ m(t) }.\n#program volatile(t).\n"
 

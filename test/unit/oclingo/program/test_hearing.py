@@ -3,9 +3,9 @@
 import pytest
 from shipped import shipped
 
+from rosoclingo.checking.lint.stream_lint import lint_stream
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.oclingo.program.hearing import Hearing
-from rosoclingo.oclingo.program.lint.stream_lint import lint_stream
 
 VISITS = """
 #const depth = 3.

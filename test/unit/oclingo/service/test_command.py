@@ -14,7 +14,7 @@ import pytest
 from plain_walk import program_text
 from service_helpers import Client
 
-from rosoclingo.oclingo.service.command import main
+from rosoclingo.checking.oclingo_command import main
 from rosoclingo.oclingo.service.output import Progress
 
 ROOT = Path(__file__).resolve().parents[4]

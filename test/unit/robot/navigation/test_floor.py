@@ -9,9 +9,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosoclingo.checking.lint.linting import findings, lint_sources
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.program.lint.linting import findings, lint_sources
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D, load_map
 from rosoclingo.robot.navigation.floor import Floor, FloorError, floor_of, floor_program

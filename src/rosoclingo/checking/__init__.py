@@ -1,0 +1,1 @@
+"""What may be wrong with a program before it drives: lint, trial plans, verification."""

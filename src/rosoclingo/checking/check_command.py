@@ -1,0 +1,261 @@
+"""The command ``check``: what may be wrong with a program, as a compiler says it; nothing is run."""
+
+import argparse
+import gc
+import json
+import shutil
+import sys
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
+
+from rosoclingo.checking.lint.linting import Finding, findings, is_error, lint_sources
+from rosoclingo.checking.lint.stream_lint import lint_stream
+from rosoclingo.checking.more import More
+from rosoclingo.checking.verifying import verify_option
+from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source, parse_constants
+from rosoclingo.oclingo.progression.parser import parse_updates
+from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS, constants_of, positive, seconds
+from rosoclingo.oclingo.unread import ends_unread
+
+if TYPE_CHECKING:
+    from rosoclingo.checking.trial_plans import Trial
+    from rosoclingo.checking.verifying.verification import Verdict
+
+CLEAN, FOUND, UNREADABLE = 0, 1, 2
+"""The exit codes: nothing was found, something was, a file cannot be read or the command line is wrong."""
+
+_DESCRIPTION = """\
+Says what may be wrong with a reactive logic program before it runs: misspelt predicates, values that no rule gives,
+heads without their step and more; with --plan, what it would do about requests, or which rules forbid it. No master is
+needed."""
+
+_EPILOG = """\
+A comment "% check: ok KIND" silences findings of a kind on its line or, alone on a line, on the next one. Exit code: 0
+nothing was found; 1 something was, an error, a warning, no plan for a request, or what --verify looks for;
+2 a file can't be read, or the command line is wrong."""
+
+
+def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(prog="check", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="program files, read in order (-: standard input)")
+    parser.add_argument(
+        "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; may be repeated"
+    )
+    parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are looked at as well")
+    add_trials(parser, more)
+    parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
+    return parser
+
+
+def add_trials(parser: argparse.ArgumentParser, more: Optional[More] = None) -> None:
+    """Add what else than its rules is looked at of a program, and how."""
+    parser.add_argument(
+        "--plan",
+        action="append",
+        nargs="?",
+        default=[],
+        metavar="REQUEST",
+        help="show the plan for a request, as in goal(office1,office2,1), after the updates of --stream, or which "
+        "rules forbid it; may be repeated; without REQUEST one of each kind that the program asks for, or of --orders",
+    )
+    parser.add_argument(
+        "--steps",
+        type=positive,
+        default=TRIAL_STEPS,
+        metavar="N",
+        help=f"steps that a plan may have (default: {TRIAL_STEPS})",
+    )
+    parser.add_argument(
+        "--seconds",
+        type=seconds,
+        default=TRIAL_SECONDS,
+        metavar="S",
+        help=f"time for each plan, and again for the reasons where there is none (default: {TRIAL_SECONDS:g})",
+    )
+    if more is not None:
+        more.add_arguments(parser)
+    verify_option.add_arguments(parser)
+
+
+@ends_unread
+def main(arguments: Optional[Sequence[str]] = None, more: Optional[More] = None) -> int:
+    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+    options = make_parser(more).parse_args(arguments)
+    try:
+        return check(options, more)
+    except KeyboardInterrupt:
+        return 130
+
+
+def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
+    """Look at what the options ``files``, ``const``, ``stream`` and ``json`` name, print it; return the exit code."""
+    unreadable: List[Fault] = []
+    sources = [source for file in options.files for source in _read(file, unreadable)]
+    stream = _read(options.stream, unreadable) if options.stream else []
+    added: List[Source] = []  # other than files of the command line
+    try:
+        constants = constants_of(options.const)
+        parse_constants(constants)
+        added += [*(more.sources(options) if more is not None else ()), *verify_option.sources(options)]
+    except ProgramError as error:
+        unreadable += error.faults
+    if unreadable:
+        sys.stderr.writelines(f"{fault}\n" for fault in unreadable)
+        return UNREADABLE
+    try:
+        with _nothing_dropped():
+            found, files, program = _look([*sources, *added], constants, stream, options, more)
+        usable = program if program is not None and not program.faults else None
+        trials = _trials(usable, stream, options, more) if usable is not None else []
+        verdict = verify_option.run(usable, options, more) if usable is not None else None
+    except ProgramError as error:
+        sys.stderr.write(f"{error}\n")
+        return UNREADABLE
+    own = {one.name for one in added}
+    named = {name: text for name, text in files if name not in own}
+    (_print_json if options.json else _print_text)(found, named, trials, verdict, sys.stdout)
+    failed = any(one.answer is None or one.fault for one in trials) or (verdict is not None and not verdict.clean)
+    return FOUND if found or failed else CLEAN
+
+
+@contextmanager
+def _nothing_dropped() -> Iterator[None]:
+    """While all that is made is kept, as it is to the end: Python does not look for what could be freed."""
+    on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if on:
+            gc.freeze()
+            gc.enable()
+
+
+def _trials(
+    program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, more: Optional[More]
+) -> "List[Trial]":
+    """Try the requests, if there are any, after the stream; what is wrong with its syntax is told elsewhere."""
+    if not options.plan:
+        return []
+    from rosoclingo.checking.trial_plans import Trials  # noqa: PLC0415 much to load, and rarely asked for
+
+    trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[Trial]
+    for source in stream:
+        with suppress(ProgressionError):
+            found += trials.play(parse_updates(source.text))
+    kinds = more.requests(program) if more is not None else ()
+    asked = [trials.samples(kinds) if text is None else [trials.request(text)] for text in options.plan]
+    return found + [one for some in asked for one in some]
+
+
+def _look(
+    sources: Sequence[Source],
+    constants: Dict[str, str],
+    stream: Sequence[Source],
+    options: argparse.Namespace,
+    more: Optional[More],
+) -> Tuple[List[Finding], List[Tuple[str, str]], Optional[ReactiveProgram]]:
+    """Return the findings, all files that were looked at, and the program where it could be read."""
+    program, faults = lint_sources(sources, constants)
+    grave = faults if program is None else program.faults
+    files = [(one.name, one.text) for one in (sources if program is None else program.texts)]
+    for one in stream:
+        files.append((one.name, one.text))
+        # without a program there is only its syntax to be looked at
+        faults = faults + ([] if program is None else lint_stream(program, one.text, one.name))
+    if more is not None:
+        told = more.look(options, program)
+        faults, files = faults + told.faults, files + told.files
+    return findings(faults, files, grave), files, program
+
+
+def _read(file: str, unreadable: List[Fault]) -> List[Source]:
+    """Return the text of a file, standard input for ``-``; where it can't be read that is noted."""
+    if file == "-":
+        return [Source("<stdin>", sys.stdin.read(), Path())]
+    try:
+        return [Source.from_file(Path(file))]
+    except ProgramError as error:
+        unreadable += error.faults
+        return []
+
+
+def _print_text(
+    found: Sequence[Finding],
+    files: Dict[str, str],
+    trials: "Sequence[Trial]",
+    verdict: "Optional[Verdict]",
+    output: TextIO,
+) -> None:
+    lines = {name: text.splitlines() for name, text in files.items()}
+    for one in found:
+        output.write(f"{_place(one.fault)}: {one.severity}: {_words(one.fault)} [{one.fault.kind}]\n")
+        output.write(_shown(one.fault, lines.get(one.fault.file, ())))
+    errors = sum(map(is_error, found))
+    told = [_counted(errors, "error"), _counted(len(found) - errors, "warning")]
+    output.write("{} in {}\n".format(", ".join(filter(None, told)) or "nothing", _counted(len(files), "file")))
+    width = max(shutil.get_terminal_size((100, 24)).columns, 60)
+    output.writelines(f"\n{one.text(width)}" for one in trials)
+    if verdict is not None:
+        output.write(f"\n{verdict.text()}")
+
+
+def _place(fault: Fault) -> str:
+    return f"{fault.file}:{fault.line}:{fault.column}" if fault.line else fault.file
+
+
+def _words(fault: Fault) -> str:
+    return fault.message + (f" ({fault.mend})" if fault.mend else "")
+
+
+_WIDEST = 200  # columns of a line that are shown
+
+
+def _shown(fault: Fault, lines: Sequence[str]) -> str:
+    """Return the line of a fault with a mark below its column."""
+    if not 0 < fault.line <= len(lines) or not lines[fault.line - 1].strip():
+        return ""
+    start = max(0, fault.column - 1 - _WIDEST // 2) if fault.column > _WIDEST else 0
+    line = lines[fault.line - 1].replace("\t", " ")[start : start + _WIDEST]
+    number = f"{fault.line:6} | "
+    return f"{number}{line}\n{'|':>{len(number) - 1}} {' ' * (fault.column - 1 - start)}^\n"
+
+
+def _counted(number: int, what: str) -> str:
+    return "" if not number else f"{number} {what}{'s' * (number > 1)}"
+
+
+def _print_json(
+    found: Sequence[Finding],
+    files: Dict[str, str],
+    trials: "Sequence[Trial]",
+    verdict: "Optional[Verdict]",
+    output: TextIO,
+) -> None:
+    errors = sum(map(is_error, found))
+    told: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
+    told["findings"] = [
+        {
+            "kind": one.fault.kind,
+            "severity": one.severity,
+            "file": one.fault.file,
+            "line": one.fault.line,
+            "column": one.fault.column,
+            "message": one.fault.message,
+            "mend": one.fault.mend,
+        }
+        for one in found
+    ]
+    if trials:
+        told["plans"] = [one.to_message() for one in trials]
+    if verdict is not None:
+        told["verify"] = verdict.to_message()
+    output.write(json.dumps(told, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,190 @@
+"""Which actions a program may plan, with which parameters; against interfaces and labels."""
+
+from typing import (
+    AbstractSet,
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
+
+import clingo
+from clingo.ast import ASTType
+
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.checking.lint.mixed_values import MixedValues
+from rosoclingo.checking.lint.rule_shapes import Rule
+from rosoclingo.checking.lint.term_shapes import Bindings, is_open
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION
+from rosoclingo.oclingo.program.likeness import likely_value, likely_word
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.signatures import parted
+from rosoclingo.oclingo.program.survey import LABELS, Survey, fault_at
+from rosoclingo.oclingo.progression.terms import Signature
+
+Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
+"""Returns of which terms an action asks for the label, by its parameter."""
+
+
+MANY = 3
+"""So many other facts of a predicate name labels where a fact is odd that does not."""
+
+
+class Named(NamedTuple):
+    """A name that a file gives to something, with the place where it stands."""
+
+    name: str
+    file: str
+    line: int
+    column: int
+
+    def fault(self, kind: str, message: str, mend: str) -> Fault:
+        """Return a fault of it."""
+        return Fault(self.file, self.line, self.column, message, mend, kind)
+
+
+class Actions:
+    """The actions that a program may plan.
+
+    Attributes:
+        all_known: whether it has no others than those of ``parameters``.
+        parameters: what the parameter of each may be, by the action's name as text; None for anything.
+        mixed: the actions whose parameters can include those of other actions, as rules do not separate them.
+
+    """
+
+    def __init__(self, survey: Survey, values: ArgumentValues) -> None:
+        self._survey = survey
+        self.all_known = True
+        self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {}
+        self.mixed: Set[str] = set()
+        self._nodes: Dict[str, Node] = {}
+        mixed = MixedValues(values)
+        for rule in values.rules:
+            bound = values.bindings(rule) if rule.head.signature == ACTION else None
+            if bound is not None:
+                self._add(rule, values, mixed, bound)
+
+    def _add(self, rule: Rule, values: ArgumentValues, mixed: MixedValues, bound: Bindings) -> None:
+        """Add the actions that a rule plans."""
+        name, parameter, _ = parted(rule.head.term)[1]
+        names = values.value(name, rule.parameter, bound)
+        if names is None or any(map(is_open, names)):
+            self.all_known = False
+            return
+        variable = rule.head.arguments[0].variable
+        for value in names:
+            inside = values.bindings(rule, {variable: frozenset({value})}) if variable else bound
+            if inside is None:
+                continue
+            told, one = values.value(parameter, rule.parameter, inside), str(value)
+            known = self.parameters.get(one, frozenset())
+            self.parameters[one] = None if told is None or known is None else known | told
+            self.mixed.update([one] if mixed.mixes(rule) else [])
+            self._nodes.setdefault(one, name)
+
+    def without_interface(self, interfaces: Sequence[Named]) -> Iterator[Fault]:
+        """Yield the actions that no interface drives, and the interfaces that no action drives."""
+        names = [one.name for one in interfaces]
+        for action, node in self._nodes.items():
+            if action not in names:
+                message = f"no interface drives the action {action}: nothing will be done for it"
+                yield fault_at(node, "no-interface", message, likely_value(action, names) if names else "")
+        for one in interfaces if self.all_known and self._nodes else ():
+            if one.name not in self.parameters:
+                message = f"the program has no action {one.name}"
+                yield one.fault("idle-interface", message, likely_value(one.name, list(self.parameters)))
+
+    def without_label(self, labels: Sequence[Named], asking: Mapping[str, Labelled]) -> Iterator[Fault]:
+        """Yield the places of the program without a label, and the labels that no action asks for.
+
+        ``asking`` are the actions that ask for labels.
+        """
+        names = {one.name for one in labels}
+        needed: Set[str] = set()
+        certain = self.all_known
+        for action, asked in asking.items():
+            parameters = self.parameters.get(action, frozenset())
+            if parameters is None or any(map(is_open, parameters)):
+                certain = False
+                continue
+            terms = sorted({term for parameter in parameters for term in asked(parameter)})
+            needed |= set(map(str, terms))
+            for term in terms if action not in self.mixed else ():
+                if str(term) not in names:
+                    yield self._no_label(action, term, names)
+        for node in self._odd_in_rows(names):
+            if str(node) not in needed:
+                message = f"there is no label {node}, though all others that stand here are labels"
+                yield fault_at(node, "no-label", message, likely_value(str(node), names))
+        for one in labels if certain and needed else ():
+            if one.name not in needed:
+                yield one.fault("idle-label", f"no action ever asks for the label {one.name}", _meant(one.name, needed))
+
+    def like_reasons(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
+        """Yield the parameters that equal a failure reason of their action; ``reasons`` has these by its name."""
+        for action, parameters in self.parameters.items():
+            alike = reasons(action) & set(map(str, parameters or ())) if action not in self.mixed else set()
+            for term in sorted(alike):
+                node = self._where(term)
+                message = f"{term} is a parameter of {action} and a reason with which it fails"
+                mend = f"give it another name: _return({action},{term},C) is success and failure"
+                yield fault_at(self._nodes[action] if node is None else node, "like-reason", message, mend)
+
+    def _odd_in_rows(self, names: Set[str]) -> Iterator[Node]:
+        """Yield the constants in facts that are no labels, where those of all other facts of a predicate are."""
+        rows: Dict[Tuple[Signature, int], Dict[str, Node]] = {}
+        for _, statement, found in self._survey.statements:
+            if statement.ast_type == ASTType.Rule and not statement.body and all(one.head for one in found):
+                for one in found:
+                    for position, argument in enumerate(one.arguments):
+                        rows.setdefault((one.signature, position), {}).setdefault(str(argument), argument)
+        for row in rows.values():
+            odd = [node for text, node in row.items() if text not in names]
+            if len(odd) == 1 and len(row) > MANY and odd[0].ast_type == ASTType.SymbolicTerm:
+                yield odd[0]
+
+    def _no_label(self, action: str, term: clingo.Symbol, names: Set[str]) -> Fault:
+        message = f"there is no label {term}: the action {action} will return unknown_label for it"
+        node = self._where(str(term))
+        mend = likely_value(str(term), names) if names else ""
+        return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
+
+    def _where(self, text: str) -> Optional[Node]:
+        """Return the first occurrence of a term in a program's facts, of those with the fewest arguments."""
+        found: List[Tuple[int, Node]] = []
+        for _, statement, atoms in self._survey.statements:
+            fact = statement.ast_type == ASTType.Rule and not statement.body and len(atoms) == 1 and atoms[0].head
+            for one in atoms[0].term.nodes if fact and statement.location.begin.filename != LABELS else ():
+                if one.ast_type in (ASTType.SymbolicTerm, ASTType.Function) and str(one) == text:
+                    found.append((len(atoms[0].arguments), one))
+        return min(found, key=lambda one: one[0])[1] if found else None
+
+    def likely_asking(self, labels: Sequence[Named]) -> Dict[str, Labelled]:
+        """Return the actions of which most parameters are labels, where nobody tells which ask for them."""
+        names = {one.name for one in labels}
+        found: Dict[str, Labelled] = {}
+        for action, parameters in self.parameters.items():
+            known = sum(str(one) in names for one in parameters or ())
+            if parameters and 2 * known > len(parameters):
+                found[action] = lambda parameter: (parameter,)
+        return found
+
+
+def _meant(name: str, needed: Set[str]) -> str:
+    return likely_word(name, needed) or f"places are {', '.join(sorted(needed))}"
+
+
+def lint_labels(survey: Survey, labels: Sequence[Named]) -> List[Fault]:
+    """Return what is wrong with labels where nothing is known of interfaces."""
+    actions = Actions(survey, ArgumentValues.of_survey(survey))
+    return list(actions.without_label(labels, actions.likely_asking(labels)))

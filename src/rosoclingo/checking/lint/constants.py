@@ -1,0 +1,86 @@
+"""Names in rules that stand where a number has to be."""
+
+from typing import Collection, Dict, Iterator, List, Sequence, Set
+
+import clingo
+from clingo.ast import AggregateFunction, ASTType, ComparisonOperator, UnaryOperator
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.constants import own_constants
+from rosoclingo.oclingo.program.likeness import likely_word
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.survey import Survey, fault_at
+
+
+def words_for_numbers(survey: Survey) -> List[Fault]:
+    """Return the names in rules that stand where a number has to be, though no ``#const`` gives them one."""
+    own = own_constants(survey)
+    found: Dict[str, Fault] = {}
+    for part, statement, _ in survey.statements:
+        # a step's parameter and constants are numbers; those of part headers are the parameters of these
+        known = {*own, *survey.constants, part.parameter}
+        for term in _counted(statement.nodes):
+            name = _word(term)
+            if name and name not in known:
+                message = f"{name} stands for a number, but no #const gives it one"
+                fault = fault_at(term, "no-number", message, _mend(name, own))
+                found.setdefault(f"{fault.file}:{fault.line}:{name}", fault)
+    return list(found.values())
+
+
+def _mend(name: str, own: Collection[str]) -> str:
+    return likely_word(name, own) or f"write #const {name} = 1. with its value"
+
+
+def _word(term: Node) -> str:
+    if term.ast_type == ASTType.Function and not term.arguments and not term.external:
+        return str(term.name)
+    symbol = term.symbol if term.ast_type == ASTType.SymbolicTerm else None
+    plain = symbol is not None and symbol.type is clingo.SymbolType.Function and not symbol.arguments and symbol.name
+    return str(symbol.name) if plain and symbol is not None else ""
+
+
+def _counted(nodes: Sequence[Node]) -> Iterator[Node]:
+    """Yield the terms of a statement that have to be numbers."""
+    for node in nodes:
+        kind = node.ast_type
+        if kind in (ASTType.BinaryOperation, ASTType.Interval):
+            yield from (node.left, node.right)
+        elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
+            yield node.argument
+        elif kind == ASTType.Comparison:
+            yield from _ordered(node, nodes)
+        elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
+            kind == ASTType.BodyAggregate and node.function in _COUNTING
+        ):
+            yield from _guards(node)
+
+
+def _ordered(node: Node, nodes: Sequence[Node]) -> Iterator[Node]:
+    """Yield what is compared as less or more with what is counted with: a variable that is calculated with, a sum."""
+    sides = [node.term, *(guard.term for guard in node.guards)]
+    if len(sides) == 2 and node.guards[0].comparison in _ORDERS:
+        for one, other in (sides, sides[::-1]):
+            if other.ast_type == ASTType.BinaryOperation or str(other) in _calculated(nodes):
+                yield one
+
+
+def _calculated(nodes: Sequence[Node]) -> Set[str]:
+    """Return the variables with which a statement calculates."""
+    sums = (one for one in nodes if one.ast_type == ASTType.BinaryOperation)
+    return {str(side) for one in sums for side in (one.left, one.right) if side.ast_type == ASTType.Variable}
+
+
+_ORDERS = (
+    ComparisonOperator.LessThan,
+    ComparisonOperator.LessEqual,
+    ComparisonOperator.GreaterThan,
+    ComparisonOperator.GreaterEqual,
+)
+_COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards may be words
+
+
+def _guards(node: Node) -> Iterator[Node]:
+    for guard in (node.left_guard, node.right_guard):
+        if guard is not None:
+            yield guard.term

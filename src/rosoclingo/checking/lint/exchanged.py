@@ -1,0 +1,108 @@
+"""Arguments that stand in the place of others."""
+
+from collections import Counter
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+
+from clingo.ast import ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.checks import KEYWORDS
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, written
+
+_KIND = "exchanged"
+_TIMELESS = "_says"
+_ALIKE = 2  # so many other atoms have to have two arguments the other way round
+
+
+def exchanged(survey: Survey) -> List[Fault]:
+    """Return the atoms whose variables stand the other way round in all others."""
+    found: List[Fault] = []
+    for signature in dict.fromkeys([*survey.defining, *survey.using]):
+        atoms = [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]
+        if signature.arity > 1 and len(atoms) > _ALIKE:
+            found += _of_predicate(atoms)
+    return found
+
+
+def exchanged_words(survey: Survey) -> Iterator[Fault]:
+    """Yield the keywords whose cycle is not their last argument, or whose action is not their first."""
+    actions = _actions(survey)
+    for name, signature in KEYWORDS.items():
+        for place in [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]:
+            arguments = place.occurrence.arguments
+            if name != _TIMELESS and _has_its_cycle_elsewhere(place, arguments, survey):
+                message = f"{written(place.occurrence.term)} has its cycle elsewhere than as the last argument"
+                yield place.fault(_KIND, message, f"write the cycle as argument {signature.arity}")
+            elif signature in (ACTION, RETURN) and _has_its_action_second(arguments, actions):
+                message = f"{written(place.occurrence.term)} has the action {arguments[1]} as its second argument"
+                yield fault_at(arguments[1], _KIND, message, "write the action as argument 1")
+
+
+def _has_its_cycle_elsewhere(place: Place, arguments: Sequence[Node], survey: Survey) -> bool:
+    step = place.part.parameter
+    found = [time_offset(one, step, survey.constants) is not None for one in arguments] if step else []
+    return any(found[:-1]) and not found[-1]
+
+
+def _actions(survey: Survey) -> List[Counter]:
+    """Return how often each constant is the first, and the second, argument of an action or a return."""
+    found: List[Counter] = [Counter(), Counter()]
+    for signature in (ACTION, RETURN):
+        for place in [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]:
+            for count, argument in zip(found, place.occurrence.arguments):
+                if argument.ast_type == ASTType.SymbolicTerm:
+                    count[str(argument)] += 1
+    return found
+
+
+def _has_its_action_second(arguments: Sequence[Node], actions: Sequence[Counter]) -> bool:
+    name = str(arguments[1])
+    swapped = arguments[0].ast_type == ASTType.Variable and arguments[1].ast_type == ASTType.SymbolicTerm
+    return swapped and actions[0][name] >= actions[1][name]
+
+
+# ---- variables ------------------------------------------------------------------------------------------------------
+
+
+def _of_predicate(atoms: Sequence[Place]) -> Iterator[Fault]:
+    names = [[_variable(one) for one in atom.occurrence.arguments] for atom in atoms]
+    count: Dict[Tuple[int, Optional[str]], int] = Counter((n, name) for row in names for n, name in enumerate(row))
+    for atom, row in zip(atoms, names):
+        pair = _pair(row, count)
+        if pair is not None and not _mirrors(atom, row, pair):
+            one, other = (row[position] for position in pair)
+            message = f"{written(atom.occurrence.term)} has {one} and {other} the other way round than all others"
+            yield atom.fault(
+                _KIND, message, f"write {other} as argument {pair[0] + 1}, {one} as argument {pair[1] + 1}"
+            )
+
+
+def _variable(term: Node) -> Optional[str]:
+    return str(term.name) if term.ast_type == ASTType.Variable and term.name != "_" else None
+
+
+def _stem(name: str) -> str:
+    """Return a name without what tells those of a row apart."""
+    return name.rstrip("'0123456789")
+
+
+def _pair(row: Sequence[Optional[str]], count: Dict[Tuple[int, Optional[str]], int]) -> Optional[Tuple[int, int]]:
+    """Return the arguments of an atom that all others have the other way round."""
+    for i, one in enumerate(row):
+        for j, other in enumerate(row[i + 1 :], i + 1):
+            if one and other and _stem(one) != _stem(other) and max(len(one), len(other)) > 1:
+                lone = count[i, one] == 1 and count[j, other] == 1
+                if lone and min(count[j, one], count[i, other]) >= _ALIKE:
+                    return i, j
+    return None
+
+
+def _mirrors(atom: Place, row: Sequence[Optional[str]], pair: Tuple[int, int]) -> bool:
+    """Tell whether the rule says of an atom that it holds the other way round as well."""
+    mine = list(map(str, atom.occurrence.arguments))
+    mine[pair[0]], mine[pair[1]] = mine[pair[1]], mine[pair[0]]
+    atoms = [one for statement, one in atom.part.atoms if statement is atom.statement]
+    return any(one.signature == atom.signature and list(map(str, one.arguments)) == mine for one in atoms)

@@ -1,0 +1,104 @@
+"""All that may be wrong with a program, at once and in order; what a comment silences is left out."""
+
+from typing import Iterable, List, Mapping, Optional, Sequence, Tuple
+
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.checking.lint.constants import words_for_numbers
+from rosoclingo.checking.lint.exchanged import exchanged, exchanged_words
+from rosoclingo.checking.lint.kinds import ERROR, KINDS, WARNING, Finding
+from rosoclingo.checking.lint.lone_names import odd_words
+from rosoclingo.checking.lint.other_steps import early_ends, gone, other_steps
+from rosoclingo.checking.lint.other_systems import libraries, of_other_systems
+from rosoclingo.checking.lint.predicates import contradictions, disjoint, never_matching, unfounded, unused
+from rosoclingo.checking.lint.punctuation import odd_choices, odd_marks
+from rosoclingo.checking.lint.silence import Silences
+from rosoclingo.checking.lint.slips import slips, slips_of_words
+from rosoclingo.checking.lint.steps import histories, stepless
+from rosoclingo.checking.lint.talk import demanded_actions, missing_words, statuses, told_at_the_end
+from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.program import checks
+from rosoclingo.oclingo.program.languages import language_of
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+
+Texts = Iterable[Tuple[str, str]]
+
+
+def lint_sources(
+    sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
+) -> Tuple[Optional[ReactiveProgram], List[Fault]]:
+    """Return a program, which may have faults, and what may be wrong with it; None where it can't even be read.
+
+    With ``whole`` all that the sources include is among them.
+    """
+    try:
+        program = ReactiveProgram(sources, constants, whole, lenient=True)
+    except ProgramError as error:
+        return None, list(error.faults)
+    return program, lint_program(program)
+
+
+def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[Fault]:
+    """Return what may be wrong with a program, with its faults; silenced or not.
+
+    ``core`` says whether it is for rosoclingo's core; without, its keywords tell.
+    """
+    survey, values = program.survey, ArgumentValues.of_survey(program.survey)
+    found = [*program.faults, *program.remarks, *program.said_of_steps()]
+    found += [*unused(survey), *never_matching(survey, values), *disjoint(values)]
+    found += [*unfounded(survey, values), *contradictions(survey)]
+    found += [*stepless(survey), *slips(survey, program.first_step), *words_for_numbers(survey)]
+    found += [*exchanged(survey), *odd_choices(survey)]
+    found += gone(survey, program.first_step)
+    texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
+    found += [*odd_marks(texts), *of_other_systems(survey, texts), *libraries(texts)]
+    if checks.uses_keywords(program.parts) if core is None else core:
+        found += [
+            *missing_words(survey),
+            *demanded_actions(survey, None if program.faults else program.trial),
+            *statuses(survey, values),
+            *told_at_the_end(survey),
+            *histories(survey),
+            *exchanged_words(survey),
+            *other_steps(survey),
+            *early_ends(survey),
+            *slips_of_words(survey, values),
+        ]
+    told = {(one.file, one.line, one.column) for one in found}
+    found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in told]
+    found = _without_doubles(found)
+    proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
+    return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
+
+
+def _without_doubles(found: Sequence[Fault]) -> List[Fault]:
+    """Return the faults without clingo's messages about statements that are not interpreted."""
+    passive = {(one.file, one.line, one.column) for one in found if one.kind == "not-interpreted"}
+    grave = {(one.file, one.line, one.column) for one in found if one.kind == "syntax"}
+    doubles = {"undefined-operation": passive, "clingo": passive, "not-interpreted": grave}
+    return [one for one in found if (one.file, one.line, one.column) not in doubles.get(one.kind, ())]
+
+
+def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[Finding]:
+    """Return the faults that no comment in ``texts`` silences, each once, in the order of files and lines.
+
+    Those that are ``grave``, a program's own faults, are errors whatever their kinds are, and can't be silenced.
+    """
+    listed = list(texts)
+    order = {name: number for number, (name, _) in enumerate(listed)}
+    silences, errors = Silences(listed), set(grave)
+    told = dict.fromkeys([*faults, *silences.faults])
+    found = [
+        Finding(one, ERROR if one in errors else KINDS[one.kind].severity)
+        for one in told
+        if one in errors or not silences.covers(one)
+    ]
+    return sorted(found, key=lambda one: (order.get(one.fault.file, len(order)), one.fault.line, one.fault.column))
+
+
+def is_error(finding: Finding) -> bool:
+    """Tell whether a finding keeps the program from being used."""
+    return finding.severity == ERROR
+
+
+__all__ = ["ERROR", "WARNING", "Finding", "findings", "is_error", "lint_program", "lint_sources"]

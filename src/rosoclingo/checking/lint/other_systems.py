@@ -1,0 +1,81 @@
+"""Statements of clingo's incmode, telingo and other drivers with no meaning here, or another one."""
+
+import re
+from typing import Iterable, Iterator, List, Tuple
+
+from clingo.ast import ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+from rosoclingo.oclingo.program.domains import mentions
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.undefined import QUERY
+
+_INCMODE, _PASSIVE = "incmode", "not-interpreted"
+
+_BOUNDS = {
+    "imin": "the core plans as many steps as a goal needs",
+    "imax": "the parameter ~horizon_limit, or --imax of oclingo, bounds a plan's steps",
+    "istop": "steps are added until there is an answer",
+}
+_DRIVEN = re.compile(r"[@&]\s*_*[a-z]")
+_STATES = ("initial", "final", "tel", "del")
+
+
+def of_other_systems(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+    """Yield the statements that only another system interprets; ``texts`` are names and texts of the files."""
+    yield from _queries(survey)
+    suspicious = any(_DRIVEN.search(text) for _, text in texts)
+    for _, statement, _ in survey.statements:
+        if statement.ast_type == ASTType.Definition and statement.name in _BOUNDS and not _is_used(statement, survey):
+            message = f"#const {statement.name} has no effect: clingo's incmode alone reads it"
+            yield fault_at(statement, _INCMODE, message, f"leave it out: {_BOUNDS[statement.name]}")
+        for node in statement.nodes if suspicious else ():
+            if node.ast_type == ASTType.TheoryAtom:
+                yield _theory_atom(node)
+            elif node.ast_type == ASTType.Function and node.external:
+                message = f"no script defines @{node.name}: instances that need it are left out"
+                yield fault_at(node, _PASSIVE, message, "state the function's results as facts")
+
+
+def libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+    """Yield each ``#include <NAME>`` in ``texts``, names and texts of files in clingo's language."""
+    for name, text in texts:
+        found = tokens(text) if "#include" in text else []
+        for one, bracket, library in zip(found, found[1:], found[2:]):
+            if one.kind is Kind.DIRECTIVE and one.text == "#include" and bracket.text == "<":
+                message = f"#include <{library.text}> has no effect: rosoclingo adds the steps itself"
+                yield Fault(name, one.line, one.column, message, "leave it out", _PASSIVE)
+
+
+def _theory_atom(node: Node) -> Fault:
+    name = str(node.term).partition("(")[0]
+    mend = "write rules about atoms with the step" if name in _STATES else "write rules, or an aggregate like #sum"
+    message = f"&{name} is not interpreted: no theory is loaded, and the atom constrains nothing"
+    return fault_at(node, _PASSIVE, message, mend)
+
+
+def _queries(survey: Survey) -> Iterator[Fault]:
+    """Yield the declared external ``query(t)`` of incmode if rules look at it."""
+    if QUERY in survey.defining or QUERY in survey.opened:
+        return
+    steps = [one for one in survey.declaring.get(QUERY, ()) if _is_of_step(one, survey)]
+    asked = [one for one in survey.using.get(QUERY, ()) if _is_of_step(one, survey)]
+    for place in steps[:1] if asked else ():
+        atom = written(place.occurrence.term)
+        message = f"{atom} is never true: only clingo's incmode sets it at a plan's last step"
+        yield place.fault(_INCMODE, message, f"write the rules into volatile({place.part.parameter}) without {atom}")
+
+
+def _is_of_step(place: Place, survey: Survey) -> bool:
+    arguments: List[Node] = place.occurrence.arguments
+    step = place.part.parameter
+    return bool(step) and time_offset(arguments[0], step, survey.constants) == 0
+
+
+def _is_used(definition: Node, survey: Survey) -> bool:
+    """Tell whether a statement other than its definition mentions a constant."""
+    others = (statement for _, statement, _ in survey.statements if statement is not definition)
+    return any(mentions(one, definition.name) for one in others)

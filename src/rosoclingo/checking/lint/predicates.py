@@ -1,0 +1,170 @@
+"""Predicates that nothing looks at, atoms that cannot be true, names that look misspelt."""
+
+from typing import Dict, Iterable, Iterator, List, Optional, Set
+
+import clingo
+from clingo.ast import ASTType, ComparisonOperator, Sign
+
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.checking.lint.rule_shapes import Rule
+from rosoclingo.checking.lint.term_shapes import WILD
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.checks import KEYWORDS
+from rosoclingo.oclingo.program.likeness import asked, likely_value, slip_of
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.signatures import occurrences, parted
+from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.undefined import primed_mend
+from rosoclingo.oclingo.progression.terms import Signature
+
+MANY = 6  # values that a message lists
+
+_KEYWORDS = frozenset(KEYWORDS.values())
+
+#: Mends for incoming keywords that no rule looks at.
+_UNHEARD = {
+    "_request": "write a rule that takes goals, like wanted(X,t) :- _request(do(X),t+1).",
+    "_return": "the program never learns how its actions end: write rules for values that are no success",
+    "_failed": "write a rule for it, or leave it out",
+    "_cancel": "write a rule for it, or leave it out",
+}
+
+#: What others tell a program; the other keywords they hear of it, besides what it shows.
+TOLD = ("_request", "_return", "_failed", "_cancel")
+HEARD = frozenset(
+    {Signature("_draws", 2), Signature("_draws", 3), *(one for one in KEYWORDS.values() if one.name not in TOLD)}
+)
+
+
+# ---- nothing looks at it --------------------------------------------------------------------------------------------
+
+
+def unused(survey: Survey) -> List[Fault]:
+    """Return the predicates that nothing looks at: those that look misspelt, others where not all is shown anyway."""
+    found: List[Fault] = []
+    looked_at = {one for one in survey.using if _is_used(survey, one)} | survey.shown.keys() | HEARD
+    for signature in [*survey.opened, *survey.declaring, *survey.defining]:
+        if signature in looked_at:
+            continue
+        meant = None if signature in _KEYWORDS else slip_of(signature, looked_at | _KEYWORDS, survey.shows)
+        told = survey.defining.get(signature, survey.declaring.get(signature))
+        primed = primed_mend(signature, survey.known)
+        if primed or meant is not None:
+            found += _at(survey, signature, told, "misspelt", primed or asked(meant))
+        elif survey.shows:
+            mend = _UNHEARD.get(signature.name, f"use it, #show {signature}. or leave it out")
+            found += _at(survey, signature, told, "unused", mend)
+    return found
+
+
+def _is_used(survey: Survey, signature: Signature) -> bool:
+    """Tell whether the predicate is looked at elsewhere than where it defines itself."""
+    return any(not _defines_alone(one.statement, signature) for one in survey.using[signature])
+
+
+def _defines_alone(statement: Node, signature: Signature) -> bool:
+    heads = {one.signature for one in occurrences(statement) if one.head}
+    return statement.ast_type == ASTType.Rule and heads == {signature}
+
+
+def _at(survey: Survey, signature: Signature, told: Optional[List[Place]], kind: str, mend: str) -> Iterator[Fault]:
+    if told is None:
+        opened = survey.opened[signature]
+        yield Fault(opened.file, opened.line, 1, f"nothing looks at the external {signature}", mend, kind)
+    elif told[0].occurrence.term.location.begin.filename != LABELS:
+        what = "the external " if told[0].declares else ""
+        shown = "" if told[0].declares or not survey.shows else ", and nothing shows it"
+        yield told[0].fault(kind, f"nothing looks at {what}{signature}{shown}", mend)
+
+
+# ---- what can never be true -----------------------------------------------------------------------------------------
+
+
+def never_matching(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the atoms in bodies with an argument that nothing gives their predicate."""
+    found = []
+    for signature, used in survey.using.items():
+        if signature in survey.known and values.is_possible(signature):
+            found += [fault for place in used for fault in _mismatch(place, values)]
+    return found
+
+
+def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
+    term = place.occurrence.term
+    misfit = values.misfitting(term, place.part.parameter)
+    if misfit is not None:
+        position, may_be = misfit
+        argument = parted(term)[1][position]
+        known = sorted(str(one).replace(str(WILD), "_") for one in may_be)
+        message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
+        yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
+
+
+def disjoint(values: ArgumentValues) -> Iterator[Fault]:
+    """Yield the rules of which two atoms share a variable, but no value of it."""
+    for rule in values.rules:
+        found = values.disjoint(rule)
+        if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
+            name, atom, other = found.variable, written(found.atom.term), written(found.other.term)
+            message = f"the rule never applies: no {name} fits both {other} and {atom}"
+            mend = f"it is {_listed(found.others)} in the one, {_listed(found.its)} in the other"
+            yield fault_at(found.atom.term, "no-match", message, mend)
+
+
+def _listed(values: Iterable[clingo.Symbol]) -> str:
+    known = sorted(str(one).replace(str(WILD), "_") for one in values)
+    return ", ".join(known[:MANY]) + " ..." * (len(known) > MANY)
+
+
+def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the predicates with rules that need one another in a circle, so that none is ever true."""
+    needs: Dict[Signature, Set[Signature]] = {}
+    excused: Set[Signature] = set()
+    for rule in values.rules:
+        signature = rule.head.signature
+        if not values.is_possible(signature):
+            missing = {one for one in _needed(rule) if not values.is_possible(one)}
+            needs.setdefault(signature, set()).update(missing)
+            excused.update(() if missing else {signature})
+    before = -1
+    while before < len(excused):
+        before = len(excused)
+        excused |= {one for one, missing in needs.items() if missing & excused}
+    found = []
+    for signature in needs.keys() - excused:
+        names = ", ".join(map(str, sorted(needs[signature])))
+        message = f"{signature} is never true: its rules need {names}, and no fact or choice is at the bottom of these"
+        told = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
+        found.append(told[0].fault("unfounded", message, "write the rule by which it begins"))
+    return found
+
+
+def _needed(rule: Rule) -> List[Signature]:
+    return [atom.signature for atom in rule.atoms]
+
+
+def contradictions(survey: Survey) -> List[Fault]:
+    """Return the bodies that can't hold, since they have an atom and its negation or compare a term with itself."""
+    found = []
+    for _, statement, _ in survey.statements:
+        literals = [one for one in _body(statement) if one.ast_type == ASTType.Literal]
+        plain = {str(one.atom) for one in literals if one.sign == Sign.NoSign}
+        for one in literals:
+            if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
+                message = f"{written(one.atom)} and not {written(one.atom)} stand in one body: it never holds"
+                found.append(fault_at(one, "contradiction", message, "leave one of them out"))
+            elif one.atom.ast_type == ASTType.Comparison and _compares_nothing(one):
+                message = f"{written(one.atom)} never holds"
+                found.append(fault_at(one, "contradiction", message, "compare it with something else"))
+    return found
+
+
+def _body(statement: Node) -> List[Node]:
+    return list(statement.body) if hasattr(statement, "body") else []
+
+
+def _compares_nothing(literal: Node) -> bool:
+    strict = (ComparisonOperator.NotEqual, ComparisonOperator.LessThan, ComparisonOperator.GreaterThan)
+    guards = literal.atom.guards
+    same = len(guards) == 1 and str(guards[0].term) == str(literal.atom.term) != "_"
+    return same and literal.sign == Sign.NoSign and guards[0].comparison in strict

@@ -1,0 +1,161 @@
+"""What a program for the core has to say and to hear: goals, actions, returns, and the statuses of goals."""
+
+import operator
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set
+
+import clingo
+from clingo.ast import ASTType, ComparisonOperator
+
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.checking.lint.rule_shapes import Rule
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
+from rosoclingo.oclingo.program.checks import KEYWORDS
+from rosoclingo.oclingo.program.first_steps import Trial
+from rosoclingo.oclingo.program.likeness import likely_value
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.signatures import evaluate, parted
+from rosoclingo.oclingo.program.survey import Survey, written
+from rosoclingo.oclingo.progression.terms import Signature
+
+REQUEST = Signature("_request", 2)
+STATUS = Signature("_status", 3)
+_COMPARISONS: Dict[ComparisonOperator, Callable[[Any, Any], Any]] = {
+    ComparisonOperator.GreaterThan: operator.gt,
+    ComparisonOperator.LessThan: operator.lt,
+    ComparisonOperator.LessEqual: operator.le,
+    ComparisonOperator.GreaterEqual: operator.ge,
+    ComparisonOperator.NotEqual: operator.ne,
+    ComparisonOperator.Equal: operator.eq,
+}
+WORDS = ("accepted", "rejected", "succeeded", "canceled", "aborted")
+"""What may be said of a goal, alone or around a reason."""
+
+
+def missing_words(survey: Survey) -> List[Fault]:
+    """Return what the core misses in a program: goals that come in, actions that go out, returns of these."""
+    found = []
+    acts = ACTION in survey.defining
+    if not survey.is_external(REQUEST):
+        message = f"the program takes no goals: it declares no external {REQUEST}"
+        found.append(_of_all(survey, "no-request", message, f"write #external {REQUEST}."))
+    if acts and not survey.is_external(RETURN):
+        message = f"the program never learns how its actions end: it declares no external {RETURN}"
+        mend = f"write #external {RETURN}. and rules for values that are no success"
+        found.append(_of_all(survey, "no-return", message, mend))
+    if not acts:
+        message = f"the program plans no actions: no rule defines {ACTION}"
+        found.append(_of_all(survey, "no-action", message, "write rules for _action_lib(Action,Parameter,C)"))
+    return found
+
+
+def demanded_actions(survey: Survey, trial: Optional[Trial]) -> List[Fault]:
+    """Return a fault if each of the first steps demands an action, in a program without statuses."""
+    places = survey.defining.get(ACTION, ())
+    demanded = trial.demands(ACTION) if trial is not None and places and STATUS not in survey.defining else False
+    demanding = [one for one in places if not _admits_none(one.statement.head, survey)]
+    mend = "let a rule plan actions for open goals alone, or write rules for _status(Id,succeeded,C)"
+    if demanded:
+        message = "each step has an action, also while no goal is open, and as there is no _status/3 no goal ever ends"
+        place = next(iter(demanding or places))
+        return [place.fault("restless", message, mend)]
+    if demanded is None and any(_is_choice(one.statement.head) for one in demanding):
+        message = "each step needs an action, and while no goal is open there is none: the program has no answer then"
+        place = next(one for one in demanding if _is_choice(one.statement.head))
+        return [place.fault("restless", message, mend)]
+    return []
+
+
+def _is_choice(head: Node) -> bool:
+    return head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate)
+
+
+def _admits_none(head: Node, survey: Survey) -> bool:
+    """Tell whether a head is a choice that the empty set satisfies."""
+    return _is_choice(head) and not any(
+        _holds(one.comparison, evaluate(one.term, survey.constants), mirrored) is False
+        for one, mirrored in ((head.left_guard, False), (head.right_guard, True))
+        if one is not None
+    )
+
+
+def _holds(comparison: int, bound: Optional[clingo.Symbol], mirrored: bool) -> Optional[bool]:
+    """Tell whether the bound of a choice holds for the empty set, None if that is unknown."""
+    if bound is None:
+        return None
+    none = clingo.Number(0)
+    left, right = (none, bound) if mirrored else (bound, none)
+    return bool(_COMPARISONS[ComparisonOperator(comparison)](left, right))
+
+
+def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
+    """Return a fault of the program as a whole: it is told at the first line, where it can be silenced."""
+    return Fault(survey.first_file, 1, 1, message, mend, kind)
+
+
+def told_at_the_end(survey: Survey) -> List[Fault]:
+    """Return the rules for what the core reads that hold at the last step of a plan alone."""
+    found = []
+    for place in (one for signature in KEYWORDS.values() for one in survey.defining.get(signature, ())):
+        if place.part.name == "volatile":
+            message = f"{written(place.occurrence.term)} holds at the last step of a plan alone: its rule is volatile"
+            found.append(place.fault("at-the-end", message, "write #program cumulative(t). before the rule"))
+    return found
+
+
+def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return what is wrong with the statuses that a program gives to goals."""
+    rules = [one for one in values.rules if one.head.signature == STATUS]
+    found: Dict[str, Fault] = {}
+    given: Optional[Set[str]] = set()
+    for rule in rules:
+        bound, word = values.bindings(rule), parted(rule.head.term)[1][1]
+        told = _words(values.value(word, rule.parameter, bound or {}), str(word))
+        given = None if told is None or given is None else given | told
+        fault = _strange(rule, told) or (_unreachable(rule, values) if bound is None else None)
+        if fault is not None:
+            found.setdefault(f"{fault.line}:{fault.column}", fault)
+    misspelt = any(one.kind == "status-word" and "succeeded meant" in one.mend for one in found.values())
+    if rules and given is not None and "succeeded" not in given and not misspelt and survey.is_external(REQUEST):
+        message = "no rule ever says that a goal has succeeded: clients wait for ever"
+        place = survey.defining[STATUS][0]
+        found["none"] = place.fault("no-success", message, "write a rule for _status(Id,succeeded,C)")
+    return list(found.values())
+
+
+def _words(told: Optional[FrozenSet[clingo.Symbol]], text: str) -> Optional[Set[str]]:
+    """Return the words of statuses, without the reasons around which they stand; None where they may be any."""
+    if told is None:
+        name, bracket, _ = text.partition("(")
+        return {name} if bracket and name else None
+    plain = clingo.SymbolType.Function
+    return {one.name if one.type is plain and one.name and len(one.arguments) < 2 else str(one) for one in told}
+
+
+def _strange(rule: Rule, told: Optional[Set[str]]) -> Optional[Fault]:
+    strange = sorted(word for word in told or () if word not in WORDS)
+    if not strange:
+        return None
+    message = f"{strange[0]} is no status: it is one of {', '.join(WORDS)}"
+    return _at(rule, "status-word", message, likely_value(strange[0], WORDS))
+
+
+def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
+    word = parted(rule.head.term)[1][1]
+    for atom in rule.atoms:
+        if not values.is_possible(atom.signature):
+            why = f"{atom.signature} is never true"
+            break
+        if values.misfitting(atom.term, rule.parameter) is not None:
+            why = f"{written(atom.term)} is never true"
+            break
+    else:
+        why = "no values of its variables fit all of the body"
+    return _at(
+        rule, "unreachable-status", f"no goal can ever be {written(word)} by this rule: {why}", "see to its body"
+    )
+
+
+def _at(rule: Rule, kind: str, message: str, mend: str) -> Fault:
+    begin = parted(rule.head.term)[1][1].location.begin
+    return Fault(begin.filename, begin.line, begin.column, message, mend, kind)

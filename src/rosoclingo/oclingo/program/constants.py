@@ -1,0 +1,67 @@
+"""Values that are given to a program's constants by name, and cannot be."""
+
+from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Set
+
+import clingo
+from clingo.ast import ASTType
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.likeness import likely_word
+from rosoclingo.oclingo.program.signatures import evaluate
+from rosoclingo.oclingo.program.survey import Survey
+
+
+class _Constant(NamedTuple):
+    """A ``#const`` of the program: where it stands, and its own value, None where that is no simple term."""
+
+    place: str
+    value: Optional[clingo.Symbol]
+
+
+def given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fault]:
+    """Return what is wrong with values that are given to a program's constants by name."""
+    found: List[Fault] = []
+    own = own_constants(survey)
+    mentioned = _mentioned(survey) if given.keys() - own.keys() else ()
+    for name, value in given.items():
+        place = f"constant {name}"
+        if name in own:
+            found += _compare(place, name, value, own[name])
+        elif name not in mentioned:
+            message = f"the program has no #const {name}"
+            found.append(Fault(place, 0, 0, message, likely_constant(name, own), "unknown-constant"))
+    return found
+
+
+def likely_constant(name: str, own: Collection[str]) -> str:
+    """Return which of a program's ``own`` constants may be meant by ``name``, or which there are."""
+    return likely_word(name, own) or (f"its constants are {', '.join(sorted(own))}" if own else "it has none")
+
+
+def _compare(place: str, name: str, value: clingo.Symbol, constant: _Constant) -> Iterator[Fault]:
+    own = constant.value
+    if own is None or own.type is not clingo.SymbolType.Number:
+        return
+    message = f"{name} is {value}, but the program's own value is {own} ({constant.place})"
+    if value.type is not clingo.SymbolType.Number:
+        yield Fault(place, 0, 0, message, "give a number", "constant-value")
+    elif value.number < 0 < own.number:
+        yield Fault(place, 0, 0, message, "is a negative number meant?", "negative-constant")
+
+
+def own_constants(survey: Survey) -> Dict[str, _Constant]:
+    """Return the program's constants by name."""
+    found: Dict[str, _Constant] = {}
+    for _, one, _ in survey.statements:
+        if one.ast_type == ASTType.Definition:
+            begin = one.location.begin
+            values = {name: constant.value for name, constant in found.items() if constant.value is not None}
+            found[one.name] = _Constant(f"{begin.filename}:{begin.line}", evaluate(one.value, values))
+    return found
+
+
+def _mentioned(survey: Survey) -> Set[str]:
+    """Return the names of all constants in the statements."""
+    nodes = (node for _, statement, _ in survey.statements for node in statement.nodes)
+    symbols = (node.symbol for node in nodes if node.ast_type == ASTType.SymbolicTerm)
+    return {one.name for one in symbols if one.type is clingo.SymbolType.Function and not one.arguments}

@@ -1,0 +1,126 @@
+"""A trial: the first steps are ground, to see which heads two of them define and what clingo says."""
+
+from typing import Dict, List, Optional, Sequence, Set
+
+import clingo
+from clingo.ast import ASTType
+from clingo.backend import Observer
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.survey import places
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
+
+_TRIAL_STEPS = 3
+_TRIAL_SECONDS = 0.5
+_TRIAL_RULES = 50_000  # a fraction of a second of grounding
+
+
+class _TrialTooLargeError(Exception):
+    """A trial grounding has come to its bound."""
+
+
+class _Heads(Observer):
+    """Notes which atoms rules define; ends a grounding of too many rules, which may have no end."""
+
+    def __init__(self) -> None:
+        self.fresh: Set[int] = set()
+        self._left = _TRIAL_RULES
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A rule; raises _TrialTooLargeError where there are too many."""
+        self._left -= 1
+        if self._left < 0:
+            raise _TrialTooLargeError
+        self.fresh.update(head)
+
+
+def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
+    """Return the predicates that rules of steps define without, or with differing, steps in them."""
+    offsets: Dict[Signature, Set[object]] = {}
+    stepped: Set[Signature] = set()
+    for place in places(parts):
+        if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
+            signature, step = place.occurrence.signature, place.part.parameter
+            found = (
+                {time_offset(one, step, constants) for one in place.occurrence.arguments} - {None} if step else set()
+            )
+            offsets.setdefault(signature, set()).update(found or {None})
+            stepped.update({signature} if step else ())
+    return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
+
+
+class Trial:
+    """The first steps of a program, ground for a look at them; without their end where there is too much to ground.
+
+    Attributes:
+        twice: an atom of each predicate that two steps define.
+        last: the last ground step, None if the program is too large.
+
+    """
+
+    def __init__(self, control: clingo.Control, first: int) -> None:
+        """Ground base and the steps from ``first`` on ``control``, which has the program loaded.
+
+        Raises RuntimeError as clingo does, details go to the control's logger.
+        """
+        self.twice: Dict[Signature, str] = {}
+        self.last: Optional[int] = None
+        self._control = control
+        observer = _Heads()
+        control.register_observer(observer)
+        twice: Set[int] = set()
+        try:
+            control.ground([("base", [])])
+            defined = set(observer.fresh)
+            for step in range(first, first + _TRIAL_STEPS):
+                observer.fresh.clear()
+                control.ground([(name, [clingo.Number(step)]) for name in ("cumulative", "volatile")])
+                twice |= observer.fresh & defined
+                defined |= observer.fresh
+        except _TrialTooLargeError:
+            return  # what is too large for a trial is not judged: a real grounding tells
+        self.last = step
+        for one in control.symbolic_atoms if twice else ():
+            if one.literal in twice:
+                self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
+
+    def demands(self, signature: Signature) -> Optional[bool]:
+        """Tell whether each answer has an atom of the predicate at the last step, its last argument.
+
+        Nothing is asserted, and no plan ends here. None if there is no answer at all, False also if the search takes
+        too long.
+        """
+        atoms = self._control.symbolic_atoms.by_signature(signature.name, signature.arity, signature.positive)
+        step = clingo.Number(self.last or 0)
+        literals = [one.literal for one in atoms if self.last is not None and one.symbol.arguments[-1] == step]
+        if self.last is None or self._has_answer([-one for one in literals]) is not False:
+            return False
+        return {True: True, False: None, None: False}[self._has_answer([])]
+
+    def _has_answer(self, assumptions: Sequence[int]) -> Optional[bool]:
+        """Tell whether there is an answer, None if the search takes too long."""
+        self._control.configuration.solve.opt_mode = "ignore"  # type: ignore[union-attr]
+        with self._control.solve(assumptions, async_=True) as handle:
+            done = handle.wait(_TRIAL_SECONDS)
+            handle.cancel()
+            return handle.get().satisfiable if done else None
+
+    def redefinitions(self, parts: Sequence[Part]) -> List[Fault]:
+        """Return the heads that two steps define."""
+        return [fault for one in sorted(self.twice) for fault in redefined_by(parts, self.twice[one], {one})]
+
+
+def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
+    """Return a fault for each rule of a step with a head of ``signatures``; ``name`` is the atom in question."""
+    message = f"redefinition: {name} is defined by the rules of two steps"
+    mend = "give the head the step, like p(t), or move the rule to base"
+    return [
+        place.fault("redefinition", message, mend)
+        for place in places(parts)
+        if place.occurrence.head
+        and place.part.parameter
+        and place.occurrence.signature in signatures
+        and place.statement.ast_type == ASTType.Rule
+    ]

@@ -1,0 +1,56 @@
+"""Predicates that nothing defines."""
+
+from typing import Collection, List, Set
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.checks import KEYWORDS
+from rosoclingo.oclingo.program.likeness import asked, likely
+from rosoclingo.oclingo.program.survey import Survey, fault_at
+from rosoclingo.oclingo.progression.terms import Signature
+
+QUERY = Signature("query", 1)
+"""What clingo's incmode sets at a plan's last step."""
+
+_PRIME = "'"
+
+
+def undefined(survey: Survey) -> List[Fault]:
+    """Return, once for each, the predicates that the program mentions though nothing can make them true."""
+    found: List[Fault] = []
+    defined = survey.known
+    for signature in dict.fromkeys([*survey.using, *survey.shown]):
+        if signature in defined | survey.silenced:
+            continue
+        node = survey.using[signature][0].occurrence.term if signature in survey.using else survey.shown[signature]
+        message = f"no rule and no #external defines {signature}: it is never true"
+        found.append(fault_at(node, "undefined", message, _mend(signature, defined)))
+    return found
+
+
+def _mend(signature: Signature, known: Set[Signature]) -> str:
+    other = primed_mend(signature, known) or query_mend(signature)
+    if other:
+        return other
+    near = likely(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
+    if near is not None:
+        return f"{asked(near)} else write #defined {signature}."
+    return f"write a rule or an #external for it, or #defined {signature}."
+
+
+def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
+    """Return the mend for a primed predicate, which telingo reads at another step; "" for any other predicate."""
+    name = signature.name
+    plain = name.strip(_PRIME)
+    if plain == name or all(one.name != plain for one in known):
+        return ""
+    before = len(name) - len(name.lstrip(_PRIME))
+    step = f"t-{before}" if before else "t"
+    where = f"{before} step{'s' * (before > 1)} before" if before else "at the next step"
+    mend = f"{plain}(...,{step})" if before else f"{plain}(...,t) for the head, t-1 for the body"
+    return f"in telingo {name} is {plain} {where}; write {mend}"
+
+
+def query_mend(signature: Signature) -> str:
+    """Return the mend for incmode's ``query(t)`` that nothing declares, "" for any other predicate."""
+    last = "in clingo's incmode it is true at a plan's last step; leave it out in volatile(t), which is that step's"
+    return last if signature == QUERY else ""

@@ -1,0 +1,138 @@
+"""The values that arguments may have: all that ever come, and no others where the rules tell."""
+
+import clingo
+import lint_programs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.planning.solver import PlanSolver
+
+STEPS = "\n#program cumulative(t).\n{ act(t) }.\n#program volatile(t).\n"
+
+
+def values(text):
+    return ArgumentValues(ReactiveProgram.from_text(text + STEPS).survey)
+
+
+def shown(found, name, arity, position):
+    known = found.of(Signature(name, arity), position)
+    return None if known is None else sorted(map(str, known))
+
+
+@pytest.mark.parametrize(
+    ("rules", "expected"),
+    [
+        ("p(a). p(b).", ["a", "b"]),
+        ("p(1..3).", ["1", "2", "3"]),
+        ("p((a;b)). p(c;d).", ["a", "b", "c", "d"]),
+        ("#const n = 2. p(n). p(-1). p(n*3).", ["-1", "2", "6"]),
+        ("q(a). q(b). r(b). p(X) :- q(X), r(X).", ["b"]),
+        ("q(a,b). p(Y) :- q(X,Y).", ["b"]),
+        ("q(a). p(f(X,X)) :- q(X).", ["f(a,a)"]),
+        ("q(f(a)). q(g(b)). p(X) :- q(f(X)).", ["a"]),
+        ("q(a;b;c). p(X) :- q(X), X != b.", ["a", "c"]),
+        ("q(a). p(X) :- q(Y), X = (Y;b).", ["a", "b"]),
+        ("q(a). { p(X) : q(X) }.", ["a"]),
+        ("q(a). r(b). p(X) : q(X); p(X) : r(X).", ["a", "b"]),
+        ("q(a). 1 <= #sum { 1,X : p(X) : q(X) }. % dialect: clingo 5", ["a"]),
+        ("q(a). #external p(X) : q(X).", ["a"]),
+        ("q(1). p(X+1) :- q(X).", None),
+        ("q(a,1). q(b,x). p(X) :- q(a,X).", ["1"]),
+        ("q(a,1). q(b,x). q(c,X) :- r(X). r(y). p(X) :- q(Y,X), Y != b.", ["1", "x", "y"]),
+        ("q(a,1). q(b,x). q(Y,y) :- r(Y). r(a). p(X) :- q(a,X).", ["1", "y"]),
+        ("q(a,1). q(b,x). q((c;a),y). p(X) :- q(a,X).", ["1", "y"]),
+        ("q(a,1). q(b,x). s(Y,X) :- q(Y,X). _action_lib(Y,X,1) :- s(Y,X). p(X) :- s(a,X).", ["1"]),
+        ("q(1..9,1). q(b,x). s(Y,X) :- q(Y,X). _action_lib(Y,X,1) :- s(Y,X). p(X) :- s(b,X).", ["1", "x"]),
+        ("q(1). p(f(X+1)) :- q(X). p(a).", ["a", "f(__oclingo_any)"]),
+        ("q(1). r(f(X+1)) :- q(X). r(a). p(X) :- r(f(X)).", None),
+        ("q(1). r(f(X+1)) :- q(X). r(a). s(f(b)). p(X) :- r(X), s(X).", ["f(__oclingo_any)", "f(b)"]),
+        ("p(a). p(X) :- p(Y), X = f(Y).", None),
+        ("#external p/1.", None),
+        ("p(X) :- q(X). #defined q/1.", None),
+        ("p(a). p(X) :- -q(X). -q(b).", ["a", "b"]),
+        ("p(@f(1)).", None),
+        ("q(a). r(b). p(X) :- q(X), r(X). p(c).", ["c"]),
+    ],
+)
+def test_values_of_an_argument(rules, expected):
+    assert shown(values(rules), "p", 1, 0) == expected
+
+
+@pytest.mark.parametrize("rules", ["p(X) :- q(X). q(X) :- p(X).", "p(X) :- q(X), X = b. q(a).", "p(a) :- q(b). q(a)."])
+def test_what_is_never_true(rules):
+    assert not values(rules).is_possible(Signature("p", 1))
+
+
+def test_steps_may_be_any_number():
+    found = values("#program cumulative(t). at(a,t). at(X,t) :- at(X,t-1). #program base. at(b,0).")
+    assert shown(found, "at", 2, 0) == ["a", "b"]
+    assert shown(found, "at", 2, 1) is None
+
+
+def check(found, atoms):
+    """Every atom has values that are known."""
+    for atom in atoms:
+        signature = signature_of(atom)
+        assert found.is_possible(signature), atom
+        assert found.misfit(atom) is None, atom
+
+
+@pytest.mark.slow
+def test_values_hold_what_comes_in_a_run():
+    program = ReactiveProgram(lint_programs.program("mailbot"), whole=True)
+    found, solver = ArgumentValues(program.survey), PlanSolver(program)
+    for text in (
+        "#step 1 : 9. _request(goal(office3,office2,1),2).",
+        "#step 2 : 9. :- not _action_lib(move_base,office2,1). _return(move_base,office2,1).",
+        "#step 3 : 9. _at(office4,2). _request(cancel(1),3).",
+    ):
+        answer = solver.update(parse_update(text + " #endstep.")).answers[0]
+        check(found, [one for one in answer if signature_of(one) in found._found])
+    assert shown(found, "_action_lib", 3, 0) == ["deliver", "move_base", "pickup"]
+
+
+TERM = st.sampled_from(
+    ["a", "b", "c", "1", "2", "X", "Y", "f(X)", "f(a)", "g(X,b)", "1..2", "(a;b)", "X+1", "-X", "(X,a)"]
+)
+NAMES = st.sampled_from(["p", "q", "r", "-p"])
+ATOM = st.builds("{}({})".format, NAMES, TERM) | st.builds("{}({},{})".format, NAMES, TERM, TERM)
+TEST = st.builds("{} {} {}".format, TERM, st.sampled_from(["=", "!=", "<"]), TERM)
+BODY = st.lists(ATOM | ATOM.map("not {}".format) | TEST, max_size=3)
+
+
+def rule(head, body, choice):
+    """A safe rule: variables in it range over a domain at the least."""
+    used = [name for name in "XY" if any(name in one for one in [head, *body])]
+    bound = [f"d({name})" for name in used]
+    return "{}{}{} :- {}.".format("{ " * choice, head, " }" * choice, "; ".join([*bound, *body]) or "#true")
+
+
+RULES = st.lists(st.builds(rule, ATOM, BODY, st.booleans()), min_size=1, max_size=6)
+
+
+@pytest.mark.slow
+@given(RULES)
+def test_no_value_is_missed(rules):
+    text = "d((a;b;c;1;2;f(a);f(b);(b,a);g(a,b))).\n" + "\n".join(rules)
+    control = clingo.Control(["-n0", "--warn=none"], logger=lambda code, message: None)
+    control.add("base", [], text)
+    found = values(text)
+
+    class Bounded(clingo.backend.Observer):
+        left = 2000
+
+        def rule(self, choice, head, body):
+            self.left -= 1
+            if self.left < 0:
+                raise OverflowError
+
+    control.register_observer(Bounded())
+    try:
+        control.ground([("base", [])])
+    except OverflowError:
+        return  # it has no end
+    check(found, [one.symbol for one in control.symbolic_atoms])

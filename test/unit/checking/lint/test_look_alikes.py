@@ -1,0 +1,93 @@
+"""Names that look alike: which are slips of one another, and which are those of a row; statements that end too late."""
+
+import lint_programs
+import pytest
+
+from rosoclingo.oclingo.program.likeness import is_slip, likely_value
+from rosoclingo.oclingo.program.sources import Source
+
+END = "\n#program cumulative(t).\n#program volatile(t).\n"
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        "office2 offcie2",
+        "kitchen kithen",
+        "kitchen kitchhen",
+        "bathroom bethroom",
+        "hoem home",
+        "livingroom living_room",
+    ],
+)
+def test_slips(pair):
+    one, other = pair.split()
+    assert is_slip(one, other)
+    assert is_slip(other, one)
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        "office1 office2", "office office1", "office1 office11", "lamp lamps", "room_a room_b", "a_room b_room",
+        "bed red", "left lift", "table table", "north south", "arm_x_1 arm_y_1", "rooma roomb",
+    ],
+)  # fmt: skip
+def test_names_of_rows_are_no_slips(pair):
+    one, other = pair.split()
+    assert not is_slip(one, other)
+    assert not is_slip(other, one)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "room(room_a). room(room_b). room(room_c). door(room_a,room_b). :- door(A,B), not room(A).",
+        "lamp(left). lamp(light). :- lamp(X), X = right.",
+        "link(a,b). link(b,c). link(B,A) :- link(A,B). :- link(A,B), link(B,A), A = B.",
+        "p(1). q(1). r(1). p(X) ; q(X) :- r(X). p(X) : r(X); q(X).",
+        "a. not b. { b }.",
+        "r(1). #external r(2). { a(X) : r(X); b(X) : r(X) } 1 :- r(X).",
+        "asleep(1). does(sleep). does(wake). can(sleep). is(asleep) :- asleep(1). :- is(X), does(X), can(X).",
+        "near(C',D). near(C,D'). near(C,D) :- near(C',D), near(D,C). :- near(C,C'), near(D',C).",
+    ],
+)
+def test_nothing_is_said_of_what_is_meant(text):
+    kinds = {"mark", "misspelt", "exchanged"}
+    assert [str(one) for one in lint_programs.lint([Source("a.lp", text + END)]) if one.fault.kind in kinds] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("a :- b\nc :- d.", "1:7: a dot"),
+        ("a :- b(X),\n  % so\n\n:- c.", "1:10: a comma"),
+        ("a :- b\n:- c.", "1:7: a dot"),
+        ("a :- b, c.\nd :- e,\n\nf(X,Y) :- g.", "2:7: a comma"),
+        ("a :- b, { c; d }, e :- f.", "1:17: a comma"),
+        ("{ a; b } 1 :- c,\n#show a/0.", "1:16: a comma"),
+        ("a(1)\nb(2). c.", "1:5: a dot"),
+    ],
+)
+def test_where_a_statement_ends(text, place):
+    found = [str(one) for one in lint_programs.lint([Source("a.lp", text + END)])]
+    assert [one.partition(" is")[0].partition(" stands")[0] for one in found] == [f"a.lp:{place}"]
+
+
+@pytest.mark.parametrize("text", ["a(X :- b.", "a :- b,, c.", "a :- { b, c; d }.", "a :- (b.\nc."])
+def test_other_faults_are_told_as_clingo_tells_them(text):
+    assert "syntax error" in str(lint_programs.lint([Source("a.lp", text + END)])[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "known", "told"),
+    [
+        ("att(sink)", ["at(_)", "place(sink)"], "is at(sink) meant?"),
+        ("att(sink)", ["at(_,_)", "place(sink)"], "is place(sink) meant?"),
+        ("hed(cup,2)", ["held(_,_)", "at(_)"], "is held(cup,2) meant?"),
+        ("held", ["held(_)"], "is held(_) meant?"),
+        ("moon", ["at(_)"], "it may be at(_)"),
+    ],
+)
+def test_values_with_open_arguments_are_compared_by_the_rest(text, known, told):
+    assert likely_value(text, known) == told

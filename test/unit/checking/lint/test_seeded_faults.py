@@ -1,0 +1,392 @@
+"""Each of these faults, put into a program in which nothing is wrong, is found in its place, with its kind and mend.
+
+They are seeded in the shipped programs, in the tutorial's and in oClingo's own ones.
+"""
+
+import lint_programs
+import pytest
+
+from rosoclingo.checking.lint.kinds import KINDS
+from rosoclingo.oclingo.program.sources import Source
+
+RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/statuses.lp"
+
+#: Program, file, what stands in it, what is put there instead (the finding stands where @ is), kind, words of it.
+SEEDS = [
+    # names that look misspelt, in bodies, in heads, in #show and #external
+    ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "is open/2 meant?"),
+    ("mailbot", RULES, "_moves(t)       :- _act", "@_movs(t)       :- _act", "misspelt", "is _moves/1 meant?"),
+    ("mailbot", "mailbot.lp", "order(Id,From,To,t)", "@oder(Id,From,To,t)", "misspelt", "is order/4 meant?"),
+    ("mailbot", "mailbot.lp", "place(L)        :-", "@plaice(L)        :-", "misspelt", "is place/1 meant?"),
+    ("mailbot", "office.lp", "start(office1).", "@strat(office1).", "misspelt", "is start/1 meant?"),
+    ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "is _seen/3 meant?"),
+    ("paper", "paper.lp", "bound(Id,To,t)        :-", "@bond(Id,To,t)        :-", "misspelt", "is bound/3 meant?"),
+    ("paper", "paper.lp", "not moved(t)", "not @move(t)", "undefined", "is moved/1 meant?"),
+    ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "is _request/2 meant?"),
+    ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "is watered/2 meant?"),
+    ("garden", "garden.lp", "#show _explain/3.", "@#show _explian/3.", "undefined", "is _explain/3 meant?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- @cal(F,t).", "undefined", "is call/2 meant?"),
+    ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @v(t-1).", "undefined", "write a rule or an #external for it"),
+    ("bodies", "bodies.lp", "e(X,t) : v(X)", "e(X,t) : @value(X)", "undefined", "value/1"),
+    # numbers of arguments
+    ("paper", "paper.lp", "at(L,t-1), not moved(t)", "@at(t-1), not moved(t)", "undefined", "is at/2 meant?"),
+    ("garden", "garden.lp", "done(A,P,t)     :-", "@done(P,t)     :-", "misspelt", "is done/3 meant?"),
+    ("lift", "lift.lp", "at(0,0).", "@at(0,0,0).", "misspelt", "is at/2 meant?"),
+    ("bound", "bound.lp", "not c(t)", "not @c(t,1)", "undefined", "is c/1 meant?"),
+    # what nothing looks at
+    ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "leave it out"),
+    ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
+    ("mailbot", "office.lp", "start(office1).", "start(office1).\n@lamp(office1).", "unused", "#show lamp/1."),
+    # values that nothing gives
+    ("mailbot", FAULTS, "tells(A,missing,R), _action_lib", "tells(A,@mising,R), _action_lib", "no-match", "is missing"),
+    (
+        "mailbot",
+        STATUSES,
+        "_told = 20",
+        "_told = 20.\n:- place(@offce1).\n#const _more = 20",
+        "no-match",
+        "is office1 meant?",
+    ),
+    ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "is tap meant?"),
+    ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "is fill meant?"),
+    ("paper", "paper.lp", "done(pickup,Id,t)", "done(@pick_up,Id,t)", "no-match", "is pickup meant?"),
+    ("house", "home.lp", "start(hallway).", "start(hallway).\n:- room(@kitchn).", "no-match", "is kitchen meant?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
+    # rules that need one another, and bodies that never hold
+    ("bound", "bound.lp", "c(t) :- e(t).", "@c(t) :- d(t).\nd(t) :- c(t).", "unfounded", "its rules need d/1"),
+    ("lift", "lift.lp", "up(t), F < 5.", "up(t), F < 5, @not up(t).", "contradiction", "up(t) and not up(t)"),
+    ("garden", "garden.lp", "V != P.\nfailed(t)", "@V != V.\nfailed(t)", "contradiction", "V != V never holds"),
+    # steps
+    ("garden", "garden.lp", "asked(t)      :-", "@asked        :-", "no-step", "like asked(t)"),
+    (
+        "mailbot",
+        FAULTS,
+        "failed(A,t)     :- _fail",
+        "@_broken(A) :- _failure(A,R,t).\nfailed(A,t) :- _fail",
+        "no-step",
+        "(A,t)",
+    ),
+    (
+        "lift",
+        "lift.lp",
+        "open(F,t) :- call(F,t).",
+        "open(F,t) :- call(F,t).\n@called(F) :- call(F,t).",
+        "redefinition",
+        "called(0)",
+    ),
+    (
+        "paper",
+        "paper.lp",
+        "at(L,t)         :- at(L,t-1)",
+        "@at(L,t+1)       :- at(L,t)",
+        "no-step",
+        "of the steps t and t+1",
+    ),
+    (
+        "volatile_query",
+        "volatile_query.lp",
+        "s(t).",
+        "@s :- a(t).\n{ a(t) }.",
+        "redefinition",
+        "s is defined by the rules of two steps",
+    ),
+    ("grow", "grow.lp", "w(t) :- w(t-1).", "@w(t+1) :- w(t).", "redefinition", "give the head the step"),
+    ("bound", "bound.lp", "c(t) :- e(t).", "c(t) :- @e(t+1).", "late-external", "write #external e(t+1)."),
+    (
+        "bodies",
+        "bodies.lp",
+        'v("hello',
+        'd(1) :- @e(1,1).\nv("hello',
+        "late-external",
+        "move the rule to the cumulative",
+    ),
+    ("back", "back.lp", "#volatile t.", "", "missing-part", "the program has no volatile part"),
+    ("garden", "garden.lp", "at(L,t)      :- at(L,t-1)", "@at(L,t)      :- at(L,t)", "tautology", "another step meant"),
+    ("house", "house.lp", "sighted(t) :- sighted(t-1).", "@sighted(t) :- sighted(t).", "tautology", "sighted(t)"),
+    ("paper", "paper.lp", "_return(A,V,t), V != P", "_return(A,V,t), @V = P", "same-variables", "or V != P"),
+    ("mailbot", "delivery/rules.lp", "L != From.", "@L = From.", "same-variables", "write L in the place of From"),
+    ("garden", "garden.lp", "thirsty(P,t-1), not wat", "@thirsty(P,t+1), not wat", "look-ahead", "thirsty(P,t+1)"),
+    ("template", "@NAME@.lp", "not moved(t).", "not @moved(t+1).", "look-ahead", "a later step"),
+    ("paper", "paper.lp", "at(L,t)         :- done", "@at(t,L)         :- done", "exchanged", "as argument 2"),
+    ("garden", "garden.lp", "at(home,0).", "@at(home,1).", "first-step", "whose own rules define it"),
+    ("template", "@NAME@.lp", "at(home,0).", "@at(home,-1).", "first-step", "write 0 for the step"),
+    ("mailbot", "office.lp", "start(office1).", "start(office1).\n@at(office1,2).", "first-step", "of step 2"),
+    ("garden", "garden.lp", "at(home,0).", "at(home,0).\nbegun :- @busy(t).", "look-ahead", "never true"),
+    ("garden", "garden.lp", "at(home,0).", "at(home,0).\n:- @_action_lib(fill,P,C).", "look-ahead", "never true"),
+    (
+        "garden",
+        "garden.lp",
+        ":- thirsty(P,t), not watered(P,t).",
+        "dry(P,t) :- thirsty(P,t), not watered(P,t).\n:- dry(P,t), @dry(P,t-1).",
+        "past-volatile",
+        "move the rules of dry/2 to #program cumulative(t).",
+    ),
+    (
+        "garden",
+        "garden.lp",
+        ":- thirsty(P,t), not watered(P,t).",
+        "dry(P,t) :- thirsty(P,t).\n#program base.\ndry(fern,0).\n#program cumulative(t).\n"
+        ":- @dry(P,T), T = t-1, poured(t).",
+        "past-volatile",
+        "dry(P,T)",
+    ),
+    ("lift", "lift.lp", ":- open(F,t).", "left(t) :- open(F,t).\n:- left(t), not @left(t-2).", "past-volatile", "gone"),
+    # looks back
+    (
+        "garden",
+        "garden.lp",
+        "watered(P,t) :- done(water,P,t)",
+        "watered(P,t) :- @done(water,P,T), T <= t",
+        "history",
+        "t-T < 60",
+    ),
+    ("paper", "paper.lp", "done(pickup,Id,t).", "@_action_lib(pickup,Id,_), busy(t).", "history", "t-T < 60"),
+    (
+        "battery",
+        "battery.lp",
+        "#program cumulative(t).",
+        "all(W,I) :- @_request(do(W,I),C).\n#program cumulative(t).",
+        "history",
+        "base",
+    ),
+    ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
+    # names and arguments in the place of others
+    ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "is P meant?"),
+    ("template", "@NAME@.lp", "V != P.", "V != @p.", "lower-case", "is P meant?"),
+    ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "is V meant?"),
+    ("garden", "garden.lp", "_return(A,V,t), V", "_return(@P,V,t), V", "exchanged", "_return(Action,Value,C)"),
+    ("garden", "garden.lp", "done(water,P,t).", "done(P,@water,t).", "no-match", "with water as argument 2"),
+    # marks that make another statement of it
+    ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,office2)@,", "mark", "is a dot meant?"),
+    ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "is a dot meant?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "is ':-' meant?"),
+    ("paper", "paper.lp", "at(L,t-1), not moved(t).", "at(L,t-1)@. not moved(t).", "mark", "is a comma meant?"),
+    (
+        "template",
+        "@NAME@.lp",
+        "t) : wanted(P,t) } 1 :- wanted(Q,t).",
+        "t); @wanted(P,t) } 1 :- wanted(P,t).",
+        "mark",
+        "is it a condition?",
+    ),
+    ("battery", "battery.lp", "t) : asked(W,I,t), W", "t); @asked(W,I,t), W", "syntax", "unexpected"),
+    ("paper", "paper.lp", "cancel(Id),t).\nwaiting", "cancel(Id),t)@,\nwaiting", "syntax", "a comma stands where a"),
+    ("paper", "paper.lp", "at(office1,0).", "at(office1,0)@,", "syntax", "a comma stands where a statement ends"),
+    ("garden", "garden.lp", "failed(t)       :- failed(A,P,V,t).", "failed(t) :- failed(A,P,V,t)@", "syntax", "a dot"),
+    # constants and variables that stand once
+    ("mailbot", "office.lp", "office(office4).", "office(@offcie4).", "misspelt", "is office4 meant?"),
+    ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,@offcie2).", "misspelt", "is office2"),
+    ("mailbot", "office.lp", "office(office4).", "@ofice(office4).", "misspelt", "is office/1 meant?"),
+    ("house", "home.lp", "door(kitchen,living_room).", "door(kitchen,@livingroom).", "misspelt", "is living_room"),
+    ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "is home meant?"),
+    ("template", "@NAME@.lp", "_return(move_base,V,t), V", "_return(@move_bsae,V,t), V", "misspelt", "is move_base"),
+    ("paper", "paper.lp", "aboard(Id,From,To,t), cancelled", "aboard(Id,From,@Too,t), cancelled", "misspelt", "is To"),
+    ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "_request(@cancel(me,Id),t).\nc", "misspelt", "cancel(Id)"),
+    # arguments the other way round, steps that do not belong together
+    (
+        "paper",
+        "paper.lp",
+        "aboard(Id,From,To,t)  :- w",
+        "@aboard(Id,To,From,t)  :- w",
+        "exchanged",
+        "the other way round",
+    ),
+    ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "@_request(t,cancel(Id)).\nc", "exchanged", "as argument 2"),
+    (
+        "paper",
+        "paper.lp",
+        "_action_lib(pickup,Id,t)   :",
+        "_action_lib(Id,@pickup,t)   :",
+        "exchanged",
+        "as argument 1",
+    ),
+    ("paper", "paper.lp", "_return(A,V,t), V", "@_return(A,V,t-1), V", "other-step", "the same cycle"),
+    ("paper", "paper.lp", "_action_lib(move_base,B,t)", "@_action_lib(move_base,B,t-1)", "other-step", "write t for"),
+    ("paper", "paper.lp", "\n:- waiting(Id,From,To,t).", "\n:- waiting(Id,From,To,t-1).", "other-step", "last step"),
+    ("garden", "garden.lp", "#program cumulative(t).\n\n% What fail", "% What fail", "at-the-end", "before the"),
+    # what the core and a program say to one another
+    ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
+    ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never hears of it"),
+    ("mailbot", RULES, "#show _action_lib/3.\n", "", "hidden", "_action_lib/3 is not shown"),
+    (
+        "garden",
+        "garden.lp",
+        "_request(cancel(P),t).\nbusy",
+        "_request(@cancle(P),t).\nbusy",
+        "misspelt",
+        "is cancel(...)",
+    ),
+    ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "is move_base meant?"),
+    ("house", RULES, "_says(deliver,", "_says(@delivr,", "idle-words", "is deliver meant?"),
+    (
+        "template",
+        "@NAME@.lp",
+        'd(("the ",P," is closed")),t)            :- w',
+        'd("the ",P," is closed"),t) :- w',
+        "status-word",
+        "no st",
+    ),
+    (
+        "paper",
+        "paper.lp",
+        "cancelled(Id,t)       :- _request(cancel(Id),t)",
+        "cancelled(Id,t) :- @_request(cancel(Id))",
+        "keyword-arity",
+        "_request(Goal,C)",
+    ),
+    (
+        "garden",
+        "garden.lp",
+        "_status(P,accepted,t)      :-",
+        "@_status(P,accepted)      :-",
+        "keyword-arity",
+        "_status(Id,",
+    ),
+    ("mailbot", RULES, '_says(pickup,"picks up {}")', '@_says("picks up {}")', "keyword-arity", "_says(Action,Text)"),
+    ("two_arms", "two_arms.lp", "#external _request/2.", "", "no-request", "write #external _request/2."),
+    ("paper", "paper.lp", "#external _return/3.", "", "no-return", "write #external _return/3."),
+    ("mailbot", RULES, "#external _return/3.", "", "no-return", "write #external _return/3."),
+    (
+        "two_arms",
+        "two_arms.lp",
+        "_action_lib(A,P,t) :- todo",
+        "act(A,P,t) :- todo",
+        "no-action",
+        "_action_lib(Action,Parameter,C)",
+    ),
+    (
+        "garden",
+        "garden.lp",
+        "_status(P,canceled,t)      :-",
+        "_status(P,@cancelled,t)      :-",
+        "status-word",
+        "is canceled meant?",
+    ),
+    ("mailbot", STATUSES, "_status(Id,accepted,t)", "_status(Id,@acepted,t)", "status-word", "is accepted meant?"),
+    (
+        "mailbot",
+        STATUSES,
+        "_ended(Id,canceled,0,t)      :- deliv",
+        "_ended(Id,cancled,0,t)     :- deliv",
+        "status-word",
+        "cancled",
+    ),
+    ("garden", "garden.lp", "_status(P,succeeded,t)     :-", "_status(P,accepted,t)     :-", "no-success", ""),
+    (
+        "garden",
+        "garden.lp",
+        "_status(P,succeeded,t)     :- w",
+        "_status(P,@succeeded,t)     :- at(oak,t), w",
+        "unreachable-status",
+        "at(oak,t) is never",
+    ),
+    (
+        "paper",
+        "paper.lp",
+        "#external _return/3.",
+        "#external _return/3. @#external _cancel/3.",
+        "unused",
+        "write a rule",
+    ),
+    (
+        "battery",
+        "battery.lp",
+        "W != never } 1 :-",
+        "@W != never } = 1 :-",
+        "restless",
+        "the program has no answer then",
+    ),
+    (
+        "two_arms",
+        "two_arms.lp",
+        "_action_lib(A,P,t) :-",
+        "1 { @_action_lib(go,(a;b),t) }.\n_action_lib(A,P,t) :-",
+        "restless",
+        "each step has an action",
+    ),
+    # clingo's incmode, telingo, programs with a driver of their own
+    (
+        "grow",
+        "grow.lp",
+        "w(t) :- w(t-1).",
+        "w(t) :- w(t-1).\n#external @query(t).\n:- query(t), not w(t).",
+        "incmode",
+        "query(t)",
+    ),
+    ("bound", "bound.lp", ":- not c(t).", ":- not c(t), @query(t).", "undefined", "clingo's incmode"),
+    ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- w(t-1).\n@#const imax = 20.", "incmode", "~horizon_limit"),
+    ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @'w(t-1).", "undefined", "in telingo 'w is w 1 step before"),
+    (
+        "lift",
+        "lift.lp",
+        "open(F,t) :- call(F,t).",
+        "open(F,t) :- call(F,t).\n@open'(F,t) :- up(t), call(F,t).",
+        "misspelt",
+        "in telingo open' is open at the next step",
+    ),
+    ("paper", "paper.lp", "#program base.", "@#program initial.", "unknown-part", "telingo's part"),
+    ("paper", "paper.lp", "#program cumulative(t).", "@#program step(t).", "unknown-part", "#program cumulative(t)."),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#include <incmode>.", "not-interpreted", "#include <incmode>"),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh(@@top(5)).", "not-interpreted", "no script defines @top"),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#script (lua)\nx = 1\n#end.", "syntax", "#script is not run"),
+    (
+        "lift",
+        "lift.lp",
+        "at(0,0).",
+        "at(0,0).\n#theory l { t { - : 0, unary }; &sum/0 : t, {<=}, t, any }.\n@&sum { 1 } <= 3.",
+        "not-interpreted",
+        "&sum",
+    ),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0).\n:- @&final.", "syntax", "no #theory defines the theory atom &final"),
+    # constants, and what clingo has to say
+    ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
+    ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
+    ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "is tries meant?"),
+    ("mailbot", FAULTS, "(blocked;unr", "(@blokced;unr", "misspelt", "is blocked meant?"),
+    ("mailbot", "office.lp", "start(office1)", "start(hall)", "no-match", "no L fits both start(L) and place(L)"),
+    ("mailbot", "delivery/search.lp", "t-T < _window.", "t-T < @_windw+0.", "no-number", "is _window meant?"),
+    ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
+    ("garden", "garden.lp", "N > 0, poured", "N > @zero, poured", "no-number", "write #const zero = 1."),
+    ("mailbot", RULES, "#const capacity = 3.", "#const capacity = three.", "undefined-operation", "(K*three)"),
+    ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
+    ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0)@\n", "syntax", "a dot is missing"),
+    ("paper", "paper.lp", "#program base.", "@#program bse.", "unknown-part", "base, cumulative(t) and volatile(t)"),
+    ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "is history meant?"),
+]
+
+
+def seeded(name, file, old, new):
+    """The sources of a program with the fault in it, and the line and column at which it stands."""
+    found, place = [], None
+    for one in lint_programs.program(name):
+        if one.name == file:
+            text, place = lint_programs.seeded(one.text, old, new)
+            one = Source(file, text)
+        found.append(one)
+    assert place is not None, f"{name} has no file {file}"
+    return found, place
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
+def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
+    sources, (line, column) = seeded(name, file, old, new)
+    found = lint_programs.lint(sources)
+    told = "\n".join(map(str, found))
+    mine = [one for one in found if one.fault.kind == kind and words in str(one)]
+    assert mine, f"nothing of the kind {kind} with {words}:\n{told}"
+    if "@" in new:
+        places = {(one.fault.file, one.fault.line) for one in mine}
+        assert (file, line) in places, f"not at {file}:{line}:{column}\n{told}"
+
+
+@pytest.mark.parametrize("kind", sorted(KINDS))
+def test_each_kind_is_seeded(kind):
+    elsewhere = {
+        "translation", "unknown-constant", "constant-value", "negative-constant", "stream-syntax", "stream-fact",
+        "no-interface", "idle-interface", "idle-reason", "no-label", "idle-label", "unheard-fact", "unheard-order",
+        "configuration", "message-type", "label-value", "like-reason", "idle-drawing",
+    }  # fmt: skip
+    assert kind in elsewhere or any(seed[4] == kind for seed in SEEDS)

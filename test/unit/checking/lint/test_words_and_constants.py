@@ -1,0 +1,227 @@
+"""What a program for the core lacks, and what is said of values that are given to its constants."""
+
+import lint_programs
+import pytest
+
+from rosoclingo.checking.lint.linting import findings, lint_program
+from rosoclingo.oclingo import ReactiveProgram, parse_term
+from rosoclingo.oclingo.program.constants import given_values
+from rosoclingo.oclingo.program.sources import Source
+
+ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < 3."
+EXTERNALS = "#external _request/2. #external _return/3."
+HEEDED = ":- _request(X,1). :- _return(X,Y,1)."
+ODD = "#cumulative t.\n#volatile t.\n"
+CONSTANTS = """#const n = 3.
+#const twice = 2*n.
+#const start = office1.
+#const low = -4.
+#const zero = 0.
+#const pair = (1,2).
+#const odd = "x"+1.
+#const back = 2*odd.
+a(n,twice,start,low,free,f(g)) :- b(1..n)."""
+
+
+@pytest.mark.parametrize(
+    ("text", "kinds"),
+    [
+        (EXTERNALS + HEEDED + ACTION, []),
+        (
+            "#external _return(go,V,1) : V = 1. #external _request(do(1),2). :- _request(X,2). :- _return(X,Y,1)."
+            + ACTION,
+            [],
+        ),
+        (ACTION, ["no-request", "no-return"]),
+        ("#external _request/2." + ACTION, ["no-return"]),
+        (EXTERNALS + "#program cumulative(t). #program volatile(t).", ["no-action"]),
+        ("#external _request/2. #program cumulative(t). #program volatile(t).", ["no-action"]),
+        ("#program cumulative(t). a(t). #program volatile(t).", ["no-request", "no-action"]),
+        (EXTERNALS + ACTION.partition("#program volatile")[0], ["missing-part"]),
+    ],
+)
+def test_what_a_program_for_the_core_lacks(text, kinds):
+    for _ in range(2):  # however often one asks
+        program = ReactiveProgram.from_text(text, "home.lp")
+        assert [one.kind for one in lint_program(program, core=True)] == kinds
+
+
+@pytest.mark.parametrize("text", ["#program cumulative(t). a(t). #program volatile(t).", "#cumulative t. #volatile t."])
+def test_a_program_without_keywords_is_not_for_the_core(text):
+    assert lint_program(ReactiveProgram.from_text(text, "home.lp")) == []
+
+
+IDLE = EXTERNALS + HEEDED + "#program cumulative(t). #program volatile(t). #program cumulative(t). "
+STATUS = "_status(I,succeeded,t) :- _request(do(I),t)."
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "_action_lib(go,a,t).",
+        "1 { _action_lib(go,(a;b),t) } 1.",
+        "{ _action_lib(go,(a;b),t) } = 1.",
+        "_action_lib(go,a,t) | _action_lib(rest,a,t).",
+        "{ _action_lib(go,(a;b),t) }. :- not _action_lib(go,a,t), not _action_lib(go,b,t).",
+        "{ _action_lib(go,(a;b),t) }. :- { _action_lib(A,P,t) } 0.",
+        "{ _action_lib(go,(a;b),t) }. acts(t) :- _action_lib(A,P,t). :- not acts(t).",
+        "{ _action_lib(go,a,t) }. _action_lib(rest,a,t) :- not _action_lib(go,a,t).",
+        "want(I,t) :- _request(do(I),t+1). 1 { _action_lib(go,I,t) : want(I,t) } 1.",
+    ],
+)
+def test_an_action_at_each_step_is_told_where_no_goal_has_a_status(rules):
+    assert [one.kind for one in lint_program(ReactiveProgram.from_text(IDLE + rules, "home.lp"))] == ["restless"]
+    assert lint_program(ReactiveProgram.from_text(IDLE + rules + STATUS, "home.lp")) == []
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "{ _action_lib(go,(a;b),t) } 1.",
+        "want(I,t) :- _request(do(I),t+1). 1 { _action_lib(go,(a;b),t) } 1 :- want(I,t).",
+        "{ _action_lib(go,a,t) }. :- not _action_lib(go,a,t), t < 3.",
+        "want(I,t) :- _request(do(I),t+1). { _action_lib(go,a,t) }. :- want(I,t), not _action_lib(go,a,t).",
+    ],
+)
+def test_actions_for_goals_alone_are_right(rules):
+    assert lint_program(ReactiveProgram.from_text(IDLE + rules, "home.lp")) == []
+
+
+STEPS = "#program base. {} #program cumulative(t). {} #program volatile(t). :- not p(t)."
+
+
+@pytest.mark.parametrize(
+    ("base", "rules"),
+    [
+        ("p(0).", "p(t) :- p(S), S = t-1."),
+        ("p(0).", "p(t) :- p(S), t = S+1."),
+        ("p(0).", "p(t) :- p(S), #sum { S; 1 } = t."),
+        ("p(-1).", "p(t) :- p(S), S < t, t-S < 3. p(t) :- not p(t-1)."),
+        ("p(-1). x :- p(-1).", "p(t) :- p(t-1). p(t) :- x."),
+        ("p(-1).", "p(t) :- p(T), T < t, t - T < 60, x(t). { x(t) }. p(t) :- not p(t-1)."),
+        ("p(1).", "p(t+1) :- p(t)."),
+        ("p(2).", "p(t) :- p(t-1), t > 2. p(t) :- t < 2."),
+        ("#iinit 0. p(-1).", "p(t) :- p(t-1)."),
+        ("p(0).", "p(t)."),
+    ],
+)
+def test_facts_of_steps_at_which_rules_look_are_right(base, rules):
+    program = ReactiveProgram.from_text(STEPS.format(base, rules), "home.lp")
+    assert [one for one in lint_program(program) if one.kind == "first-step"] == []
+
+
+@pytest.mark.parametrize("keyword", ["_request/2", "_return/3", "_failed/3", "_cancel/3"])
+def test_a_keyword_is_no_slip_of_itself(keyword):
+    text = f"#external {keyword}. #program cumulative(t). p(t). #show p/1. #program volatile(t). :- not p(t)."
+    found = list(lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False))
+    assert [one.kind for one in found] == ["unused"]
+    assert "meant?" not in str(found[0])
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "#program volatile(t). end(t) :- p(t). :- not end(t).",
+        "#volatile t : 3. end(t) :- p(t). #program cumulative(t). :- end(t-2), x(t). { x(t) }. #volatile t.",
+        "end(t) :- p(t). #program volatile(t). end(t) :- x(t). :- not end(t-1), p(t). { x(t) }.",
+        "#external end/1. #program volatile(t). end(t) :- p(t). :- end(t-1).",
+        "#program volatile(t). end(t) :- p(t), x. #program base. x. end(5). #program cumulative(t). :- end(t-1).",
+    ],
+)
+def test_looks_back_at_what_is_still_there_are_right(rules):
+    text = f"#program cumulative(t). p(t). {rules}"
+    found = lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False)
+    assert [one for one in found if one.kind == "past-volatile"] == []
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        ({"n": "7", "start": "office2", "low": "5", "free": "x"}, []),
+        ({"start": "7"}, []),
+        (
+            {"n": "three"},
+            [("constant-value", "n is three, but the program's own value is 3 (home.lp:1) (give a number)")],
+        ),
+        (
+            {"twice": '"9"'},
+            [("constant-value", 'twice is "9", but the program\'s own value is 6 (home.lp:2) (give a number)')],
+        ),
+        (
+            {"n": "-1"},
+            [("negative-constant", "own value is 3 (home.lp:1) (is a negative number meant?)")],
+        ),
+        ({"low": "-1"}, []),
+        ({"n": "0"}, []),
+        ({"zero": "-1"}, []),
+        ({"pair": "7", "odd": "7", "back": "7"}, []),  # what they are is not a number
+        ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
+        ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (is start meant?)")]),
+        ({"zzz": "1"}, [("unknown-constant", "(its constants are back, low, n, odd, pair, start, twice, zero)")]),
+        ({"zzz": "1", "n": "f(x)"}, [("unknown-constant", "no #const zzz"), ("constant-value", "give a number")]),
+    ],
+)
+def test_values_of_constants(given, found):
+    survey = ReactiveProgram.from_text(CONSTANTS, "home.lp").survey
+    told = given_values(survey, {name: parse_term(value) for name, value in given.items()})
+    assert [one.kind for one in told] == [kind for kind, _ in found]
+    assert all(words in str(one) for one, (_, words) in zip(told, found))
+
+
+def test_a_program_without_constants():
+    told = lint_programs.lint([Source("home.lp", "a(1).\n#cumulative t.\n#volatile t.\n")], {"n": "1"})
+    assert list(map(str, told)) == ["constant n: the program has no #const n (it has none) [unknown-constant]"]
+    assert told[0].severity == "error"
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("name", ["mailbot", "house"])
+def test_constants_of_the_shipped_programs(name):
+    assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []
+
+
+def test_what_a_translation_says_is_of_a_line():
+    text = "p(1).\nq(F) :- p(F).\n#domain p(F).\n#show q/1.\n#cumulative t.\n#volatile t.\n"
+    (one,) = lint_programs.lint([Source("old.lp", text)])
+    assert (one.fault.kind, one.fault.line) == ("translation", 3)
+
+
+def test_nothing_is_said_of_constants_whose_values_are_not_known():
+    text = "#const n = f(2).\np(n).\nq(X) :- p(f(X)).\n:- q(2).\na(X) :- not p(X).\n" + ODD
+    assert [one.fault.kind for one in lint_programs.lint([Source("p.lp", text)])] == ["unsafe"]
+
+
+# ---- what is silenced ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        ("a :- b.", ["undefined"]),
+        ("a :- b. % check: ok undefined", []),
+        ("a :- b. %   check:ok   unused , undefined (because)", []),
+        ("% check: ok undefined\na :- b.", []),
+        ("a :- c. % check: ok undefined\n", []),
+        ("a. % check: ok undefined\na :- b.", ["undefined"]),
+        ("% check: ok undefined\n\na :- b.", ["undefined"]),
+        ("a :- b. % check: ok unused", ["undefined"]),
+        ("a :- b. % check: ok", ["silence", "undefined"]),
+        ("a :- b. % check: ok undefind", ["silence", "undefined"]),
+        ("a :- b(1), % check: ok undefined\n c(2).", ["undefined"]),
+    ],
+)
+def test_findings_are_silenced_by_line(text, left):
+    sources = [Source("p.lp", text + "\n" + ODD)]
+    assert sorted(one.fault.kind for one in lint_programs.lint(sources)) == left
+
+
+def test_an_error_is_not_silenced():
+    sources = [Source("p.lp", "#cumulative t.\n{ a(t) }.\nb :- a(t). % check: ok redefinition no-step\n#volatile t.\n")]
+    assert [one.fault.kind for one in lint_programs.lint(sources)] == ["redefinition"]
+
+
+def test_findings_come_in_the_order_of_files_and_lines():
+    sources = [Source("z.lp", "a :- c.\na :- b.\n" + ODD), Source("a.lp", "a :- d.\n")]
+    told = findings(lint_program(ReactiveProgram(sources)), [(one.name, one.text) for one in sources])
+    assert [(one.fault.file, one.fault.line) for one in told] == [("z.lp", 1), ("z.lp", 2), ("a.lp", 1)]

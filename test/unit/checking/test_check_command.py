@@ -1,0 +1,166 @@
+"""The command ``check``, and ``oclingo --check``: what is printed, exit codes, files that can't be read."""
+
+import json
+import subprocess
+import sys
+
+import lint_programs
+import pytest
+
+from rosoclingo.checking import check_command, oclingo_command
+
+PROGRAM = """#program cumulative(t).
+#external call(F,t) : F = 0..5.
+{ up(t) }.
+open(F,t) :- cal(F,t).
+#program volatile(t).
+:- open(F,t), not up(t).
+"""
+UNDEFINED = "no rule and no #external defines cal/2: it is never true (is call/2 meant? else write #defined cal/2.)"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lift.lp").write_text(PROGRAM)
+    (tmp_path / "right.lp").write_text(PROGRAM.replace("cal(", "call("))
+    (tmp_path / "calls.str").write_text(
+        "#step 1.\ncall(7,1).\n#endstep.\n#step 2.\nup(. #endstep.\n#step 3. #endstep.\n"
+    )
+    return tmp_path
+
+
+@pytest.fixture(params=["check", "oclingo"])
+def run(request, capsys):
+    """Runs the command in one of its forms; gives exit code, output and errors."""
+
+    def started(*arguments):
+        if request.param == "check":
+            code = check_command.main(arguments)
+        else:
+            code = oclingo_command.main(["--check", *arguments])
+        told = capsys.readouterr()
+        return code, told.out, told.err
+
+    return started
+
+
+def test_a_finding_is_told_with_its_line(folder, run):
+    assert run("lift.lp") == (
+        1,
+        f"lift.lp:4:14: warning: {UNDEFINED} [undefined]\n"
+        "     4 | open(F,t) :- cal(F,t).\n"
+        "       |              ^\n"
+        "1 warning in 1 file\n",
+        "",
+    )
+
+
+def test_nothing_is_found(folder, run):
+    assert run("right.lp") == (0, "nothing in 1 file\n", "")
+
+
+def test_all_is_told_at_once(folder, run):
+    (folder / "more.lp").write_text("a(X) :- not b.\n_request(1).\n#program cumulative(t).\nc :- up(t).\n")
+    code, out, _ = run("lift.lp", "more.lp", "-c", "n=3")
+    assert code == 1
+    assert [line.split(": ")[:2] for line in out.splitlines() if " | " not in line and ": " in line] == [
+        ["lift.lp:1:1", "warning"],
+        ["lift.lp:1:1", "warning"],
+        ["lift.lp:4:14", "warning"],
+        ["more.lp:1:1", "error"],
+        ["more.lp:1:13", "warning"],
+        ["more.lp:2:1", "error"],
+        ["more.lp:4:1", "warning"],
+        ["constant n", "error"],
+    ], out
+
+
+def test_a_stream_is_looked_at(folder, run):
+    code, out, _ = run("right.lp", "--stream", "calls.str")
+    told = [line for line in out.splitlines() if line.startswith("calls.str")]
+    assert code == 1
+    assert told[0].startswith(
+        "calls.str:2:1: warning: call/2 is never external with 7 as argument 1 (it may be 0, 1, 2"
+    )
+    assert told[1].startswith("calls.str:5:4: error: ")
+    assert len(told) == 2
+
+
+def test_findings_as_json(folder, run):
+    code, out, _ = run("lift.lp", "--json")
+    told = json.loads(out)
+    (one,) = told.pop("findings")
+    assert (code, told) == (1, {"errors": 0, "warnings": 1, "files": ["lift.lp"]})
+    assert one == {
+        "kind": "undefined",
+        "severity": "warning",
+        "file": "lift.lp",
+        "line": 4,
+        "column": 14,
+        "message": UNDEFINED.partition(" (")[0],
+        "mend": "is call/2 meant? else write #defined cal/2.",
+    }
+    code, out, _ = run("right.lp", "--json")
+    assert (code, json.loads(out)["findings"]) == (0, [])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["nofile.lp", "nor_this.lp"],
+        ["lift.lp", "-c", "n"],
+        ["lift.lp", "-c", "n=X"],
+        ["lift.lp", "--stream", "none.str"],
+    ],
+)
+def test_what_cannot_be_read(folder, run, arguments):
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    missing = [one for one in arguments if one in ("nofile.lp", "nor_this.lp", "none.str", "n", "n=X")]
+    assert len(err.splitlines()) == len(missing)
+    assert all(one in line for one, line in zip(missing, err.splitlines()))
+
+
+def test_a_file_that_is_not_utf_8_and_one_that_includes_what_is_not_there(folder, run):
+    (folder / "latin.lp").write_bytes(b'a("\xe4").')
+    assert run("latin.lp")[0] == 2
+    (folder / "outer.lp").write_text('a.\n#include "inner.lp".\n')
+    code, out, _ = run("outer.lp")
+    assert code == 1
+    assert out.startswith(f"outer.lp:2:1: error: included file 'inner.lp' is not there (looked in {folder}) [syntax]\n")
+
+
+def test_a_wrong_command_line(folder, run):
+    with pytest.raises(SystemExit) as ended:
+        run("lift.lp", "--nonsense")
+    assert ended.value.code == 2
+
+
+def test_oclingo_checks_no_prompt(folder):
+    with pytest.raises(SystemExit) as ended:
+        oclingo_command.main(["lift.lp", "--check", "--interactive"])
+    assert ended.value.code == 2
+
+
+@pytest.mark.slow
+def test_the_script_reads_standard_input():
+    script = lint_programs.ROOT / "scripts" / "check"
+    done = subprocess.run(
+        [sys.executable, script, "-"], input=PROGRAM, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 1
+    assert done.stdout.startswith("<stdin>:4:14: warning: no rule")
+
+
+def test_what_is_silenced_is_not_told(folder, run):
+    (folder / "quiet.lp").write_text(PROGRAM.replace("cal(F,t).", "cal(F,t). % check: ok undefined (a test)"))
+    assert run("quiet.lp")[0] == 0
+
+
+@pytest.mark.parametrize("name", ["assert_retract", "back", "bodies", "bound"])
+def test_nothing_is_said_of_streams_of_the_real_oclingo(folder, run, name):
+    (case,) = [one for one in lint_programs.GOLDEN if one["name"] == name]
+    (folder / "golden.lp").write_text(case["program"], encoding="utf-8")
+    (folder / "golden.str").write_text("".join(one["update"] for one in case["updates"]), encoding="utf-8")
+    assert run("golden.lp", "--stream", "golden.str") == (0, "nothing in 2 files\n", "")

@@ -1,0 +1,159 @@
+"""``check --plan``: plans as tables, reasons where there is none, requests that are none, streams before them."""
+
+import json
+
+import pytest
+
+from rosoclingo.checking import check_command, trial_plans
+
+PROGRAM = """\
+#program base.
+way(a,b). way(b,c).
+at(a,0).
+#program cumulative(t).
+#external _request/2.
+#external _return/3.
+#external shut/2.
+wanted(P,t) :- _request(go(P),t+1).
+wanted(P,t) :- wanted(P,t-1), not at(P,t-1), not _request(cancel(P),t).
+busy(t) :- wanted(P,t).
+{ _action_lib(go,B,t) : way(A,B), at(A,t-1) } 1 :- busy(t).
+failed(t) :- _action_lib(go,B,t), _return(go,V,t), V != B.
+moved(t) :- _action_lib(go,B,t), not failed(t).
+at(B,t) :- _action_lib(go,B,t), not failed(t).
+at(A,t) :- at(A,t-1), not moved(t).
+closed(B,t) :- shut(B,t).
+closed(B,t) :- closed(B,t-1).
+%! {B} is shut
+:- _action_lib(go,B,t), closed(B,t).
+#program volatile(t).
+:- wanted(P,t), not at(P,t).
+#show _action_lib/3.
+"""
+TABLE = """\
+go(c): a plan up to step 2
+                       1 2
+_action_lib(go,b,t)    x .
+_action_lib(go,c,t)    . x
+"""
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """Runs the command on the program; gives exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "walk.lp").write_text(PROGRAM)
+    (tmp_path / "shut.str").write_text("#step 1. shut(c,1). #end step.\n")
+    (tmp_path / "walked.str").write_text(
+        "#step 1. _request(go(b),2). #end step.\n#step 2. :- not _action_lib(go,b,1). #end step.\n"
+    )
+
+    def started(*arguments):
+        code = check_command.main(["walk.lp", *arguments])
+        return (code, *capsys.readouterr())
+
+    return started
+
+
+def test_a_plan_is_a_table_over_time(run):
+    code, out, _ = run("--plan", "go(c)")
+    assert code == 0
+    assert out.replace(" ", "").endswith(TABLE.replace(" ", ""))
+
+
+@pytest.mark.slow
+def test_where_there_is_none_the_rules_and_facts_are_told(run):
+    code, out, _ = run("--plan", "go(b).", "--plan", "go(c)", "--stream", "shut.str")
+    assert code == 1
+    assert "go(b).: a plan up to step 2\n" in out
+    assert "go(c): No plan of at most 30 steps; a longer plan may exist.\n" in out
+    assert "  walk.lp:19:1: c is shut\n      :- _action_lib(go,B,t), closed(B,t).\n" in out
+    assert "  asserted: shut(c,1).\n" in out
+
+
+@pytest.mark.slow
+def test_a_sample_of_each_kind_of_request_is_tried(run, tmp_path):
+    code, out, _ = run("--plan")
+    assert code == 0
+    assert "\ngo(b): a plan up to step 1\n" in out
+    code, out, _ = run("--plan", "--plan", "go(c)", "--stream", "walked.str")
+    assert "\ngo(c): a plan up to step 3\n" in out
+    (tmp_path / "walk.lp").write_text("#program cumulative(t).\n#external _request/2.\np(t) :- _request(go(X),t).\n")
+    assert "a sample: no request could be made of the names in the facts" in run("--plan")[1]
+
+
+def test_steps_bound_plans(run):
+    assert run("--plan", "go(c)", "--steps", "1")[0] == 0
+    code, out, _ = run("--plan", "go(c)", "--stream", "walked.str", "--steps", "1", "--plan", "go(a)")
+    assert code == 1
+    assert "go(c): a plan up to step 3\n" in out
+    assert "go(a): No plan of at most 1 step; a longer plan may exist.\n" in out
+
+
+@pytest.mark.slow
+def test_facts_of_the_program_come_as_they_are(run):
+    code, out, _ = run("--plan", "shut(b,1). go(c)", "--plan", "go(c). cancel(c)")
+    assert code == 1
+    assert "walk.lp:19:1: b is shut" in out
+    assert "go(c). cancel(c): " in out
+
+
+@pytest.mark.slow
+def test_updates_of_the_stream_without_an_answer_are_explained(run, tmp_path):
+    (tmp_path / "wrong.str").write_text("#step 1. _request(go(d),2). #end step.\n")
+    code, out, _ = run("--stream", "wrong.str", "--plan", "go(b)")
+    assert code == 1
+    assert "update of step 1: No plan of at most 30 steps" in out
+
+
+@pytest.mark.parametrize("text", ["go(X)", "", "go(c) :- go(d)", ":- go(c)", "#step 3. go(c)"])
+def test_what_is_no_request_is_told(run, text):
+    code, _, error = run("--plan", text)
+    assert code == 2
+    assert f"--plan {text!r}" in error
+    assert "write a term as in goal(office1,office2,1)" in error
+
+
+def test_a_program_without_requests_takes_facts_of_its_externals(run, tmp_path):
+    text = "#program cumulative(t).\n#external go(t).\n{ gone(t) } :- go(t).\n#program volatile(t).\n:- go(9).\n"
+    (tmp_path / "walk.lp").write_text(text)
+    assert run("--plan", "go(1)")[0] == 0
+    code, _, error = run("--plan", "walk(1)")
+    assert code == 2
+    assert "the program takes no requests" in error
+
+
+@pytest.mark.slow
+def test_plans_and_reasons_as_json(run):
+    code, out, _ = run("--plan", "go(c)", "--plan", "go(d)", "--json")
+    first, second = json.loads(out)["plans"]
+    assert code == 1
+    assert first == {
+        "name": "go(c)",
+        "plan": ["_action_lib(go,b,1)", "_action_lib(go,c,2)"],
+        "horizon": 2,
+        "why": None,
+        "fault": "",
+    }
+    assert second["why"]["rules"][0]["rule"]["line"] == 21
+
+
+def test_ctrl_c_ends_it_without_a_traceback(run, monkeypatch):
+    def interrupted(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(trial_plans, "explain", interrupted)
+    assert run("--plan", "go(d)")[0] == 130
+
+
+def test_no_time_is_told(run):
+    code, out, _ = run("--plan", "go(c)", "--seconds", "0.000000001")
+    assert code == 1
+    assert out.endswith("go(c): no plan was found in 1e-09 s\n")
+
+
+def test_request_that_no_rule_can_see_has_no_plan(run):
+    code, told, _ = run("--plan", "og(c)", "--plan", "go(c)")
+    assert code == 1
+    assert "og(c): no rule of the program can see it: did you mean go(c)?" in told
+    assert told.replace(" ", "").endswith(TABLE.replace(" ", ""))

@@ -1,0 +1,86 @@
+"""A plan that is put off for ever: the core on trial says so, and so do ways that lead back to where they begin."""
+
+import pytest
+from clingo import Function
+from core_driver import Driver
+from verified_programs import VISITS, edited, more
+
+from rosoclingo.checking.verifying.moves import Answer, Happening, Move
+from rosoclingo.checking.verifying.scope import Limits, Wanted
+from rosoclingo.checking.verifying.trial_core import PUT_OFF, BrokenError, TrialCore
+from rosoclingo.checking.verifying.verification import verify
+from rosoclingo.checking.verifying.ways import Node, Step, circles
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
+from rosoclingo.planning.history import AcceptedUpdate, History
+from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.keywords import Action
+
+GO = Answer(Action(Function("go"), Function("hall"), 1), Function("hall"))
+
+
+class Later:
+    """A solver whose plan always begins in the next cycle."""
+
+    def __init__(self):
+        self.log = History()
+
+    def update(self, update, stopped=None):
+        """Answer with an action of the next cycle."""
+        self.log = self.log.with_entries(AcceptedUpdate(update, update.step + 1))
+        answer = frozenset([parse_atom(f"_action_lib(go,hall,{update.step + 1})")])
+        spent = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
+        return SolveResult(SolveOutcome.SATISFIABLE, (answer,), update.step + 1, update.step, statistics=spent)
+
+    def restore(self, log):
+        """Go on from a log."""
+        self.log = log
+
+
+def test_a_core_on_trial_tells_where_else_it_would_lose_patience():
+    core = TrialCore(ReactiveProgram.from_text(VISITS), Later, CoreSettings(horizon_limit=5))
+    core.start()
+    core.make(Move((Happening("ask", "visit(hall)"),)))
+    for _ in range(4):
+        core.make(Move())
+    with pytest.raises(BrokenError) as broken:
+        core.make(Move())
+    assert broken.value.kind == PUT_OFF
+
+
+def way(*states, answers=(), goals=("visit(hall)",)):
+    """Nodes one after the other, of these states, all of which go as planned."""
+    nodes = []
+    for state in states:
+        step = Step(Move(answers=tuple(answers)), ("an update",)) if nodes else None
+        node = Node(None, nodes[-1] if nodes else None, step)
+        node.state, node.goals = state, goals
+        if nodes:
+            nodes[-1].onward.append((step, node))
+        nodes.append(node)
+    return nodes
+
+
+@pytest.mark.parametrize(("answers", "acts"), [((), False), ((GO,), True)])
+def test_a_way_that_leads_back_is_a_circle(answers, acts):
+    (circle,) = circles(way("a", "b", "c", "b", answers=answers))
+    assert (circle.node.state, len(circle.steps), circle.length) == ("b", 2, 3)
+    assert circle.acts is acts
+
+
+@pytest.mark.parametrize("nodes", [way("a", "b", "c"), way("a", "b", "a", goals=())])
+def test_a_way_that_ends_or_has_no_goals_is_none(nodes):
+    assert list(circles(nodes)) == []
+
+
+#: Nobody is served before cycle 3, and to go then is best.
+WAITS = edited(
+    more(VISITS, "told(t) :- asked(P,t). told(t) :- told(t-1). #minimize { 1,P,t : _action_lib(go,P,t), t < 3 }."),
+    (":- wanted(P,t), not at", ":- told(t), t < 3.\n:- wanted(P,t), not at"),
+)
+
+
+def test_a_program_that_waits_as_long_as_it_can_puts_nothing_off_for_ever():
+    program = ReactiveProgram.from_text(WAITS)
+    driver = Driver(program=program).goal("a", "visit(hall)")
+    assert driver.awaited == ["_action_lib(go,hall,3)"], "in the first cycles it has nothing to do"
+    assert verify(program, Wanted((parse_atom("visit(hall)"),), ("none",)), Limits(1, steps=8), 60.0).clean

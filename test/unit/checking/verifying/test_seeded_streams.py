@@ -1,0 +1,130 @@
+"""Faults put into small programs are found, on the shortest way, and show on the real core."""
+
+from functools import lru_cache
+
+import pytest
+from clingo import Function
+from verified_programs import CARRIES, ECHO, VISITS, edited, more, play
+
+from rosoclingo.checking.verifying.moves import Moves, Repertory
+from rosoclingo.checking.verifying.scope import Kind, Limits, Wanted
+from rosoclingo.checking.verifying.verification import verify
+from rosoclingo.oclingo import ReactiveProgram, parse_term
+from rosoclingo.reasoning.keywords import Action
+
+FAILED = "failed(P,t) :- _action_lib(go,P,t), _return(go,V,t), V != P."
+NO_ANSWER, NEVER_ENDED, TAKEN = Kind.NO_ANSWER, Kind.NEVER_ENDED, Kind.FAILURE_AS_SUCCESS
+
+#: The program, what is found, its events, its updates.
+SEEDS = {
+    "a late fact forbids what was done": (
+        more(VISITS, ":- _action_lib(go,P,t), _closed(P,t)."), NO_ANSWER, 2, 2),
+    "so does one of the cycle before": (
+        more(VISITS, ":- _action_lib(go,P,t), _closed(P,t-1)."), NO_ANSWER, 3, 3),
+    "a fact forbids all": (
+        more(VISITS, ":- seen(P,t)."), NO_ANSWER, 1, 1),
+    "a request forbids all, cancelled or not": (
+        more(VISITS, ":- _request(visit(P),t+1)."), NO_ANSWER, 1, 1),
+    "a cancel forbids what was done": (
+        more(VISITS, ":- _request(cancel(P),t), _action_lib(go,P,t-1)."), NO_ANSWER, 2, 2),
+    "a reason that is named forbids all": (
+        more(VISITS, ":- _return(go,blocked,t)."), NO_ANSWER, 2, 2),
+    "there is no answer at all": (
+        more(VISITS, ":- at(home,t-1)."), NO_ANSWER, 0, 1),
+    "returns are never looked at": (
+        edited(VISITS, (FAILED, "#defined failed/2.")), TAKEN, 2, 2),
+    "one reason alone is a failure": (
+        edited(VISITS, (FAILED, "failed(P,t) :- _action_lib(go,P,t), _return(go,stuck,t).")), TAKEN, 2, 2),
+    "what another action is about is success": (
+        edited(VISITS, ("V != P.", "V != P, not place(V).")), TAKEN, 2, 2),
+    "any return is success, a step later": (
+        edited(ECHO, ("_return(run,J,t-1).", "_return(run,V,t-1)."),
+               ("_return(run,V,t-1), V != J.", "_return(run,V,t-1), V = never.")), TAKEN, 2, 2),
+    "nothing is told of a goal whose action failed": (
+        edited(VISITS, ("_status(P,aborted,t) :- wanted(P,t-1), failed(P,t-1).", "")), TAKEN, 2, 2),
+    "it stays accepted after a failure": (
+        more(VISITS, "broken(P,t) :- failed(P,t-1). broken(P,t) :- broken(P,t-1), not asked(P,t).\n"
+             "_status(P,accepted,t) :- broken(P,t).").replace("_status(P,aborted,t) :-", "aborted(P,t) :-"),
+        NEVER_ENDED, 2, 2),
+    "success is not seen, and it is done for ever": (
+        edited(VISITS, (FAILED, "failed(P,t) :- _action_lib(go,P,t), _return(go,P,t)."),
+               ("not failed(P,t-1), not _request", "not _request"),
+               ("_status(P,aborted,t) :- wanted(P,t-1), failed(P,t-1).", "")), NEVER_ENDED, 1, 3),
+    "it stays accepted when it is cancelled": (
+        edited(VISITS, ("_status(P,canceled,t) :- _request(cancel(P),t), not at(P,t-1), not failed(P,t-1).",
+                        "stopped(P,t) :- _request(cancel(P),t), not at(P,t-1), not failed(P,t-1).\n"
+                        "stopped(P,t) :- stopped(P,t-1). _status(P,accepted,t) :- stopped(P,t).")),
+        NEVER_ENDED, 3, 2),
+    "a place that must not be gone to": (
+        more(VISITS, '_never("nobody goes to the den",t) :- _action_lib(go,den,t).'), Kind.FORBIDDEN, 1, 1),
+    "two places one after the other": (
+        more(VISITS, "_never(hurry,t) :- _action_lib(go,P,t), _action_lib(go,Q,t-1), P != Q."), Kind.FORBIDDEN, 2, 2),
+    "a plan with what is no action": (
+        VISITS.replace("at(home,0).", "at(home,0). _action_lib(beep,home,0)."), Kind.MALFORMED, 1, 1),
+    "what is held is forgotten, and grabbed again": (
+        edited(CARRIES, ("held(X,t-1), not dropped(X,t).", "held(X,t-1), not dropped(X,t), wanted(X,t).")),
+        Kind.REPEATED, 3, 3),
+}  # fmt: skip
+
+
+@lru_cache(maxsize=None)
+def found(name):
+    """The program of a seed, and what came of it."""
+    text, _, cost, _ = SEEDS[name]
+    program = ReactiveProgram.from_text(text)
+    asked = {"visit(P)": ["visit(hall)", "visit(den)"], "bring(X)": ["bring(cup)"], "do(J)": ["do(wash)", "do(iron)"]}
+    goals = next(tuple(map(parse_term, terms)) for word, terms in asked.items() if word in text)
+    facts = () if text.count("_closed") + text.count("seen") > 4 else ("none",)
+    return program, verify(program, Wanted(goals, facts, most=1), Limits(events=max(cost, 1), steps=8), seconds=300)
+
+
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize("name", SEEDS)
+def test_a_fault_is_found_on_the_shortest_way(name):
+    _, kind, cost, updates = SEEDS[name]
+    _, verdict = found(name)
+    first = next(one.finding for one in verdict.faults if one.finding.kind is kind)
+    assert (first.cost, first.length) == (cost, updates)
+    assert verdict.progress.proven == cost - 1, "and with fewer events there is none"
+    assert all(one.confirmation.holds for one in verdict.faults), "and so it is with the solver that cores have"
+
+
+def shows(kind, driver, finding):
+    """Tell whether a core shows what was found."""
+    problems, core = " ".join(driver.problems), driver.core
+    if kind is NO_ANSWER:
+        return any(one in problems for one in ("contradict", "withheld", "begins anew", "no answer"))
+    if kind is NEVER_ENDED:
+        return bool(core.live_goals) and (finding.circular or not core.awaited)
+    if kind is Kind.MALFORMED:
+        return finding.subject in problems
+    if kind is Kind.REPEATED:
+        return finding.subject in driver.awaited and finding.subject[:-2] in " ".join(driver.journal.actions[:-1])
+    if kind is Kind.FORBIDDEN:
+        return bool(driver.awaited)
+    return not core.live_goals or bool(core.plan.remaining(core.cycle))
+
+
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize("name", SEEDS)
+def test_what_is_found_shows_on_the_real_core(name):
+    kind = SEEDS[name][1]
+    program, verdict = found(name)
+    fault = next(one for one in verdict.faults if one.finding.kind is kind)
+    assert shows(kind, play(program, fault.finding.way, 8), fault.finding)
+
+
+def test_an_action_that_is_named_like_its_reason_can_fail():
+    moves = Moves(ReactiveProgram.from_text("#external _return/3."), Repertory((), (), {}), Limits())
+    actions = [Action(Function("go"), Function(place), 1) for place in ("failed", "den")]
+    for under_way, values in ((actions[:1], {"failed(failed)"}), (actions, {"failed(failed)", "failed(failed,den)"})):
+        tried = [answer for move in moves.of(under_way, [], 2, True, 1) for answer in move.failures]
+        assert {str(answer.value) for answer in tried} == values
+
+
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO], ids=["visits", "carries", "echo"])
+def test_sound_programs_are_clean(text):
+    verdict = verify(ReactiveProgram.from_text(text), limits=Limits(events=2, steps=8), seconds=300)
+    assert verdict.clean, verdict.text()
+    assert verdict.progress.proven == 2

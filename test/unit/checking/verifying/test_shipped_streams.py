@@ -1,0 +1,95 @@
+"""The shipped programs are clean to a depth; what was wrong with the first rules of delivery is found in them."""
+
+import re
+from pathlib import Path
+
+import pytest
+from shipped import ENCODINGS, shipped
+from verified_programs import play
+
+from rosoclingo.checking.verifying.scope import Kind, Limits, Wanted
+from rosoclingo.checking.verifying.verification import verify
+from rosoclingo.oclingo import ReactiveProgram, parse_term
+from rosoclingo.oclingo.program.sources import Source
+
+ROOT = Path(__file__).resolve().parents[4]
+FIRST = ROOT / "test" / "data" / "first_delivery"
+THREE_OFFICES = """#program base.
+office(office1). office(office2). office(office3). start(office1).
+corridor(office1,office2). corridor(office2,office3)."""
+TWO_OFFICES = "#program base. office(office1). office(office2). start(office1). corridor(office1,office2)."
+
+
+def tutorial():
+    """The tutorial's program."""
+    text = (ROOT / "doc" / "tutorial.md").read_text(encoding="utf-8")
+    return ReactiveProgram.from_text(re.search(r"```prolog\n(.*?)```", text, re.DOTALL).group(1))
+
+
+def template():
+    """The program of a new package."""
+    return ReactiveProgram.from_files([ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"])
+
+
+PROGRAMS = {"paper": lambda: shipped("paper.lp"), "tutorial": tutorial, "template": template}
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_small_programs_are_clean(name):
+    verdict = verify(PROGRAMS[name](), Wanted(most=1), Limits(events=2, steps=12), seconds=300)
+    assert verdict.clean, verdict.text()
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")], ids=["office", "house"])
+def test_programs_on_the_rules_of_delivery_are_clean(files):
+    verdict = verify(shipped(*files), Wanted(most=1), Limits(events=1, steps=20), seconds=300)
+    assert verdict.clean, verdict.text()
+
+
+def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFFICES, steps=12):
+    """A mailbot there, asked to fetch from its end, and what is found where one thing happens at a time."""
+    sources = [Source.from_file(folder / "mailbot.lp"), Source("floor", floor)]
+    program = ReactiveProgram(sources, {} if folder == FIRST else {"_told": "1"})
+    goal = parse_term(f"goal(office{3 if floor == THREE_OFFICES else 2},office1,1)")
+    limits = Limits(events=events, together=1, steps=steps, early=0)
+    return program, verify(program, Wanted((goal,), facts, most=1), limits, 300, skipped)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize("fact", ["_aboard", "_off"])
+def test_a_late_correction_leaves_the_mailbot_an_answer(fact):
+    """As where a package is told late to have been aboard, after it was picked up."""
+    _, verdict = on_a_small_floor(ENCODINGS, (fact,), 2)
+    assert verdict.clean, verdict.text()
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize(
+    ("kind", "facts", "events", "word", "floor"),
+    [
+        (Kind.NO_ANSWER, ("_blocked",), 2, "_blocked(office1,office2,", TWO_OFFICES),
+        (Kind.FAILURE_AS_SUCCESS, ("none",), 2, "_return(", TWO_OFFICES),
+        (Kind.REPEATED, ("none",), 3, "_action_lib(pickup,1,", THREE_OFFICES),
+    ],
+    ids=["late_blocked", "failure_taken_for_success", "sent_again"],
+)
+def test_what_was_wrong_with_the_first_rules_of_delivery(kind, facts, events, word, floor):
+    program, verdict = on_a_small_floor(FIRST, facts, events, frozenset(Kind) - {kind}, floor, steps=8)
+    (fault,) = verdict.faults
+    assert fault.finding.kind is kind
+    assert fault.finding.cost == events
+    assert fault.confirmation.holds
+    assert word in fault.confirmation.stream + fault.finding.subject
+    driver = play(program, fault.finding.way)
+    if kind is Kind.NO_ANSWER:
+        assert any("contradicts that move_base" in problem for problem in driver.problems)
+    elif kind is Kind.REPEATED:
+        assert sum("pickup,1," in action for action in driver.journal.actions) == 2
+    else:
+        assert driver.awaited, "the robot goes on as if it were there"

@@ -1,0 +1,68 @@
+"""Which arguments are times, and which rules read the time itself."""
+
+import pytest
+from clingo import parse_term
+
+from rosoclingo.checking.verifying.time_shift import TimeShift
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.progression.terms import Signature
+
+RULES = """
+#program base. later(4). on(a,0).
+#program cumulative(t).
+#external seen/2.
+on(X,t) :- seen(X,t).
+on(X,t) :- on(X,t-1), not off(X,t).
+off(X,t) :- seen(X,t-1).
+count(X,N+1,t) :- count(X,N,t-1).
+count(X,1,t) :- on(X,t).
+latest(t,t) :- on(X,t).
+latest(T,t) :- latest(T,t-1).
+soon(T+2,t) :- latest(T,t), later(t-T).
+"""
+
+
+def shift(text):
+    program = ReactiveProgram.from_text(RULES + text + "#program volatile(t). :- off(X,t).")
+    return TimeShift(program.parts, program.values)
+
+
+@pytest.mark.parametrize(
+    ("atom", "moved", "time"),
+    [
+        ("on(a,5)", "on(a,3)", 5),
+        ("seen(b,7)", "seen(b,5)", 7),
+        ("count(a,4,5)", "count(a,4,3)", 5),
+        ("latest(2,5)", "latest(0,3)", 5),
+        ("soon(4,5)", "soon(2,3)", 5),
+        ("later(4)", "later(4)", None),
+    ],
+)
+def test_times_are_moved_and_numbers_are_not(atom, moved, time):
+    one = shift("")
+    assert str(one.moved(parse_term(atom), -2)) == moved
+    assert one.time_of(parse_term(atom)) == time
+    assert (one.readings, one.unclear) == ([], set())
+
+
+@pytest.mark.parametrize(
+    ("rule", "phases"),
+    [
+        ("on(z,t) :- on(X,t-1), t > 9.", {2: (2,), 22: (22,)}),
+        ("on(z,t) :- on(X,t-1), t \\ 5 = 0.", {2: (5, 2), 22: (5, 2), 24: (5, 4)}),
+        ("on(z,t) :- on(X,t-1), latest(T,t), t-T < 9.", {2: (), 22: ()}),
+        ("on(z,t) :- on(X,t-1), latest(T,t), T < t.", {2: (), 22: ()}),
+        ("on(z,t) :- on(X,t-1), 2*t > 9.", {2: (2,)}),
+        ("on(z,t) :- on(X,t-1), t-3 #count { Y : on(Y,t-1) }.", {2: (2,)}),
+        ("on(2*t,t) :- on(X,t-1).", {2: (2,)}),
+    ],
+)
+def test_rules_that_read_the_time_itself(rule, phases):
+    one, seen = shift(rule + "\n"), frozenset([Signature("on", 2)])
+    assert {step: one.phase(step, seen) for step in phases} == phases
+
+
+def test_a_rule_says_nothing_without_what_it_looks_back_at():
+    one = shift("on(z,t) :- count(X,N,t-1), t > 9.\n")
+    assert one.phase(3, frozenset([Signature("on", 2)])) == ()
+    assert one.phase(3, frozenset([Signature("count", 3)])) == (3,)
