@@ -1,10 +1,9 @@
 """The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
 
 from contextlib import suppress
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, ClassVar, List, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult
-from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, StreamUpdate
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
@@ -23,12 +22,12 @@ from rosoclingo.reasoning.recovery import Question, Recovery, forget_history, re
 from rosoclingo.reasoning.refusals import refusals
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.situations import SITUATION_AFTER, Response, Situation, State
 from rosoclingo.reasoning.stream_planner import (
     DisturbedError,
     Planner,
     SearchWatch,
     SolverFactory,
-    feed_less,
     in_turns,
     steps_for,
     unwatched,
@@ -42,6 +41,8 @@ class Core:
     ``observer`` hears of everything, in order. Time (``now``) is in seconds of whatever clock the caller keeps. The
     caller passes on what arrives (``add_goal``, ``cancel_goal``, ``receive``), calls ``poll`` as time passes and
     ``advance`` until it returns False. Nothing here blocks except the search in ``start`` and ``advance``.
+    After a search, one loop walks the table :attr:`responses`: what is tried in each situation.
+
     ``watch`` can end each search, ``watch_recovery`` the one for the goals to give up and the reasons why. The wait for
     a plan with new goals while the plan in force goes on is ended by ``watch_joining``; None: it is not ended.
     """
@@ -188,7 +189,25 @@ class Core:
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
         self._step, over, self._planner.lookahead = self._outlook()
-        self._solve(self._ahead.next_update(self._planner, self._latest[1], self._step, over), now)
+        batch = self._ahead.next_update(self._planner, self._latest[1], self._step, over)
+        self._respond(State(Situation.DUE, batch, now))
+
+    def _respond(self, state: State) -> None:
+        """Walk the table until the cycle has begun or the core waits."""
+        while state.situation is not Situation.SETTLED:
+            steps = (row.step for row in self.responses if row.situation is state.situation)
+            try:
+                state = next(filter(None, (step(self, state) for step in steps)))
+            except UndecidedError:
+                why = f"{state.why}, and it was not found out in time which goals cannot be met"
+                state = state._replace(situation=Situation.TIMEOUT, why=why)
+            except DisturbedError as disturbance:
+                self._problem(str(disturbance))
+                if disturbance.kept and not state.accepted:
+                    state = self._accept(state, state.batch)
+                state = state._replace(situation=Situation.DISTURBED)
+        if state.accepted:
+            self._announce.update(self._step, self._planner.in_force)
 
     def _outlook(self) -> Outlook:
         """What is known of the next update beforehand."""
@@ -199,81 +218,113 @@ class Core:
         steps = steps_for(goals, limit, left, goals - len(self._goals.fed))
         return Outlook(told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps)
 
-    def _solve(self, batch: Batch, now: float) -> None:
-        refused = False
+    # -- the update is sent
+
+    def _send(self, state: State) -> Optional[State]:
+        return self._offer(state, self._planner.update, state.batch.update)
+
+    def _send_without_goals(self, state: State) -> Optional[State]:
+        if not state.batch.goals or (state.situation is Situation.DROPPED and not self._goals.fed):
+            return None
+        return self._offer(state, self._planner.update, state.batch.without_goals)
+
+    def _send_essentials(self, state: State) -> Optional[State]:
+        return self._offer(state, self._planner.update, state.batch.indispensable)
+
+    def _take(self, state: State) -> Optional[State]:
+        if state.batch.goals and self._goals.fed:
+            return None
+        return self._offer(state, self._planner.take, state.batch.update)
+
+    def _take_without_goals(self, state: State) -> Optional[State]:
+        return self._offer(state, self._planner.take, state.batch.without_goals) if state.batch.goals else None
+
+    def _take_essentials(self, state: State) -> Optional[State]:
+        batch = state.batch
+        if batch.indispensable == batch.without_goals:
+            return None
+        return self._offer(state, self._planner.take, batch.indispensable)
+
+    def _offer(self, state: State, ask: Callable[[StreamUpdate], SolveResult], update: StreamUpdate) -> Optional[State]:
+        """Offer an update to the solver; None if it is not accepted again. Refused goals end, dropped ones do not."""
+        batch = state.batch
         try:
-            try:
-                result = self._planner.update(batch.update)
+            result = ask(update)
+            if update is batch.update:
                 self._planner, batch, result = in_turns(self._planner, batch, result)
-            except SolverError as error:
-                refused = not isinstance(error, DroppedError)
-                result = feed_less(self._planner, batch, error, self._goals.end, self._problem, bool(self._goals.fed))
-        except DisturbedError as disturbance:
-            self._leave(disturbance)
-            if disturbance.kept:
-                self._taken(batch)
-                self._announce.update(self._step, self._planner.in_force)
-            return
+        except DroppedError as error:
+            why = ": ".join(filter(None, (self._planner.ended_by, str(error))))
+            self._problem(f"update {batch.step} is dropped: {why}")
+            again, situation = state.situation is Situation.DROPPED, Situation.DROPPED
         except SolverError as error:
-            self._take_nothing(now if isinstance(error, DroppedError) else None)
-            return
-        self._taken(batch, refused)
-        try:
-            self._answered(result, batch, now)
-        except DisturbedError as disturbance:
-            self._leave(disturbance)
-        self._announce.update(self._step, self._planner.in_force)
+            self._problem(f"update {batch.step} is refused by the solver: {error}")
+            if update is batch.update:
+                self._goals.end(batch.goals, Outcome.REJECTED, f"is refused by the solver: {error}")
+            again, situation = state.situation is not Situation.DUE, Situation.REFUSED
+        else:
+            return self._answered(self._accept(state, batch), result)
+        return None if again else state._replace(situation=situation)
 
-    def _leave(self, disturbance: DisturbedError) -> None:
-        """Leave the search: there is another as soon as what has come is taken."""
-        self._plan, self.queue.left = None, True
-        self._problem(str(disturbance))
-
-    def _take_nothing(self, now: Optional[float]) -> None:
-        """Nothing of the update was taken: it comes again, with more time, with all goals if it took long ``now``."""
+    def _wait(self, state: State) -> State:
+        """The update comes again, with more time."""
         self._plan, self._planner = TaskPlan(), self._planner.restarted()
         self.queue.give_time()
-        if now is None:
-            self.abandon("is given up: the solver accepts no more updates")
-            self._feeder.forget_executed()
-        self._feeder.wait(now)
+        self._feeder.wait(state.now)
+        return state.settled
 
-    def _taken(self, batch: Batch, refused: bool = False) -> None:
-        """Remember the facts of an update in force; the omitted ones come later unless it was ``refused`` for them."""
-        self._step = batch.step
-        present = self._planner.in_force.heads
-        for fact in self._feeder.taken(batch, present, refused):
+    def _abandon(self, state: State) -> State:
+        self._plan, self._planner = TaskPlan(), self._planner.restarted()
+        self.abandon("is given up: the solver accepts no more updates")
+        self._feeder.forget_executed()
+        self._feeder.wait()
+        return state.settled
+
+    def _accept(self, state: State, batch: Batch) -> State:
+        """Record the facts of an update in force; omitted ones come later unless it was refused for them."""
+        self._step, present = batch.step, self._planner.in_force.heads
+        for fact in self._feeder.taken(batch, present, state.situation is Situation.REFUSED):
             self._problem(f"{fact.told} is dropped: the solver accepts no update with it", fact.origin)
         self._execution.taken(batch.facts, present)
         self._goals.taken(batch.goals, present)
+        return state._replace(batch=batch, accepted=True)
 
-    def _answered(self, result: SolveResult, batch: Batch, now: float, no_plan: Optional[Stream] = None) -> None:
-        """Continue after a search; ``no_plan`` is the stream without an answer if this is the repaired one."""
-        self._plan = TaskPlan()
+    # -- there is an answer, or none
+
+    def _answered(self, state: State, result: SolveResult) -> State:
+        """Return the state after a search on a stream that is new to the core."""
+        self._plan, batch = TaskPlan(), state.batch
         for warning in result.warnings:
             self._problem(warning)
         self._goals.reject_undeclared(batch.goals, result.warnings)
         if self._execution.has_untaken(batch.failures, result.warnings):
-            settled = settle(self._planner, result, self._question, self._execution.untaken.open)
-            self._planner, result = settled.planner, settled.result
-            self._execution.untaken.settle(settled.failures, self._problem)
-            if settled.recovery is not None:
-                self._plan = extract_plan(result.answers[0]) if result.answers else None
-                self._announce.plan(result, self._shown())
-                self._adopt(settled.recovery, "", now, no_plan)
-                return
+            return state._replace(situation=Situation.UNHANDLED, result=result)
+        return self._judged(state, result)
+
+    def _judged(self, state: State, result: SolveResult) -> State:
+        situation = SITUATION_AFTER[result.outcome]
+        if situation is not Situation.PLAN:
+            self._announce.plan(result, self._shown())
+        return state._replace(situation=situation, result=result, why=self._planner.why_none(result))
+
+    def _settle_failures(self, state: State) -> State:
+        settled = settle(self._planner, state.result, self._question, self._execution.untaken.open)
+        self._planner, result = settled.planner, settled.result
+        self._execution.untaken.settle(settled.failures, self._problem)
+        if settled.recovery is None:
             self._goals.give_up([one.goal for one in settled.unmet], settled.why)
-        if result.outcome is SolveOutcome.SATISFIABLE:
-            self._announce.update(self._step, self._planner.in_force)
-            self._use(result, now, any(goal.fed for goal in batch.goals))  # some may have been left out
-            for problem in refusals(result.answers[0], batch.facts):
-                self._problem(*problem)
-            return
+            return self._judged(state, result)
+        self._plan = extract_plan(result.answers[0]) if result.answers else None
         self._announce.plan(result, self._shown())
-        if result.outcome is SolveOutcome.UNSATISFIABLE:
-            self._recover(result, batch, now, mended=no_plan is not None)
-        elif batch.known_goals or not self._keep_plan(now):
-            self._too_much(batch, self._planner.why_none(result), now)
+        return self._adopt(state._replace(why=""), settled.recovery)
+
+    def _dispatch(self, state: State) -> Optional[State]:
+        """Go on with the answer; None if its plan was deferred too often."""
+        self._announce.update(self._step, self._planner.in_force)
+        self._use(state.result, state.now, any(goal.fed for goal in state.batch.goals))  # some may be left out
+        for problem in refusals(state.result.answers[0], state.batch.facts):
+            self._problem(*problem)
+        deferred = not self._execution.under_way and self._waits >= self._planner.lookahead and self._later()
+        return None if deferred else state.settled
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         """Go on with an answer: what is due does not wait until all that follows from it is told."""
@@ -292,8 +343,6 @@ class Core:
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
         self._goals.read(reading)
         self._announce.progress(self._step, self._goals.fed, shown)
-        if not actions and self._waits >= self._planner.lookahead and self._later():
-            self._lose_patience()
 
     def _follow(self, result: SolveResult) -> TaskPlan:
         """Go on with the plan of an answer."""
@@ -301,91 +350,28 @@ class Core:
         self._latest = self._step, plan
         return plan
 
-    def _lose_patience(self) -> None:
-        """A cycle without actions ends at once; a plan that is put off for more cycles than it may be long is none."""
+    def _lose_patience(self, state: State) -> State:
+        """A cycle without actions ends at once; a plan that is deferred for longer than it can be is none."""
         self._problem(f"the plan was put off {self._waits} times in a row: it is given up")
         self._plan = TaskPlan()
         self._goals.drop(self._goals.fed, "cannot be met: the program keeps putting off its plan")
-
-    def _recover(self, result: SolveResult, batch: Batch, now: float, mended: bool) -> None:
-        """No plan: end the goals that must go and start the next cycle without them, or doubt what was seen."""
-        question, why = self._question, self._planner.why_none(result)
-        try:
-            found = recover(self._planner, question)
-            if found is not None:
-                self._adopt(found, why, now, self._planner.stream)
-            elif mended or not self._mend(question, batch, now):
-                self._begin_anew(batch, why, now)
-        except UndecidedError:
-            self._too_much(batch, f"{why}, and it was not found out in time which goals cannot be met", now)
+        return state.settled
 
     @property
     def _question(self) -> Question:
         goals, seen = tuple(reversed(self._goals.fed)), self._execution.observations.newest_first
         return Question(self._step + 1, goals, seen, self._watch_recovery, self._settings.horizon_limit)
 
-    def _too_much(self, batch: Batch, why: str, now: float) -> None:
-        """Nothing is known in time: the newest goals wait, or the search goes on; the last plan is kept if it can."""
-        self._plan = None
-        fresh = batch.known_goals
-        self._put_off(self.queue.too_many(fresh), fresh, why)
-        if fresh and not any(goal.fed for goal in fresh):
-            self._keep_plan(now)
+    def _give_up_goals(self, state: State) -> Optional[State]:
+        found = recover(self._planner, self._question)
+        return None if found is None else self._adopt(state._replace(no_plan=self._planner.stream), found)
 
-    def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> None:
-        """Take goals out of the program until it is their turn again, but for those in hand."""
-        at, done, look = self._announce.told, self._execution.executed, self._watch_recovery()
-        self._planner, told = put_off(self._planner, self._goals, chosen, fresh, why, at, done, look)
-        self._problem(told)
-
-    def _keep_plan(self, now: float) -> bool:
-        """Keep the last plan where it still is one, put off by the cycles in which nothing was done."""
-        cycle, plan = self._latest
-        actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
-        result = self._planner.still(actions) if actions else None
-        if result is not None:
-            self._announce.update(self._step, self._planner.in_force)
-            self._use(result, now)
-        return result is not None
-
-    def _mend(self, question: Question, batch: Batch, now: float) -> bool:
-        """Take the fewest observations otherwise so that there is an answer; whether there is a way to do so."""
-        found = mend(
-            self._planner, Case(batch, self._planner.in_force, self._execution.executed, question, self._clock)
-        )
-        if found is None:
-            return False
-        no_plan, self._planner = self._planner.stream, found.planner
-        self._execution.change(found.changes, batch.failures)
-        self._answered(found.result, batch, now, no_plan)
-        return True
-
-    def _lose(self, why: str) -> None:
-        """No way on was found: the goals are cancelled, and the next update tries again."""
-        self._problem(f"no answer was found, whatever goals are given up: {why}")
-        self._goals.drop(self._goals.fed, f"cannot be met: {why}")
-        self._planner = self._planner.restarted()
-
-    def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
-        """Nothing else helps: the program forgets what was told and done before, if it has an answer then."""
-        found = forget_history(self._planner, self._step, why, self._problem)
-        if found is None:
-            self._lose(why)
-            return
-        self._planner, updates, result = found
-        self._problem(f"ERROR: the program has no answer after all that was done and told: {why}; it begins anew")
-        old = [goal for goal in self._goals.fed if goal not in batch.goals]
-        self._goals.end(old, Outcome.ABORTED, "is given up: the program begins anew")
-        self._goals.again(batch.goals)
-        self._execution.forget_all()
-        self._announce.updates(self._step, updates)
-        self._answered(result, Batch(self._planner.in_force), now)
-
-    def _adopt(self, found: Recovery, why: str, now: float, no_plan: Optional[Stream]) -> None:
+    def _adopt(self, state: State, found: Recovery) -> State:
+        """Start the next cycle without some goals."""
         self._announce.update(self._step, self._planner.in_force)
         if found.withheld:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
-        for one, stream in streams_of(found.unmet, no_plan) if no_plan is not None else ():
+        for one, stream in streams_of(found.unmet, state.no_plan) if state.no_plan is not None else ():
             self._tell(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
         self._step += 1
@@ -393,9 +379,92 @@ class Core:
         for fault in explanations.faults:
             self._problem(fault)
         for one in found.unmet:
-            one.goal.end(Outcome.ABORTED, one.text(explanations, why))
-        self._answered(found.result, Batch(found.update), now)
+            one.goal.end(Outcome.ABORTED, one.text(explanations, state.why))
+        return self._answered(state._replace(batch=Batch(found.update), no_plan=None), found.result)
+
+    def _repair(self, state: State) -> Optional[State]:
+        """Take the fewest observations otherwise, once."""
+        if state.no_plan is not None:
+            return None
+        in_force, executed = self._planner.in_force, self._execution.executed
+        found = mend(self._planner, Case(state.batch, in_force, executed, self._question, self._clock))
+        if found is None:
+            return None
+        no_plan, self._planner = self._planner.stream, found.planner
+        self._execution.change(found.changes, state.batch.failures)
+        return self._answered(state._replace(no_plan=no_plan), found.result)
+
+    def _forget_history(self, state: State) -> Optional[State]:
+        found = forget_history(self._planner, self._step, state.why, self._problem)
+        if found is None:
+            return None
+        self._planner, updates, result = found
+        self._problem(f"ERROR: the program has no answer after all that was done and told: {state.why}; it begins anew")
+        old = [goal for goal in self._goals.fed if goal not in state.batch.goals]
+        self._goals.end(old, Outcome.ABORTED, "is given up: the program begins anew")
+        self._goals.again(state.batch.goals)
+        self._execution.forget_all()
+        self._announce.updates(self._step, updates)
+        return self._answered(state._replace(batch=Batch(self._planner.in_force), no_plan=None), result)
+
+    def _cancel_all(self, state: State) -> State:
+        self._problem(f"no answer was found, whatever goals are given up: {state.why}")
+        self._goals.drop(self._goals.fed, f"cannot be met: {state.why}")
+        self._planner = self._planner.restarted()
+        return state.settled
+
+    # -- no answer in time
+
+    def _keep_plan(self, state: State) -> Optional[State]:
+        """Keep the last plan where it still is one, deferred by the cycles in which nothing was done."""
+        cycle, plan = self._latest
+        actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
+        result = self._planner.still(actions) if actions and not state.batch.known_goals else None
+        return None if result is None else state._replace(situation=Situation.PLAN, result=result)
+
+    def _defer_goals(self, state: State) -> Optional[State]:
+        self._plan, fresh = None, state.batch.known_goals
+        if state.deferred or not self._put_off(self.queue.too_many(fresh), fresh, state.why):
+            return None
+        return state._replace(deferred=True)
+
+    def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> bool:
+        """Take goals out of the program until it is their turn again, but for those in hand; whether there are any."""
+        at, done, look = self._announce.told, self._execution.executed, self._watch_recovery()
+        planner, told = put_off(self._planner, self._goals, chosen, fresh, why, at, done, look)
+        deferred, self._planner = planner is not self._planner, planner
+        self._problem(told)
+        return deferred
+
+    def _search_again(self, state: State) -> State:
+        self._plan = None
+        self.queue.left |= state.situation is Situation.DISTURBED
+        return state.settled
 
     def _shown(self) -> Tuple[Action, ...]:
         """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
         return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
+
+    #: What is tried in each situation, in this order; the last row of each situation always applies.
+    responses: ClassVar[Tuple[Response, ...]] = (
+        Response(Situation.DUE, "send the update", _send),
+        Response(Situation.REFUSED, "without its new goals, which are rejected", _send_without_goals),
+        Response(Situation.REFUSED, "only with what was done, returns and cancellations", _send_essentials),
+        Response(Situation.REFUSED, "abort all goals", _abandon),
+        Response(Situation.DROPPED, "without its new goals, if the program has others", _send_without_goals),
+        Response(Situation.DROPPED, "else whole, without a search for a plan", _take),
+        Response(Situation.DROPPED, "without new goals and search", _take_without_goals),
+        Response(Situation.DROPPED, "only with what was done, returns and cancellations", _take_essentials),
+        Response(Situation.DROPPED, "send it again later, with more time", _wait),
+        Response(Situation.UNHANDLED, "count the action as not done, abort goals that rest on it", _settle_failures),
+        Response(Situation.PLAN, "dispatch the actions of the cycle", _dispatch),
+        Response(Situation.PLAN, "abort all goals, if the program keeps deferring its plan", _lose_patience),
+        Response(Situation.NO_PLAN, "give up the fewest goals, the newest first", _give_up_goals),
+        Response(Situation.NO_PLAN, "redate or drop the fewest observations", _repair),
+        Response(Situation.NO_PLAN, "let the program forget its history", _forget_history),
+        Response(Situation.NO_PLAN, "cancel all goals", _cancel_all),
+        Response(Situation.TIMEOUT, "keep the plan in force, if the update has no new goals", _keep_plan),
+        Response(Situation.TIMEOUT, "defer goals, the newest first", _defer_goals),
+        Response(Situation.TIMEOUT, "search again, with more time", _search_again),
+        Response(Situation.DISTURBED, "search again, with what has arrived", _search_again),
+    )

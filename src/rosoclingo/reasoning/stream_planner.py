@@ -24,7 +24,6 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import Verdict
-from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.keywords import Action
 
@@ -343,45 +342,3 @@ def in_turns(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Plann
     except SolverError:
         return planner, batch, result
     return beside, batch.first, found
-
-
-def feed_less(
-    planner: Planner,
-    batch: Batch,
-    error: SolverError,
-    end: Callable[[Sequence[Goal], Outcome, str], None],
-    problem: Callable[[str], None],
-    others: bool = False,
-) -> SolveResult:
-    """Feed what can be taken of a batch that came to an ``error``, and search; raises SolverError where nothing can.
-
-    A refused update is fed without the new goals, then with only the indispensable part: executed actions, their
-    returns, and cancellations. An update that took too long is fed without the new goals if there are ``others`` with
-    a plan. Else it is first fed without lookahead, so that it is in force regardless of the search. Refused goals
-    ``end``; goals omitted because an update took too long do not.
-    """
-
-    def refused(error: SolverError, goals: Sequence[Goal]) -> None:
-        """Report an update that the solver does not take, and end the goals for which it is refused."""
-        if isinstance(error, DroppedError):
-            why = ": ".join(filter(None, (planner.ended_by, str(error))))
-            problem(f"update {batch.update.step} is dropped: {why}")
-        else:
-            problem(f"update {batch.update.step} is refused by the solver: {error}")
-            end(goals, Outcome.REJECTED, f"is refused by the solver: {error}")
-
-    if isinstance(error, DroppedError):
-        refused(error, ())
-        first = (planner.update, batch.without_goals) if batch.goals and others else (planner.take, batch.update)
-        ways = [first, (planner.take, batch.without_goals), (planner.take, batch.indispensable)]
-    else:
-        refused(error, batch.goals)
-        ways = [(planner.update, batch.without_goals), (planner.update, batch.indispensable)]
-    for number, (take, update) in enumerate(ways):
-        if (take, update) not in ways[:number]:
-            try:
-                return take(update)
-            except SolverError as again:
-                error = again
-                refused(error, batch.goals if update is batch.update else ())
-    raise error

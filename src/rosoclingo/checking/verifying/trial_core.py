@@ -8,12 +8,12 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.reasoning.events import Event, Problem, UpdateSent
-from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record
-from rosoclingo.reasoning.recovery import Question, Recovery
+from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.situations import Response, State
 from rosoclingo.reasoning.untaken_failures import UntakenFailures
 
 NO_ANSWER, PUT_OFF = "no-answer", "put-off"
@@ -61,6 +61,28 @@ class _UnnotedFailures(UntakenFailures):
         """Leave the failures to the program."""
 
 
+_STOPS = {
+    KeptCore._lose_patience: PUT_OFF,
+    KeptCore._repair: NO_ANSWER,
+    KeptCore._forget_history: NO_ANSWER,
+    KeptCore._cancel_all: NO_ANSWER,
+}
+"""The steps that doubt the facts, or drop all goals, and what is wrong with a program that needs them."""
+
+
+def _trusting(row: Response) -> Response:
+    """Return a row of the core's table, which stops if the program is wrong."""
+    if row.step not in _STOPS:
+        return row
+    kind = _STOPS[row.step]
+
+    def stop(core: "TrialCore", state: State) -> State:
+        """Report the program as broken."""
+        raise BrokenError(kind, core.stream)
+
+    return row._replace(step=stop)
+
+
 class TrialCore(KeptCore):
     """A core that raises BrokenError where else it would doubt what it was told, begin anew, or lose patience.
 
@@ -93,6 +115,11 @@ class TrialCore(KeptCore):
     def _record_beliefs() -> Record:
         """Return nothing: nobody listens to what is believed."""
         return {}
+
+    @property
+    def stream(self) -> Stream:
+        """The last update, and what it followed on."""
+        return self._planner.stream
 
     @property
     def solver(self) -> PlanningSolver:
@@ -139,19 +166,10 @@ class TrialCore(KeptCore):
             self.receive(answer.action.interface_name, [answer.text])
         self.advance(0.0)
 
-    def _mend(self, question: Question, batch: Batch, now: float) -> bool:
-        raise BrokenError(NO_ANSWER, self._planner.stream)
-
-    def _begin_anew(self, batch: Batch, why: str, now: float) -> None:
-        raise BrokenError(NO_ANSWER, self._planner.stream)
-
-    def _lose(self, why: str) -> None:
-        raise BrokenError(NO_ANSWER, self._planner.stream)
-
-    def _adopt(self, found: Recovery, why: str, now: float, no_plan: Optional[Stream]) -> None:
+    def _adopt(self, state: State, found: Recovery) -> State:
         if found.withheld:
             raise BrokenError(NO_ANSWER, self._planner.stream, withheld=True)
-        super()._adopt(found, why, now, no_plan)
+        return super()._adopt(state, found)
 
-    def _lose_patience(self) -> None:
-        raise BrokenError(PUT_OFF, self._planner.stream)
+    #: As the core's, but it stops at each step that doubts the facts, or drops all goals.
+    responses = tuple(map(_trusting, KeptCore.responses))

@@ -1,0 +1,85 @@
+"""The situations of the core within a cycle, and the form of the table that says what it tries in each of them."""
+
+from enum import Enum
+from itertools import groupby
+from typing import Any, Callable, Iterable, NamedTuple, Optional
+
+from rosoclingo.oclingo import SolveOutcome, SolveResult
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.reasoning.input_feeder import Batch
+
+
+class Situation(Enum):
+    """Where the core stands. The loop over the table ends with SETTLED."""
+
+    DUE = "a cycle is due"
+    REFUSED = "the solver refuses the update"
+    DROPPED = "the solver did not accept the update in time"
+    UNHANDLED = "the program cannot handle a failure"
+    PLAN = "there is a plan"
+    NO_PLAN = "there is no plan"
+    TIMEOUT = "no answer was found in time"
+    DISTURBED = "an arrival has interrupted the search"
+    SETTLED = "the cycle has begun, or the core waits"
+
+
+#: The situation after a search, by its outcome.
+SITUATION_AFTER = {
+    SolveOutcome.SATISFIABLE: Situation.PLAN,
+    SolveOutcome.UNSATISFIABLE: Situation.NO_PLAN,
+    SolveOutcome.INTERRUPTED: Situation.TIMEOUT,
+}
+
+
+class State(NamedTuple):
+    """The situation of the core, and its details.
+
+    Attributes:
+        situation: the rows of the table that apply.
+        batch: the update of the cycle.
+        now: the time in seconds.
+        result: the result of the last search.
+        accepted: whether the update is in force.
+        deferred: whether goals were deferred after this result.
+        no_plan: the stream without a plan, if this is the one with repaired observations.
+        why: why there is no plan.
+
+    """
+
+    situation: Situation
+    batch: Batch
+    now: float
+    result: SolveResult = SolveResult(SolveOutcome.INTERRUPTED, (), 0, 0)
+    accepted: bool = False
+    deferred: bool = False
+    no_plan: Optional[Stream] = None
+    why: str = ""
+
+    @property
+    def settled(self) -> "State":
+        """The state at the end of the loop."""
+        return self._replace(situation=Situation.SETTLED)
+
+
+class Response(NamedTuple):
+    """One row of the table: what the core tries in a situation.
+
+    Attributes:
+        situation: where the row applies.
+        text: what is tried, for readers.
+        step: tries it with the core; returns the next state, None if the step does not apply or does not help.
+
+    """
+
+    situation: Situation
+    text: str
+    step: Callable[[Any, State], Optional[State]]
+
+
+def table_text(responses: Iterable[Response]) -> str:
+    """Return the rows as a table in Markdown, one line for each situation."""
+    lines = ["| situation | tried in this order |", "|---|---|"]
+    for situation, rows in groupby(responses, lambda row: row.situation):
+        steps = "; ".join(f"{number}. {row.text}" for number, row in enumerate(rows, 1))
+        lines.append(f"| {situation.value} | {steps} |")
+    return "\n".join(lines)
