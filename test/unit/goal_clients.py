@@ -49,14 +49,14 @@ class Clients:
         """No plan is found in time, with these goals new: those that are to wait do, none is in hand. Their numbers."""
         chosen = self.goals.queue.too_many([self.goal(number) for number in fresh])
         if chosen:
-            self.goals.put_off(chosen, "too much", self.step)
+            self.goals.defer(chosen, "too much", self.step)
         else:
             self.goals.queue.stay(chosen)
         return numbers(chosen)
 
     def put_off(self, *chosen):
         """These goals wait."""
-        self.goals.put_off([self.goal(number) for number in chosen], "too much", self.step)
+        self.goals.defer([self.goal(number) for number in chosen], "too much", self.step)
         return self
 
     def cancel(self, *chosen):

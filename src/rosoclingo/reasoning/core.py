@@ -6,6 +6,7 @@ from typing import Callable, ClassVar, List, Optional, Sequence, Tuple
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, SolveResult, StreamUpdate
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
+from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
 from rosoclingo.reasoning.explanations import Explanations, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
@@ -32,7 +33,6 @@ from rosoclingo.reasoning.stream_planner import (
     steps_for,
     unwatched,
 )
-from rosoclingo.reasoning.waiting_queue import GoalQueue
 
 
 class Core:
@@ -83,7 +83,7 @@ class Core:
         return TaskPlan() if self._plan is None else self._plan
 
     @property
-    def queue(self) -> GoalQueue:
+    def queue(self) -> Admission:
         """Which of the live goals wait for their turn, and how long a search may take for the others."""
         return self._goals.queue
 

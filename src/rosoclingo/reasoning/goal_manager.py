@@ -7,6 +7,7 @@ from clingo import Symbol
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
@@ -14,7 +15,6 @@ from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import Record, group, symbol_of
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.reasoning.waiting_queue import GoalQueue
 
 #: Seconds that a goal rests at first which alone was dropped by the solver; then twice as many, and so on.
 REST = 10.0
@@ -45,7 +45,7 @@ class GoalManager:
         self._tell = tell
         self._cycle = cycle
         self._book = GoalBook()
-        self.queue = GoalQueue(
+        self.queue = Admission(
             lambda: self._book.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
         )
 
@@ -78,11 +78,11 @@ class GoalManager:
         except GoalError as error:
             self._tell(GoalRefused(self._cycle(), key, text, str(error)))
             return
-        self.queue.put(goal)
+        self.queue.add(goal)
         self._admit()
         if self.queue.waits(goal):
-            before, size = self.queue.first or self.queue.tried, self.queue.window.size
-            why = f"{size} goals at a time are planned for" if before is None else f"first comes {before}"
+            before = self.queue.first or self.queue.tried
+            why = f"{self.queue.size} goals at a time are planned for" if before is None else f"first comes {before}"
             self.tell_wait([goal], why)
 
     def _check_heard(self, goal: Goal) -> None:
@@ -165,46 +165,41 @@ class GoalManager:
 
     def take_out(self, goals: Sequence[Goal], told: int) -> None:
         """End cancelled goals that the program no longer has; updates were published up to cycle ``told``."""
-        self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
+        self._withdraw(goals, told)
         for goal in goals:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
         self.queue.go_on()
 
-    def put_off(self, goals: Sequence[Goal], why: str, told: int) -> None:
-        """Goals that were taken out of the program wait for their turn; updates were told up to that of ``told``."""
-        self._feeder.add_withdrawals(requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1))
-        for goal in goals:
-            self._feeder.withdraw(goal)
-        alone = len(goals) == len(self.queue.served)
-        for goal in goals:
-            goal.forget()
-            self.queue.put(goal)
-        self.tell_wait(goals, why)
-        if alone:
-            self.queue.window.restore()
-        else:
-            self.queue.window.shrink(len(self.queue.served))
-        self.queue.go_on()
-        self._admit()
+    def defer(self, goals: Sequence[Goal], why: str, told: int) -> None:
+        """Let goals wait that the program no longer has; updates were published up to cycle ``told``."""
+        self._withdraw(goals, told)
+        self.queue.defer(goals)
+        self._wait(goals, why)
+
+    def _withdraw(self, goals: Sequence[Goal], told: int) -> None:
+        published = requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1)
+        self._feeder.add_withdrawals(published)
 
     def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
-        """An update that was for some goals is in force; those whose request is not among its heads were left out."""
+        """Defer those goals of an update in force whose request is not among its heads: the solver had no time."""
         left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
-        if left:
-            self._left_out(left)
-
-    def _left_out(self, goals: Sequence[Goal]) -> None:
-        """The solver could not take some goals in time: fewer come with another update, one alone after a rest."""
-        others = len(self.queue.served) - len(goals)
-        if len(goals) + others > 1:
-            self.queue.window.shrink(others + len(goals) // 2)
+        if not left:
+            return
+        others = len(self.queue.served) - len(left)
+        if len(left) + others > 1:
+            self.queue.limit(others + len(left) // 2)
         else:
-            goals[0].tries += 1
-            goals[0].rests_until = float("inf")  # the search has taken time: the rest begins when next it is told
+            left[0].tries += 1
+            left[0].rests_until = float("inf")  # the search has taken time: the rest begins at the next tick
+        for goal in left:
+            self.queue.add(goal)
+        self._wait(left, "the solver could not take it in time")
+
+    def _wait(self, goals: Sequence[Goal], why: str) -> None:
         for goal in goals:
+            self._feeder.withdraw(goal)
             goal.forget()
-            self.queue.put(goal)
-        self.tell_wait(goals, "the solver could not take it in time")
+        self.tell_wait(goals, why)
         self._admit()
 
     # -- what is written down
@@ -216,11 +211,11 @@ class GoalManager:
 
     def restore(self, record: Record) -> None:
         """Go on from a record, before anything else has come."""
-        for key, (term, *state, waits, held) in group(record, "goal").items():
+        for key, (term, *state, waits, in_hand) in group(record, "goal").items():
             goal = Goal(key, symbol_of(term), self._changed)
             goal.restore([term, *state])
             self._book.add(goal)
-            self.queue.restore_goal(goal, waits, held)
+            self.queue.restore_goal(goal, waits, in_hand)
         self.queue.restore(record["queue"])
 
     def join(self, goals: Iterable[Goal]) -> None:
@@ -238,18 +233,14 @@ class GoalManager:
 
     def _changed(self, goal: Goal, event: GoalEvent) -> None:
         if not goal.live:
-            self.queue.overtake(goal)
-            self.queue.remove(goal)
+            self.queue.end(goal)
             self._book.remove(goal)
             self._admit()
         self._tell(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
 
     def _admit(self) -> None:
-        """Let goals in that wait, as long as there is room."""
-        goal = self.queue.next()
-        while goal is not None:
-            self.join([goal])
-            goal = self.queue.next()
+        """Feed the goals whose turn it is."""
+        self.join(self.queue.admit())
 
 
 def _rest(goal: Goal) -> float:

@@ -48,7 +48,7 @@ def put_off(
         return planner, f"{why}: the search goes on"
     planner = planner.restarted(requests_of(gone))
     number = len({*fed, *gone})
-    manager.put_off(gone, f"{number} goals were too much: {why}", told)
+    manager.defer(gone, f"{number} goals were too much: {why}", told)
     return planner, f"{why}: {len(gone)} of {number} goals wait"
 
 

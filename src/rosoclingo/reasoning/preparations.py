@@ -7,7 +7,6 @@ worker plans for a later cycle, in which they join. That cycle is twice as far a
 If nothing is to join, the answer in case of a failure is prefetched.
 """
 
-import math
 from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
@@ -17,9 +16,6 @@ from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, Request
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
-
-#: Limit of goals without room that join at once, relative to the number of goals that the program has.
-MOST = 1.5
 
 
 class Outlook(NamedTuple):
@@ -125,8 +121,7 @@ class Preparations:
     @property
     def _requests(self) -> Tuple[Request, ...]:
         """The requests that can join, those of goals without room last."""
-        queue = self._goals.queue
-        return (*self._feeder.requests, *queue.joinable[: math.ceil(MOST * len(queue.served))])
+        return (*self._feeder.requests, *self._goals.queue.joinable)
 
     def _predicted(self, plan: TaskPlan, step: int, over: int, requests: Iterable[Request] = ()) -> StreamUpdate:
         """Return the update of ``step`` after success, with ``requests``."""

@@ -252,9 +252,9 @@ def test_only_how_long_a_plan_with_new_goals_takes_tells_how_many_goals_there_is
     driver = Driver(settings=settings, solver=lambda program: shortest(program, Timed))
     for number in range(1, 7):
         driver.core.add_goal(str(number), f"do(walk,{number})")
-    assert driver.run().core.queue.window.size == 3, "half as many as before"
+    assert driver.run().core.queue.size == 3, "half as many as before"
     needed[0] = 0.001
-    assert driver.fail("failed").core.queue.window.size == 3
+    assert driver.fail("failed").core.queue.size == 3
 
 
 #: Only these requests are declared.

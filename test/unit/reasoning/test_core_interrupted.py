@@ -309,7 +309,7 @@ def test_goals_are_left_out_also_while_the_plan_for_others_is_a_better_one():
     driver.succeed()
     (waits,) = [one.waits for one in driver.feedback("7") if one.waits]
     assert waits.startswith("the solver could not take it in time")
-    assert driver.core.queue.window.size == 6, "there is room for no more"
+    assert driver.core.queue.size == 6, "there is room for no more"
     ends.clear()
     while driver.core.awaited:
         driver.succeed()

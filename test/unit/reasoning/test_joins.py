@@ -10,7 +10,7 @@ from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome, waiting_queue
+from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome, admission
 from rosoclingo.reasoning.stream_planner import unwatched
 
 FLOOR = (4, ((1, 2), (2, 3), (3, 4)), 1, 3)
@@ -158,7 +158,7 @@ def test_without_a_standby_worker_new_goals_are_in_the_next_update():
 
 
 def test_goals_without_room_join_while_the_robot_acts(monkeypatch):
-    monkeypatch.setattr(waiting_queue, "FIRST", 2)
+    monkeypatch.setattr(admission, "FIRST", 2)
     world = World(delay=0, search_timeout=600.0)
     world.ask((1, 4), (4, 1), (1, 3), (3, 1), (2, 3))
     assert world.fed == ["1", "2"]

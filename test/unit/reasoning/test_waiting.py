@@ -9,7 +9,7 @@ from office_world import OFFICES, World
 from shipped import shipped
 
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
-from rosoclingo.reasoning.waiting_queue import SHARE
+from rosoclingo.reasoning.admission import SHARE
 
 MANY = min(1000, 3 * settings.default.max_examples // 2)  # goals in a long run
 
@@ -79,7 +79,7 @@ def test_there_is_slowly_room_for_more_goals_again():
     sizes = []
     for _ in range(40):
         driver.succeed()
-        sizes.append(driver.core.queue.window.size)
+        sizes.append(driver.core.queue.size)
     assert sizes == sorted(sizes)
     assert len(set(sizes)) > 5
     driver.finish()
