@@ -7,6 +7,7 @@ from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, Solv
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.admission import Admission
+from rosoclingo.reasoning.deferral import defer
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
 from rosoclingo.reasoning.explanations import Explanations, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
@@ -15,7 +16,6 @@ from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
-from rosoclingo.reasoning.postponement import put_off
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Outlook, Preparations
 from rosoclingo.reasoning.present import Present
@@ -184,7 +184,7 @@ class Core:
     def _next_cycle(self, now: float) -> None:
         if goals := self.queue.in_vain():
             with suppress(DisturbedError):
-                self._put_off(goals, (), "no plan was found in time")
+                self._defer(goals, "no plan was found in time")
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
@@ -423,17 +423,17 @@ class Core:
         return None if result is None else state._replace(situation=Situation.PLAN, result=result)
 
     def _defer_goals(self, state: State) -> Optional[State]:
-        self._plan, fresh = None, state.batch.known_goals
-        if state.deferred or not self._put_off(self.queue.too_many(fresh), fresh, state.why):
+        self._plan = None
+        if state.deferred or not self._defer(self.queue.too_many(state.batch.known_goals), state.why):
             return None
         return state._replace(deferred=True)
 
-    def _put_off(self, chosen: Sequence[Goal], fresh: Sequence[Goal], why: str) -> bool:
-        """Take goals out of the program until it is their turn again, but for those in hand; whether there are any."""
-        at, done, look = self._announce.told, self._execution.executed, self._watch_recovery()
-        planner, told = put_off(self._planner, self._goals, chosen, fresh, why, at, done, look)
+    def _defer(self, chosen: Sequence[Goal], why: str) -> bool:
+        """Take goals out of the program until it is their turn again; return whether there are any."""
+        told, done, look = self._announce.told, self._execution.executed, self._watch_recovery()
+        planner, text = defer(self._planner, self._goals, chosen, why, told, done, look)
         deferred, self._planner = planner is not self._planner, planner
-        self._problem(told)
+        self._problem(text)
         return deferred
 
     def _search_again(self, state: State) -> State:

@@ -8,12 +8,16 @@ from goal_clients import Clients, numbers
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
-from rosoclingo.reasoning.postponement import put_off
+from rosoclingo.reasoning.deferral import defer
+from rosoclingo.reasoning.keywords import action_of, success_of
 
 #: The cycle of the last update, how many steps a plan may have, and how many it has once all goals are cancelled.
 STEP, STEPS, LEAST = 7, 20, 5
 
 WHY = "it took too long"
+
+#: The last action, after which only the fresh goals came.
+LAST = action_of(parse_term(f"_action_lib(walk,far,{STEP - 1})"))
 
 
 class World:
@@ -44,7 +48,7 @@ class World:
     def put_off(self, *chosen, told=STEP):
         """Take out the chosen goals or others: the planner that goes on, and what was done."""
         goals = [self.clients.goal(number) for number in chosen]
-        return put_off(self, self.clients.goals, goals, self.fresh, WHY, told)
+        return defer(self, self.clients.goals, goals, WHY, told, [LAST], lambda: None)
 
     @property
     def questions(self):
@@ -59,7 +63,8 @@ class Beside:
 
     def update(self, update):
         withdrawn = {item.atom for item in update.items if isinstance(item, Withdraw)}
-        assert withdrawn == self.without
+        assert withdrawn == self.without - {success_of(LAST)}, "the trial does without the returns"
+        assert success_of(LAST) in self.without
         assert [item for item in update.items if isinstance(item, Withdraw)] == [*map(Withdraw, sorted(withdrawn))]
         assert update.step == STEP + 1
         world, gone = self.world, {str(one.arguments[0].arguments[0]) for one in withdrawn}

@@ -1,0 +1,94 @@
+"""Deferral: take goals out of the program as if it had never had them, unless something was done for them."""
+
+from typing import Any, Callable, List, Optional, Sequence, Tuple
+
+from rosoclingo.oclingo import SolveOutcome, SolverError, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import Withdraw
+from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.input_feeder import requests_of
+from rosoclingo.reasoning.keywords import Action, cancellation, success_of
+from rosoclingo.reasoning.stream_planner import Planner
+
+
+def defer(
+    planner: Planner,
+    manager: GoalManager,
+    chosen: Sequence[Goal],
+    why: str,
+    told: int,
+    executed: Sequence[Action],
+    look: Callable[[], Any],
+) -> Tuple[Planner, str]:
+    """Let those of the ``chosen`` goals wait that are not in hand; if all are, the others; ``why`` is the reason.
+
+    Cancelled goals end instead if nothing was done for them. Nothing was done for goals that came after the last of the
+    ``executed`` actions. Updates were published up to cycle ``told``. The search for others ends when ``look()`` is not
+    None. Returns the planner that goes on, and a text about the goals. Raises DisturbedError, with nothing changed.
+    """
+    first = max([planner.log.keep_from, *(action.cycle + 1 for action in executed)])
+    fed = manager.fed
+    fresh = [goal for goal in fed if (goal.request_cycle or 0) > first]
+    cancelled = [goal for goal in fresh if goal.cancelling]
+    if cancelled:
+        planner = planner.restarted(requests_of(cancelled))
+        manager.take_out(cancelled, told)
+        return planner, f"{why}: {len(cancelled)} of {len(fed)} goals are taken out, as they were cancelled"
+    others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
+    for goals in (chosen, others):
+        old = [
+            one for one in goals if one.fed and one not in fresh and (one.request_cycle or 0) > planner.log.keep_from
+        ]
+        free = _withdrawable(planner, old, fed, fresh, executed, look) if old else []
+        gone = [one for one in goals if not one.fed or one in fresh or one in free]
+        if gone:
+            planner = planner.restarted(requests_of(gone))
+            number = len({*fed, *gone})
+            manager.defer(gone, f"{number} goals were too much: {why}", told)
+            return planner, f"{why}: {len(gone)} of {number} goals wait"
+    manager.queue.stay(chosen)
+    return planner, f"{why}: the search goes on"
+
+
+def _withdrawable(
+    planner: Planner,
+    goals: Sequence[Goal],
+    fed: Sequence[Goal],
+    fresh: Sequence[Goal],
+    executed: Sequence[Action],
+    look: Callable[[], Any],
+) -> List[Goal]:
+    """Return those of the ``goals`` that are not in hand.
+
+    A goal is in hand unless it makes no difference whether it is withdrawn, as if it had never been told, or cancelled:
+    with all other goals cancelled there is a plan of the same length. What was picked up for a goal has to be
+    brought back when that is cancelled; and without its request it could never have been picked up. The trial retracts
+    the success returns, since a program can use them as evidence that the action was possible.
+    """
+    step = planner.log.step + 1
+    successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.keep_from)
+
+    def plan(withdrawn: Sequence[Goal], limit: int) -> Optional[int]:
+        """Return the steps of a plan with some goals withdrawn and the others cancelled; None if none was found."""
+        gone = requests_of([*fresh, *withdrawn])
+        cancelled = [one for one in fed if one not in fresh and one not in withdrawn]
+        cancels = (Statement(cancellation(one.identifier, step)) for one in cancelled)
+        beside = planner.restarted(gone | successes)
+        beside.lookahead = limit
+        try:
+            result = beside.update(StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *cancels)))
+        except SolverError:
+            return None
+        return result.horizon - step if result.outcome is SolveOutcome.SATISFIABLE else None
+
+    steps = plan((), planner.lookahead)
+    found: List[Goal] = []
+    parts = [list(goals)]
+    while steps is not None and parts and look() is None:
+        part = parts.pop(0)
+        half = len(part) // 2
+        if plan([*found, *part], steps) is not None:
+            found += part
+        elif half:
+            parts[:0] = [part[:half], part[half:]]
+    return found
