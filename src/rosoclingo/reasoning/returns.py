@@ -1,6 +1,6 @@
 """What interfaces tell the core: returns of the actions under way and other facts, and why some are rejected."""
 
-from collections import deque
+from collections import Counter, deque
 from contextlib import contextmanager
 from typing import Any, Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
@@ -24,6 +24,7 @@ from rosoclingo.reasoning.keywords import (
     is_keyword,
     return_of,
     shortened,
+    success_of,
 )
 from rosoclingo.reasoning.mending import Change
 from rosoclingo.reasoning.observations import Observation, Observations
@@ -55,139 +56,100 @@ class ReturnError(ValueError):
     """A return is rejected: it answers no action that is under way; the text says why."""
 
 
-class _Group:
-    """The actions of one interface in one cycle. Failures that name no action are counted."""
-
-    def __init__(self) -> None:
-        self.actions: Dict[Symbol, Action] = {}
-        self._answers: Dict[Symbol, Symbol] = {}  # an action's parameter -> the value that named it
-        self._failures: List[Symbol] = []
-
-    @property
-    def missing(self) -> List[Action]:
-        """As many unanswered actions as returns are still to come."""
-        return self._unanswered[: len(self.actions) - len(self._answers) - len(self._failures)]
-
-    @property
-    def failed(self) -> List[Tuple[Symbol, Tuple[Action, ...]]]:
-        """Each value that was no success, with the action that it is about, or those that it may be about."""
-        named = [(value, (self.actions[key],)) for key, value in self._answers.items() if value != key]
-        return [*named, *((value, tuple(self._unanswered)) for value in self._failures)]
-
-    @property
-    def values(self) -> List[Symbol]:
-        """What was returned."""
-        return [*self._answers.values(), *self._failures]
-
-    def take(self, value: Symbol) -> None:
-        """Count a returned value; raises ReturnError when it answers no action that has not returned."""
-        if not self.missing:
-            raise ReturnError("every action of this interface has returned already")
-        parameter = self._about(value)
-        if parameter is None:
-            self._failures.append(value)
-        elif parameter in self._answers:
-            raise ReturnError("this action has returned already")
-        else:
-            self._answers[parameter] = value
-
-    def record(self) -> List[Any]:
-        """Return the answers as plain values."""
-        answers = [[text_of(key), text_of(value)] for key, value in self._answers.items()]
-        return [answers, list(map(text_of, self._failures))]
-
-    def restore(self, record: Sequence[Any]) -> None:
-        """Go on from a record."""
-        answers, failures = record
-        self._answers = {symbol_of(key): symbol_of(value) for key, value in answers}
-        self._failures = list(map(symbol_of, failures))
-
-    def expire(self, reason: Symbol) -> List[Tuple[Action, Symbol]]:
-        """Count each action without a return as failed for ``reason``; return each with its failure value."""
-        expired = [(one, failure_value(reason, one.parameter, self.actions.__contains__)) for one in self.missing]
-        for action, value in expired:
-            if value == reason:
-                self._failures.append(value)
-            else:
-                self._answers[action.parameter] = value
-        return expired
-
-    @property
-    def _unanswered(self) -> List[Action]:
-        return [action for parameter, action in self.actions.items() if parameter not in self._answers]
-
-    def _about(self, value: Symbol) -> Optional[Symbol]:
-        """The parameter of the action that a value names: itself, or the last argument of ``failed(P)``."""
-        if value in self.actions:
-            return value
-        named = value.type is SymbolType.Function and value.arguments and value.arguments[-1] in self.actions
-        return value.arguments[-1] if named else None
-
-
 class Dispatch:
     """The actions of ``cycle``, sent out at ``started`` (seconds). The cycle ends when each has returned.
 
     On success the value returned is the action's parameter; any other value is a failure. Where several actions of one
     interface are under way a failure is about the one whose parameter it has as its last argument, ``failed(P)``;
     otherwise about any of those that no other return names.
+
+    Attributes:
+        returns: the returns, in the order of their arrival.
+
     """
 
     def __init__(self, cycle: int, actions: Tuple[Action, ...], started: float) -> None:
-        self.cycle = cycle
-        self.actions = actions
-        self.started = started
-        self._groups: Dict[Symbol, _Group] = {}
-        for action in actions:
-            self._groups.setdefault(action.interface, _Group()).actions[action.parameter] = action
+        self.cycle, self.actions, self.started = cycle, actions, started
+        self.returns: List[Return] = []
 
     @property
     def missing(self) -> Tuple[Action, ...]:
-        """The actions that have not returned."""
-        return tuple(action for group in self._groups.values() for action in group.missing)
-
-    @property
-    def returns(self) -> List[Return]:
-        """The returns that have come."""
-        return [Return(name, value, self.cycle) for name, group in self._groups.items() for value in group.values]
+        """The actions that have not returned: of each interface as many as returns are still to come."""
+        left, missing = Counter(action.interface for action in self.actions), []
+        left.subtract(answer.interface for answer in self.returns)
+        for action in self._unanswered:
+            if left[action.interface] > 0:
+                left[action.interface] -= 1
+                missing.append(action)
+        return tuple(missing)
 
     @property
     def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
-        """The returns that were no success, each with the actions that it may be about."""
-        return [
-            (Return(interface, value, self.cycle), actions)
-            for interface, group in self._groups.items()
-            for value, actions in group.failed
-        ]
+        """The returns that were no success, each with the actions that it can be about; those that name one first."""
+        named: List[Tuple[Return, Tuple[Action, ...]]] = []
+        others: List[Tuple[Return, Tuple[Action, ...]]] = []
+        for answer in self.returns:
+            action = self._about(answer)
+            if action is None:
+                others.append((answer, tuple(one for one in self._unanswered if one.interface == answer.interface)))
+            elif answer.value != action.parameter:
+                named.append((answer, (action,)))
+        return [*named, *others]
 
     def take(self, answer: Return) -> None:
         """Count a return; raises ReturnError when it answers none of the actions under way."""
         if answer.cycle != self.cycle:
             raise ReturnError(f"it is cycle {self.cycle} now")
-        if answer.interface not in self._groups:
+        interfaces = [action.interface for action in self.actions]
+        if answer.interface not in interfaces:
             raise ReturnError(f"no action of '{answer.interface}' is under way in cycle {self.cycle}")
-        self._groups[answer.interface].take(answer.value)
+        if interfaces.count(answer.interface) == sum(one.interface == answer.interface for one in self.returns):
+            raise ReturnError("every action of this interface has returned already")
+        action = self._about(answer)
+        if action is not None and action not in self._unanswered:
+            raise ReturnError("this action has returned already")
+        self.returns.append(answer)
+
+    def expire(self, reason: Symbol) -> List[Tuple[Action, Return]]:
+        """Count each action without a return as failed for ``reason``; return each with its return."""
+        expired = [(one, self.failure(one, reason)) for one in self.missing]
+        self.returns += [answer for _, answer in expired]
+        return expired
+
+    def failure(self, action: Action, reason: Symbol) -> Return:
+        """Return an action's return of failure for ``reason``."""
+        parameters = [one.parameter for one in self.actions if one.interface == action.interface]
+        value = failure_value(reason, action.parameter, parameters.__contains__)
+        return Return(action.interface, value, action.cycle)
 
     def record(self) -> List[Any]:
         """Return the dispatch as a plain value."""
-        groups = [one.record() for one in self._groups.values()]
-        return [self.cycle, actions_to_text(self.actions), self.started, groups]
+        returns = [text_of(answer.atom) for answer in self.returns]
+        return [self.cycle, actions_to_text(self.actions), self.started, returns]
 
     @classmethod
     def of_record(cls, record: Sequence[Any]) -> "Dispatch":
         """Return the dispatch of :meth:`record`."""
-        cycle, actions, started, groups = record
+        cycle, actions, started, returns = record
         found = cls(cycle, actions_of(actions), started)
-        for one, value in zip(found._groups.values(), groups):
-            one.restore(value)
+        found.returns = [return_of(symbol_of(text)) for text in returns]
         return found
 
-    def expire(self, reason: Symbol) -> List[Tuple[Action, Symbol]]:
-        """Count each action without a return as failed for ``reason``; return each with its failure value."""
-        return [expired for group in self._groups.values() for expired in group.expire(reason)]
+    @property
+    def _unanswered(self) -> List[Action]:
+        """The actions that no return names."""
+        answered = [self._about(answer) for answer in self.returns]
+        return [action for action in self.actions if action not in answered]
 
-    def failure(self, action: Action, reason: Symbol) -> Symbol:
-        """Return an action's failure value for ``reason``."""
-        return failure_value(reason, action.parameter, self._groups[action.interface].actions.__contains__)
+    def _about(self, answer: Return) -> Optional[Action]:
+        """The action that a return names: by its parameter, or the last argument of ``failed(P)``."""
+        value, interface = answer.value, answer.interface
+        last = value.arguments[-1:] if value.type is SymbolType.Function else []
+        for named in (value, *last):
+            action = Action(interface, named, self.cycle)
+            if action in self.actions:
+                return action
+        return None
 
 
 class FactError(ValueError):
@@ -249,13 +211,12 @@ class ExecutionMonitor:
             return None
         (action,) = self.awaited
         reason = self._reasons.get(action.interface, FAILURE)
-        value = action.parameter if succeeds else self._dispatch.failure(action, reason)
-        return Return(action.interface, value, action.cycle).atom
+        return success_of(action) if succeeds else self._dispatch.failure(action, reason).atom
 
     def preempted(self, action: Action) -> Symbol:
         """Return the return of an action under way that is preempted as unwanted."""
         assert self._dispatch is not None
-        return Return(action.interface, self._dispatch.failure(action, PREEMPTED), action.cycle).atom
+        return self._dispatch.failure(action, PREEMPTED).atom
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
         """Record that the actions of ``cycle`` are sent out."""
@@ -286,12 +247,11 @@ class ExecutionMonitor:
         self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
         if now - self._dispatch.started < limit:
             return
-        for action, value in self._dispatch.expire(TIMEOUT):
+        for action, answer in self._dispatch.expire(TIMEOUT):
             text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
             self._tell(Problem(self._cycle(), text, action.interface_name))
-            atom = Return(action.interface, value, action.cycle).atom
-            with self._guarded(action.interface_name, str(atom)):
-                self._feed_return(action.interface_name, atom)
+            with self._guarded(action.interface_name, str(answer.atom)):
+                self._feed_return(action.interface_name, answer.atom)
 
     def end_cycle(self) -> Tuple[Action, ...]:
         """End the cycle; return the actions that were executed in it."""

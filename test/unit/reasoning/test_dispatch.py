@@ -112,7 +112,7 @@ def test_success_is_no_failure():
 def test_time_outs_of_a_place_named_timeout_are_failures():
     under_way = dispatch(*(f"_action_lib(drive,{what},1)" for what in ("timeout", "a", "b")), "_action_lib(arm,c,1)")
     take(under_way, "_return(drive,a,1)")
-    expired = [(str(action.parameter), str(value)) for action, value in under_way.expire(TIMEOUT)]
+    expired = [(str(action.parameter), str(answer.value)) for action, answer in under_way.expire(TIMEOUT)]
     assert expired == [("timeout", "failed(timeout)"), ("b", "failed(timeout,b)"), ("c", "timeout")]
     assert missing(under_way) == []
     assert failures(under_way) == [
@@ -124,5 +124,5 @@ def test_time_outs_of_a_place_named_timeout_are_failures():
 
 def test_time_outs_of_several_actions_name_none_of_them():
     under_way = dispatch("_action_lib(drive,a,1)", "_action_lib(drive,b,1)")
-    assert [str(value) for _, value in under_way.expire(TIMEOUT)] == ["timeout", "timeout"]
+    assert [str(answer.value) for _, answer in under_way.expire(TIMEOUT)] == ["timeout", "timeout"]
     assert failures(under_way) == [("_return(drive,timeout,1)", ["a", "b"])] * 2
