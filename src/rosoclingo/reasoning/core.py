@@ -228,22 +228,16 @@ class Core:
             return None
         return self._offer(state, self._planner.update, state.batch.without_goals)
 
-    def _send_essentials(self, state: State) -> Optional[State]:
-        return self._offer(state, self._planner.update, state.batch.indispensable)
-
     def _take(self, state: State) -> Optional[State]:
         if state.batch.goals and self._goals.fed:
             return None
         return self._offer(state, self._planner.take, state.batch.update)
 
-    def _take_without_goals(self, state: State) -> Optional[State]:
-        return self._offer(state, self._planner.take, state.batch.without_goals) if state.batch.goals else None
-
-    def _take_essentials(self, state: State) -> Optional[State]:
-        batch = state.batch
-        if batch.indispensable == batch.without_goals:
+    def _send_essentials(self, state: State) -> Optional[State]:
+        if state.batch.indispensable == state.batch.update:
             return None
-        return self._offer(state, self._planner.take, batch.indispensable)
+        ask = self._planner.update if state.situation is Situation.REFUSED else self._planner.take
+        return self._offer(state, ask, state.batch.indispensable)
 
     def _offer(self, state: State, ask: Callable[[StreamUpdate], SolveResult], update: StreamUpdate) -> Optional[State]:
         """Offer an update to the solver; None if it is not accepted again. Refused goals end, dropped ones do not."""
@@ -449,12 +443,11 @@ class Core:
     responses: ClassVar[Tuple[Response, ...]] = (
         Response(Situation.DUE, "send the update", _send),
         Response(Situation.REFUSED, "send it without new goals, which are rejected", _send_without_goals),
-        Response(Situation.REFUSED, "send only executed actions, returns and cancellations", _send_essentials),
+        Response(Situation.REFUSED, "send it without facts, too", _send_essentials),
         Response(Situation.REFUSED, "abort all goals", _abandon),
         Response(Situation.DROPPED, "send it without new goals, if the program has others", _send_without_goals),
         Response(Situation.DROPPED, "else send it whole, without a search", _take),
-        Response(Situation.DROPPED, "send it without new goals and search", _take_without_goals),
-        Response(Situation.DROPPED, "send only executed actions, returns and cancellations", _take_essentials),
+        Response(Situation.DROPPED, "send it without new goals, facts and search", _send_essentials),
         Response(Situation.DROPPED, "send it again later, with more time", _wait),
         Response(
             Situation.UNHANDLED, "count the action as not done, abort the goals that rest on it", _settle_failures

@@ -1,6 +1,6 @@
 """Clients' goals: checked on arrival, kept while they live, passed to the feeder as requests, ended with a reason."""
 
-from typing import Callable, Container, Iterable, List, Optional, Sequence
+from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 
 from clingo import Symbol
 
@@ -10,7 +10,7 @@ from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
-from rosoclingo.reasoning.goals import Goal, GoalBook, GoalError, GoalEvent, Outcome, read_goal
+from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import Record, group, symbol_of
@@ -44,20 +44,20 @@ class GoalManager:
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
-        self._book = GoalBook()
+        self._goals: Dict[str, Goal] = {}  # the live ones, by the clients' handles, oldest first
         self.queue = Admission(
-            lambda: self._book.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
+            lambda: self.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
         )
 
     @property
     def live(self) -> List[Goal]:
         """The goals that have not ended, oldest first."""
-        return self._book.live
+        return list(self._goals.values())
 
     @property
     def fed(self) -> List[Goal]:
         """The live goals that the program knows, oldest first."""
-        return self._book.fed
+        return [goal for goal in self._goals.values() if goal.fed]
 
     def oldest_request(self, told: int) -> int:
         """The cycle of the oldest request of those goals, ``told`` where there is none."""
@@ -65,7 +65,7 @@ class GoalManager:
 
     def by_key(self, key: str) -> Optional[Goal]:
         """The live goal of a client's handle."""
-        return self._book.by_key(key)
+        return self._goals.get(key)
 
     def add(self, key: str, text: str) -> None:
         """Take the goal ``text``; a goal that cannot be taken is rejected with the reason."""
@@ -74,10 +74,11 @@ class GoalManager:
             if not self._program.declares_external(REQUEST, 2):
                 raise GoalError("the program takes no requests: it declares no external _request/2")
             self._check_heard(goal)
-            self._book.add(goal)
+            self._check_unique(goal)
         except GoalError as error:
             self._tell(GoalRefused(self._cycle(), key, text, str(error)))
             return
+        self._goals[key] = goal
         self.queue.add(goal)
         self._admit()
         if self.queue.waits(goal):
@@ -92,9 +93,17 @@ class GoalManager:
             advice = shortened(self._hearing.advice(requests[0]), 2 * SHOWN)
             raise GoalError(f"no rule of the program can see {goal}: {advice}")
 
+    def _check_unique(self, goal: Goal) -> None:
+        """Raise GoalError for a goal whose handle or identity is that of a live one."""
+        if goal.key in self._goals:
+            raise GoalError(f"the goal handle '{goal.key}' is in use")
+        twin = next((one for one in self.live if one.identifier == goal.identifier), None)
+        if twin is not None:
+            raise GoalError(f"the identity '{shortened(str(goal.identifier))}' is taken: {twin} has not ended")
+
     def cancel(self, key: str) -> None:
         """Cancel a goal; without effect on one that has ended or is being cancelled."""
-        goal = self._book.by_key(key)
+        goal = self._goals.get(key)
         if goal is None or goal.cancelling:
             return
         goal.apply(GoalEvent.CANCEL_REQUEST)
@@ -107,7 +116,7 @@ class GoalManager:
     def tick(self, now: float) -> None:
         """Time passes: goals that have rested may be fed again; a rest begins now, also where time has jumped back."""
         self.queue.now = now
-        for goal in self._book.live:
+        for goal in self.live:
             goal.rests_until = min(goal.rests_until, now + _rest(goal))
         self._admit()
 
@@ -206,7 +215,7 @@ class GoalManager:
 
     def record(self) -> Record:
         """Return the goals, oldest first, and what is known of the room for them, as plain values."""
-        goals = {f"goal:{goal.key}": [*goal.record(), *self.queue.record_of(goal)] for goal in self._book.live}
+        goals = {f"goal:{goal.key}": [*goal.record(), *self.queue.record_of(goal)] for goal in self.live}
         return {**goals, "queue": self.queue.record()}
 
     def restore(self, record: Record) -> None:
@@ -214,7 +223,7 @@ class GoalManager:
         for key, (term, *state, waits, in_hand) in group(record, "goal").items():
             goal = Goal(key, symbol_of(term), self._changed)
             goal.restore([term, *state])
-            self._book.add(goal)
+            self._goals[key] = goal
             self.queue.restore_goal(goal, waits, in_hand)
         self.queue.restore(record["queue"])
 
@@ -234,7 +243,7 @@ class GoalManager:
     def _changed(self, goal: Goal, event: GoalEvent) -> None:
         if not goal.live:
             self.queue.end(goal)
-            self._book.remove(goal)
+            del self._goals[goal.key]
             self._admit()
         self._tell(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
 

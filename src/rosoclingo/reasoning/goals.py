@@ -1,4 +1,4 @@
-"""A client's goal, its life as actionlib draws it, and the list of all goals."""
+"""A client's goal, and its life as actionlib draws it."""
 
 import math
 from enum import Enum, IntEnum
@@ -197,41 +197,3 @@ def read_goal(text: str) -> Symbol:
     if term.name == CANCEL:
         raise GoalError(f"'{shortened(text)}' is the core's own request: cancel the goal itself instead")
     return term
-
-
-class GoalBook:
-    """All live goals in the order of their arrival."""
-
-    def __init__(self) -> None:
-        self._goals: Dict[str, Goal] = {}
-
-    def add(self, goal: Goal) -> None:
-        """Enter a goal; raises GoalError when its identity is taken by a live one."""
-        if goal.key in self._goals:
-            raise GoalError(f"the goal handle '{goal.key}' is in use")
-        twin = self.by_identifier(goal.identifier)
-        if twin is not None:
-            raise GoalError(f"the identity '{shortened(str(goal.identifier))}' is taken: {twin} has not ended")
-        self._goals[goal.key] = goal
-
-    def remove(self, goal: Goal) -> None:
-        """Drop a goal that has ended."""
-        self._goals.pop(goal.key, None)
-
-    def by_key(self, key: str) -> Optional[Goal]:
-        """The live goal of a client's handle."""
-        return self._goals.get(key)
-
-    def by_identifier(self, identifier: Symbol) -> Optional[Goal]:
-        """The live goal with this identity."""
-        return next((goal for goal in self._goals.values() if goal.identifier == identifier), None)
-
-    @property
-    def live(self) -> List[Goal]:
-        """The live goals, oldest first."""
-        return list(self._goals.values())
-
-    @property
-    def fed(self) -> List[Goal]:
-        """The live goals that the program knows, oldest first."""
-        return [goal for goal in self._goals.values() if goal.fed]

@@ -16,7 +16,7 @@ from rosoclingo.reasoning import (
     UpdateSent,
     read_goal,
 )
-from rosoclingo.reasoning.goals import CANCELLING, UNDECIDED, GoalBook
+from rosoclingo.reasoning.goals import CANCELLING, UNDECIDED
 from rosoclingo.reasoning.keywords import LONGEST
 
 
@@ -114,27 +114,11 @@ def test_deep_nesting_is_refused_and_harms_nothing():
 
 
 def test_identity_is_unique_among_live_goals():
-    book = GoalBook()
-    first = goal("goal(a,b,1)", "first")
-    book.add(first)
-    with pytest.raises(GoalError, match=r"'1' is taken: goal\(a,b,1\) has not ended"):
-        book.add(goal("goal(c,d,1)", "second"))
-    with pytest.raises(GoalError, match="'first' is in use"):
-        book.add(goal("goal(c,d,2)", "first"))
-    book.remove(first)
-    book.add(goal("goal(c,d,1)", "second"))
-    assert [one.key for one in book.live] == ["second"]
-
-
-def test_the_program_knows_the_goals_that_were_fed():
-    book, known, waiting = GoalBook(), goal("goal(a,b,1)", "first"), goal("goal(a,b,2)", "second")
-    for one in (known, waiting):
-        book.add(one)
-    assert book.fed == []
-    known.feed(3)
-    assert (book.fed, book.live) == ([known], [known, waiting])
-    known.forget()
-    assert (book.fed, book.by_key("first"), book.by_key("third")) == ([], known, None)
+    driver = Driver().goal("first", "do(walk,1)").goal("second", "do(run,1)").goal("first", "do(run,2)")
+    assert driver.message("second") == "the identity '1' is taken: do(walk,1) has not ended"
+    assert driver.message("first") == "the goal handle 'first' is in use"
+    driver.succeed().goal("second", "do(run,1)")
+    assert driver.states("second")[-1] == "succeeded"
 
 
 def test_a_goal_that_nobody_has_looked_at():
