@@ -353,7 +353,7 @@ class Core:
 
     @property
     def _question(self) -> Question:
-        goals, seen = tuple(reversed(self._goals.fed)), self._execution.observations.newest_first
+        goals, seen = tuple(reversed(self._goals.fed)), tuple(reversed(self._execution.observations))
         return Question(self._step + 1, goals, seen, self._watch_recovery, self._settings.horizon_limit)
 
     def _give_up_goals(self, state: State) -> Optional[State]:

@@ -1,8 +1,8 @@
 """Problems as lines of a log: each is said once, many of a kind are counted, and the count is said after a while."""
 
 import re
-from dataclasses import dataclass
-from typing import Dict, List, Tuple
+from dataclasses import dataclass, field
+from typing import Dict, List, Set, Tuple
 
 from rosoclingo.reasoning.events import Problem
 from rosoclingo.reasoning.keywords import shortened
@@ -28,18 +28,13 @@ _INNERMOST = re.compile(r"\([^()]*\)")
 
 
 @dataclass
-class _Kind:
-    """Problems of one kind since a time: how many were said, how many were not, and the last of these."""
+class _Bucket:
+    """Problems of one kind, or of one interface, since a time: the texts in the log, and those that are counted."""
 
     since: float
-    said: int = 0
+    said: Set[str] = field(default_factory=set)
     unsaid: int = 0
     latest: str = ""
-
-    def leave(self, text: str, times: int) -> None:
-        """Count problems that are not logged."""
-        if times:
-            self.unsaid, self.latest = self.unsaid + times, text
 
 
 class LogThrottle:
@@ -52,56 +47,50 @@ class LogThrottle:
     def __init__(self) -> None:
         self.count = 0
         self.latest = ""
-        self._said: Dict[Tuple[str, str], float] = {}
-        self._kinds: Dict[Tuple[str, str], _Kind] = {}
+        self._buckets: Dict[Tuple[str, str], _Bucket] = {}  # by origin and kind, without a kind for all of an origin
         self._counted: List[str] = []
 
     def take(self, problem: Problem, now: float) -> str:
-        """The line for a problem at ``now`` (seconds of a clock that only goes forward), empty for none."""
+        """Return the line for a problem at ``now`` (seconds of a clock that only goes forward), empty for none."""
         self.count += problem.times
         self.latest = shortened(f"cycle {problem.cycle}: {problem.message}", TOLD)
         self._forget(now)
         origin, text = self._origin(problem.origin), shortened(problem.message, TOLD)
         text = _NUMBERS.sub("", text) if origin else text
-        if (origin, text) in self._said:
-            self._kind(origin, _kind_of(text), now).leave(self.latest, problem.times)
+        every = self._buckets.setdefault((origin, ""), _Bucket(now))
+        key = origin, _kind_of(text)
+        kind = self._buckets.get(key, _Bucket(now))
+        is_new = text not in kind.said and len(kind.said) < FEW and len(every.said) < MANY
+        bucket = every if text not in kind.said and len(every.said) >= MANY else kind
+        unsaid = problem.times - is_new
+        if unsaid:
+            bucket.unsaid, bucket.latest = bucket.unsaid + unsaid, self.latest
+        if not is_new:
             return ""
-        different = sum(one == origin for one, _ in self._said)
-        if different >= MANY:
-            self._kind(origin, "", now).leave(self.latest, problem.times)
-            return ""
-        kind = self._kind(origin, _kind_of(text), now)
-        if kind.said >= FEW:
-            kind.leave(self.latest, problem.times)
-            return ""
-        kind.said += 1
-        kind.leave(self.latest, problem.times - 1)
-        self._said[origin, text] = now
-        if different + 1 == MANY:
+        self._buckets[key] = kind
+        for one in (kind, every):
+            one.said.add(text)
+        if len(every.said) == MANY:
             return self.latest + "; its further problems are only counted for a minute"
-        return self.latest + ("; more of the kind are only counted for a minute" if kind.said == FEW else "")
+        return self.latest + ("; more of the kind are only counted for a minute" if len(kind.said) == FEW else "")
 
     def _origin(self, origin: str) -> str:
         """The origin under which a problem is remembered; interfaces beyond the limit share one."""
-        origin, known = shortened(origin), {one for one, _ in self._kinds}
+        origin, known = shortened(origin), {one for one, _ in self._buckets}
         return origin if origin in known or len(known) < MOST_ORIGINS else "other interfaces"
 
     def counted(self, now: float) -> List[str]:
-        """The lines that tell how many problems were not said, once their time is over; each line once."""
+        """Return the lines that tell how many problems were not said, once their time is over; each line once."""
         self._forget(now)
         lines, self._counted = self._counted, []
         return lines
 
-    def _kind(self, origin: str, kind: str, now: float) -> _Kind:
-        return self._kinds.setdefault((origin, kind), _Kind(now))
-
     def _forget(self, now: float) -> None:
         """Forget what was said long ago; what was not said is to be told as a number."""
-        self._said = {key: said for key, said in self._said.items() if now - said < QUIET}
-        for key in [key for key, kind in self._kinds.items() if now - kind.since >= QUIET]:
-            kind = self._kinds.pop(key)
-            if kind.unsaid:
-                self._counted.append(f"{kind.unsaid} more {_whose(*key)} in a minute, the last: {kind.latest}")
+        for key in [key for key, bucket in self._buckets.items() if now - bucket.since >= QUIET]:
+            bucket = self._buckets.pop(key)
+            if bucket.unsaid:
+                self._counted.append(f"{bucket.unsaid} more {_whose(*key)} in a minute, the last: {bucket.latest}")
 
 
 def _kind_of(text: str) -> str:

@@ -1,14 +1,13 @@
 """What was observed of the world: failed actions, and facts from interfaces. Goals may contradict it."""
 
-from collections import deque
-from typing import Any, Deque, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.reasoning.keywords import RETURN, Action, Return, is_keyword, name_of, return_of
+from rosoclingo.reasoning.keywords import RETURN, Action, is_keyword, name_of, return_of
 from rosoclingo.reasoning.records import actions_of, actions_to_text, symbol_of, text_of
 
-#: So many are kept; what is older is taken for granted.
+#: The number of observations that the core remembers.
 MEMORY = 32
 
 
@@ -84,39 +83,3 @@ class Untaken(NamedTuple):
         """Return the failure of :meth:`record`."""
         failure, why, undone = record
         return cls(Observation.of_record(failure), why, undone)
-
-
-class Observations:
-    """The latest observations."""
-
-    def __init__(self) -> None:
-        self._kept: Deque[Observation] = deque(maxlen=MEMORY)
-
-    @property
-    def newest_first(self) -> Tuple[Observation, ...]:
-        """All observations that are kept."""
-        return tuple(reversed(self._kept))
-
-    def add_fact(self, fact: Observation) -> None:
-        """Record a fact that was fed and is no return."""
-        self._kept.append(fact)
-
-    def add_failure(self, answer: Return, actions: Tuple[Action, ...]) -> None:
-        """Record that one of ``actions`` returned something else than success."""
-        self._kept.append(Observation(answer.atom, answer.cycle, actions))
-
-    def drop(self, atoms: FrozenSet[Symbol]) -> None:
-        """Remove the observations of these facts."""
-        self._kept = deque((one for one in self._kept if one.atom not in atoms), maxlen=MEMORY)
-
-    def record(self) -> List[Any]:
-        """Return all observations, oldest first, as plain values."""
-        return [one.record() for one in self._kept]
-
-    def restore(self, record: Iterable[Any]) -> None:
-        """Go on from a record."""
-        self._kept.extend(map(Observation.of_record, record))
-
-    def clear(self) -> None:
-        """Remove all observations."""
-        self._kept.clear()

@@ -27,7 +27,7 @@ from rosoclingo.reasoning.keywords import (
     success_of,
 )
 from rosoclingo.reasoning.mending import Change
-from rosoclingo.reasoning.observations import Observation, Observations
+from rosoclingo.reasoning.observations import MEMORY, Observation
 from rosoclingo.reasoning.records import (
     Record,
     action_to_text,
@@ -164,7 +164,7 @@ class ExecutionMonitor:
     """Takes facts into the feeder, counts the returns of what is under way, and remembers what was done and observed.
 
     Attributes:
-        observations: the latest actions that failed, and the latest facts.
+        observations: the latest failures and facts, oldest first.
         untaken: failures that the program cannot handle, until the goals that rest on their actions are aborted.
 
     """
@@ -187,7 +187,7 @@ class ExecutionMonitor:
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
         self._reasons: Dict[Symbol, Symbol] = {}  # interface -> why an action of it failed last
-        self.observations = Observations()
+        self.observations: Deque[Observation] = deque(maxlen=MEMORY)
         self.untaken = UntakenFailures(program)
 
     @property
@@ -259,9 +259,10 @@ class ExecutionMonitor:
         if dispatch is None:
             return ()
         for answer, actions in dispatch.failures:
-            self.observations.add_failure(answer, actions)
+            failure = Observation(answer.atom, answer.cycle, actions)
+            self.observations.append(failure)
             self._feeder.add_failure(answer.atom, actions)
-            self.untaken.note(Observation(answer.atom, answer.cycle, actions))
+            self.untaken.note(failure)
             self._reasons[answer.interface] = answer.value
         self._executed.extend(dispatch.actions)
         return dispatch.actions
@@ -270,7 +271,7 @@ class ExecutionMonitor:
         """Return what is under way, was done, observed and told, as plain values."""
         return {
             "dispatch": None if self._dispatch is None else self._dispatch.record(),
-            "observations": self.observations.record(),
+            "observations": [one.record() for one in self.observations],
             "untaken": self.untaken.record(),
             **{f"done:{action_to_text(action)}": 1 for action in self._executed},
             **{f"known:{text_of(fact)}": 1 for fact in self._known},
@@ -280,7 +281,7 @@ class ExecutionMonitor:
         """Go on from a record."""
         dispatch = record["dispatch"]
         self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
-        self.observations.restore(record["observations"])
+        self.observations.extend(map(Observation.of_record, record["observations"]))
         self.untaken.restore(record.get("untaken", ()))
         self._executed.extend(action_of(symbol_of(text)) for text in keys_of(record, "done"))
         self._known = {symbol_of(text): None for text in keys_of(record, "known")}
@@ -318,14 +319,18 @@ class ExecutionMonitor:
             if fact.atom not in present:
                 self._known.pop(fact.told or fact.atom, None)
             elif not fact.is_return:
-                self.observations.add_fact(fact)
+                self.observations.append(fact)
             if fact.outdated:
                 text = f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}"
                 self._tell(Problem(self._cycle(), text))
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
         """Redate or withhold observations; ``failures`` are those of the last update."""
-        self.untaken.change(changes, failures, self.observations)
+        self.untaken.note_withheld(changes, [*failures, *self.observations])
+        changed = {one.observation.atom for one in changes}
+        kept = [one for one in self.observations if one.atom not in changed]
+        moved = [one.observation._replace(atom=one.taken_as) for one in changes if one.taken_as is not None]
+        self.observations = deque([*kept, *moved], maxlen=MEMORY)
         for one in changes:
             self._tell(Problem(self._cycle(), str(one), one.observation.origin))
 

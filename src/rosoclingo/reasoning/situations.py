@@ -1,8 +1,7 @@
 """The situations of the core within a cycle, and the form of the table that says what it tries in each of them."""
 
 from enum import Enum
-from itertools import groupby
-from typing import Any, Callable, Iterable, NamedTuple, Optional
+from typing import Any, Callable, NamedTuple, Optional
 
 from rosoclingo.oclingo import SolveOutcome, SolveResult
 from rosoclingo.planning.explaining.questions import Stream
@@ -74,12 +73,3 @@ class Response(NamedTuple):
     situation: Situation
     text: str
     step: Callable[[Any, State], Optional[State]]
-
-
-def table_text(responses: Iterable[Response]) -> str:
-    """Return the rows as a table in Markdown, one line for each situation."""
-    lines = ["| situation | tried in this order |", "|---|---|"]
-    for situation, rows in groupby(responses, lambda row: row.situation):
-        steps = "; ".join(f"{number}. {row.text}" for number, row in enumerate(rows, 1))
-        lines.append(f"| {situation.value} | {steps} |")
-    return "\n".join(lines)

@@ -9,7 +9,7 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import may_heed
 from rosoclingo.reasoning.keywords import return_of, success_of
 from rosoclingo.reasoning.mending import Change
-from rosoclingo.reasoning.observations import Observation, Observations, Untaken
+from rosoclingo.reasoning.observations import Observation, Untaken
 
 #: Reasons why the program cannot handle a failure.
 UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
@@ -45,14 +45,11 @@ class UntakenFailures:
             if one.atom not in known and any(f"Head {one.atom} has not been declared" in text for text in warnings):
                 self.open.append(Untaken(one, UNHEARD))
 
-    def change(self, changes: Sequence[Change], failures: Iterable[Observation], seen: Observations) -> None:
-        """Redate or drop observations ``seen``; note which ``failures``, of the last update or before, are withheld."""
-        actions = {one.atom: one.actions for one in (*failures, *seen.newest_first) if one.actions}
-        seen.drop(frozenset(one.observation.atom for one in changes))
+    def note_withheld(self, changes: Sequence[Change], seen: Iterable[Observation]) -> None:
+        """Note failures, among the observations ``seen``, that are withheld."""
+        actions = {one.atom: one.actions for one in seen if one.actions}
         for one, taken_as, *_ in changes:
-            if taken_as is not None:
-                seen.add_fact(one._replace(atom=taken_as))
-            elif one.atom in actions:
+            if taken_as is None and one.atom in actions:
                 failure = one._replace(actions=actions[one.atom], cycle=return_of(one.atom).cycle)
                 self.open.append(Untaken(failure, CONTRADICTS, undone=bool(one.actions)))
 

@@ -169,6 +169,8 @@ def test_log_throttle_tells_a_bounded_number_of_interfaces_apart():
 
 def test_log_throttle_keeps_no_long_texts():
     throttle = LogThrottle()
+    for number in range(10_000):
+        throttle.take(Problem(1, "x" * (number % 100) + "y" * (number // 100), "eye"), 0.0)
     for number in range(50):
         throttle.take(Problem(1, f"{'x' * 100000}{number}" * 10, "y" * 100000), 0.0)
     assert len(pickle.dumps(throttle)) < 100000

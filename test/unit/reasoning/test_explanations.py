@@ -3,8 +3,8 @@ from clingo import parse_term
 
 from rosoclingo.reasoning.explanations import Explanations, UnmetGoal, text_of
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.keywords import Return, action_of
-from rosoclingo.reasoning.observations import MEMORY, Observation, Observations
+from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.observations import Observation
 
 
 @pytest.mark.parametrize(
@@ -98,35 +98,8 @@ def test_losses_in_the_programs_words():
 
 def test_a_failure_that_may_be_about_two_actions():
     actions = tuple(action_of(parse_term(f"_action_lib(go,{what},3)")) for what in "ab")
-    seen = Observations()
-    seen.add_failure(Return(parse_term("go"), parse_term("lost"), 3), actions)
-    assert str(seen.newest_first[0]) == "go(a) or go(b) returned lost in cycle 3"
-    assert {str(fact) for fact in seen.newest_first[0].facts} == {
+    seen = Observation(parse_term("_return(go,lost,3)"), 3, actions)
+    assert str(seen) == "go(a) or go(b) returned lost in cycle 3"
+    assert {str(fact) for fact in seen.facts} == {
         *("_return(go,lost,3)", "_action_lib(go,a,3)", "_action_lib(go,b,3)"),
     }
-
-
-def test_observations_that_count_no_more():
-    seen = Observations()
-    for number in range(4):
-        seen.add_fact(Observation(parse_term(f"_shut({number})"), number))
-    seen.drop(frozenset(map(parse_term, ("_shut(1)", "_shut(3)", "_shut(9)"))))
-    assert [str(one.atom) for one in seen.newest_first] == ["_shut(2)", "_shut(0)"]
-    seen.clear()
-    assert seen.newest_first == ()
-
-
-def shut(numbers):
-    return [Observation(parse_term(f"_shut({number})"), number) for number in numbers]
-
-
-@pytest.mark.parametrize("dropped", [[], ["_shut(3)"]])
-def test_only_the_latest_observations_are_kept(dropped):
-    seen = Observations()
-    for one in shut(range(MEMORY)):
-        seen.add_fact(one)
-    if dropped:
-        seen.drop(frozenset(map(parse_term, dropped)))
-    for one in shut(range(MEMORY, MEMORY + 10)):
-        seen.add_fact(one)
-    assert seen.newest_first == tuple(reversed(shut(range(10, MEMORY + 10))))
