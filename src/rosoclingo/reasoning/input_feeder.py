@@ -54,7 +54,6 @@ class Batch(NamedTuple):
     update: StreamUpdate
     requests: Tuple[Request, ...] = ()
     facts: Tuple[Observation, ...] = ()
-    executed: Tuple[Action, ...] = ()
     first: Optional["Batch"] = None
 
     @property
@@ -408,7 +407,7 @@ class InputFeeder:
         items += [commitment(action.atom) for action in done]
         items += [Statement(self._request(item, step)) for item in requests]
         items += [Statement(atom) for atom in dict.fromkeys(one.atom for one in seen)]
-        return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen, done)
+        return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen)
 
     def _further_cycles(self, turns: Mapping[Symbol, int], step: int) -> int:
         """Return the number of cycles from ``step`` to the last facts' effect; see :func:`_turns`."""

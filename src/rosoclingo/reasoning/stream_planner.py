@@ -248,22 +248,22 @@ class Planner:
         """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
         before, taken = self._before, self.taken
         if before is None or taken is None:
-            return self._beside(self.log.withdraw(without))
+            return self.at(self.log.withdraw(without))
         horizon = max(before.horizon, taken.step or before.step)
-        return self._beside(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
+        return self.at(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
 
     def at(self, log: History) -> "Planner":
-        """Return a planner beside this one that has taken what is in ``log``."""
-        return self._beside(log)
+        """Return a planner beside this one that has accepted what is in ``log``."""
+        return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
         """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
-        planner = self._beside((self._before or History()).withdraw(without))
+        planner = self.at((self._before or History()).withdraw(without))
         return planner, planner.update(update.less(without))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
         """Return a planner that knows only that it is ``step`` now and nothing was done before; and what it was fed."""
-        planner = self._beside(History())
+        planner = self.at(History())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []
         for last, now in zip([0, *stops], stops):
@@ -276,9 +276,6 @@ class Planner:
     def _before(self) -> Optional[History]:
         """The log before the last update, None where there is none."""
         return self.log.before_update
-
-    def _beside(self, log: History) -> "Planner":
-        return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def _search(self, update: StreamUpdate) -> SolveResult:
         result, halt = self._watched(lambda stopped: self._solver.update(update, stopped))

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from core_driver import ERRANDS, Driver, shortest
+from core_driver import ERRANDS, Driver
 
 from rosoclingo.oclingo import (
     SolveOutcome,
@@ -141,19 +141,6 @@ def test_program_that_plans_before_any_request():
     assert driver.journal.updates == ["#step 1.\n#end step.\n", "#step 2.\n#end step.\n"]
 
 
-def test_plan_that_is_put_off_for_ever_is_given_up():
-    core, journal = idle_core(Procrastinator)
-    core.add_goal("a", "do(walk,1)")
-    cycles = 0
-    while core.advance(1.0):
-        cycles += 1
-    assert cycles < 20
-    assert "put off" in journal.problems[0]
-    assert journal.states_of("a")[-1] == "aborted"
-    core.receive("interface", ["_seen(ball)"])
-    assert core.advance(1.0)
-
-
 def test_waits_for_one_goal_do_not_count_for_the_next():
     driver = Driver(SELDOM, CoreSettings(horizon_limit=5))
     for number in range(1, 6):
@@ -223,42 +210,11 @@ class Picky(PlanSolver):
         return super().update(update, stopped)
 
 
-def picky_core():
-    """A core whose solvers are picky, and its journal."""
-    driver = Driver(solver=lambda program: shortest(program, Picky))
-    return driver.core, driver.journal
-
-
 def idle_core(solver, text=ERRANDS):
     """A core that may put its plan off five times, on solvers of its own, and its journal."""
     driver = Driver(text, CoreSettings(horizon_limit=5), solver=lambda _program: solver(), start=False)
     driver.core.start()
     return driver.core, driver.journal
-
-
-def test_refused_update_costs_the_new_goals_and_no_other(monkeypatch):
-    core, journal = picky_core()
-    monkeypatch.setattr(Picky, "refused", staticmethod(lambda text: "fly" in text))
-    core.add_goal("good", "do(walk,1)")
-    assert core.advance(1.0)
-    core.add_goal("bad", "do(fly,2)")
-    core.receive("interface", ["_return(walk,1,1)"])
-    assert core.advance(2.0)
-    assert journal.states_of("bad") == ["rejected"]
-    assert "not this one" in journal.problems[0]
-    assert [str(action.atom) for action in core.plan.actions] == ["_action_lib(walk,1,1)"]
-    assert journal.states_of("good")[-1] == "succeeded"
-
-
-def test_solver_that_takes_nothing_any_more_ends_every_goal(monkeypatch):
-    core, journal = picky_core()
-    core.add_goal("good", "do(walk,1)")
-    assert core.advance(1.0)
-    monkeypatch.setattr(Picky, "refused", staticmethod(lambda _text: True))
-    core.receive("interface", ["_return(walk,1,1)"])
-    assert core.advance(2.0)
-    assert journal.states_of("good")[-1] == "aborted"
-    assert not core.advance(3.0)
 
 
 def test_the_past_is_closed():
@@ -425,10 +381,14 @@ def test_feedback_after_each_answer():
 
 
 def test_abandon_ends_every_goal():
-    driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)")
+    driver = (
+        Driver(settings=CoreSettings(horizon_limit=8, goals_at_once=1)).goal("a", "do(walk,1)").goal("b", "do(run,2)")
+    )
     driver.core.abandon("is given up: the core shuts down")
-    assert driver.states("a")[-1] == driver.states("b")[-1] == "aborted"
+    assert driver.states("a")[-1] == driver.states("b")[-1] == "aborted", "also one that waits"
     assert "shuts down" in driver.message("a")
+    driver.succeed()
+    assert not driver.core.advance(2.0)
 
 
 def test_goal_that_the_program_declares_no_external_for():
