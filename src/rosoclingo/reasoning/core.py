@@ -17,7 +17,7 @@ from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.preemption import Preemption
-from rosoclingo.reasoning.preparations import Outlook, Preparations
+from rosoclingo.reasoning.preparations import Preparations
 from rosoclingo.reasoning.present import Present
 from rosoclingo.reasoning.recovery import Question, Recovery, forget_history, recover, settle
 from rosoclingo.reasoning.refusals import refusals
@@ -30,7 +30,6 @@ from rosoclingo.reasoning.stream_planner import (
     SearchWatch,
     SolverFactory,
     in_turns,
-    steps_for,
     unwatched,
 )
 
@@ -158,7 +157,7 @@ class Core:
 
     def prepare(self) -> None:
         """While actions run, have the answer prepared to what may come, or a plan with goals that wait."""
-        self._ahead.prepare(self._planner, self._latest[1], self._announce.told + 1, self._outlook)
+        self._ahead.prepare(self._planner, self._latest[1], self._announce.told + 1)
 
     def abandon(self, why: str) -> None:
         """Abort every goal; the program is to hear of it."""
@@ -188,8 +187,8 @@ class Core:
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
-        self._step, over, self._planner.lookahead = self._outlook()
-        batch = self._ahead.next_update(self._planner, self._latest[1], self._step, over)
+        self._step = self._announce.told + 1
+        batch = self._ahead.next_update(self._planner, self._latest[1], self._step)
         self._respond(State(Situation.DUE, batch, now))
 
     def _respond(self, state: State) -> None:
@@ -208,15 +207,6 @@ class Core:
                 state = state._replace(situation=Situation.DISTURBED)
         if state.accepted:
             self._announce.update(self._step, self._planner.in_force)
-
-    def _outlook(self) -> Outlook:
-        """What is known of the next update beforehand."""
-        told, join, goals = self._announce.told, self._ahead.join, len(self.queue.served)
-        if join is not None:
-            return Outlook(told + 1, join.over, join.lookahead)
-        left, limit = self._latest[1].steps_after(told), self._settings.horizon_limit
-        steps = steps_for(goals, limit, left, goals - len(self._goals.fed))
-        return Outlook(told + 1, self._planner.over(told + 1, self._goals.oldest_request(told) - 1), steps)
 
     # -- the update is sent
 

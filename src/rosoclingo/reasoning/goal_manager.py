@@ -59,10 +59,6 @@ class GoalManager:
         """The live goals that the program knows, oldest first."""
         return [goal for goal in self._goals.values() if goal.fed]
 
-    def oldest_request(self, told: int) -> int:
-        """The cycle of the oldest request of those goals, ``told`` where there is none."""
-        return min((goal.request_cycle or told for goal in self.fed), default=told)
-
     def by_key(self, key: str) -> Optional[Goal]:
         """The live goal of a client's handle."""
         return self._goals.get(key)

@@ -7,7 +7,7 @@ worker plans for a later cycle, in which they join. That cycle is twice as far a
 If nothing is to join, the answer in case of a failure is prefetched.
 """
 
-from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan
@@ -16,14 +16,6 @@ from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, Request
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
-
-
-class Outlook(NamedTuple):
-    """Of the next update: its step, the cycle ``over`` before which all comes too late, and how far it looks."""
-
-    step: int
-    over: int
-    lookahead: int
 
 
 class Join(NamedTuple):
@@ -83,22 +75,26 @@ class Preparations:
         self.join: Optional[Join] = None
         self._cycles = 1  # how far away the cycle is in which requests join
 
-    def prepare(self, planner: Planner, plan: TaskPlan, step: int, outlook: Callable[[], Outlook]) -> None:
+    def prepare(self, planner: Planner, plan: TaskPlan, step: int) -> None:
         """Prefetch for the update of ``step`` or a later one; ``plan`` is in force."""
         join = self.join
         if join is not None:
             planner.has_prepared(join.whole)  # reads what the standby worker reports, which can be much
             if self._is_broken(join, planner) or self._feeder.has_beside(join.updates[step - join.first].heads):
                 self._lose(join)
-        if self.join is None and self._execution.awaited:
-            _, over, lookahead = outlook()
-            if not self._begin_join(planner, plan, step, over, lookahead):
-                likely = self._execution.likely_return(succeeds=self._feeder.pending)
-                if likely is not None:
-                    planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
+        if self.join is not None or not self._execution.awaited:
+            return
+        over, lookahead = self._outlook(planner, plan, step)
+        likely = self._execution.likely_return(succeeds=self._feeder.pending)
+        if not self._begin_join(planner, plan, step, over, lookahead) and likely is not None:
+            planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
 
-    def next_update(self, planner: Planner, plan: TaskPlan, step: int, over: int) -> Batch:
-        """Return the next update, with new requests if a plan with them is there or none goes on without them."""
+    def next_update(self, planner: Planner, plan: TaskPlan, step: int) -> Batch:
+        """Return the next update, with new requests if a plan with them is there or none goes on without them.
+
+        It sets the lookahead of the planner.
+        """
+        over, planner.lookahead = self._outlook(planner, plan, step)
         batch, join = self._feeder.next_update(step, over), self.join
         if self._watch is None or not (join or self._requests):
             return batch
@@ -117,6 +113,15 @@ class Preparations:
             self._cycles, self.join = 2 * len(self.join.updates), None
             self._begin_join(planner, plan, step, over, planner.lookahead)
         return rest
+
+    def _outlook(self, planner: Planner, plan: TaskPlan, step: int) -> Tuple[int, int]:
+        """Return the cycle before which facts come too late for the update of ``step``, and its lookahead."""
+        if self.join is not None:
+            return self.join.over, self.join.lookahead
+        goals, fed = len(self._goals.queue.served), self._goals.fed
+        steps = steps_for(goals, self._limit, plan.steps_after(step - 1), goals - len(fed))
+        oldest = min((goal.request_cycle or step for goal in fed), default=step)
+        return planner.over(step, oldest - 1), steps
 
     @property
     def _requests(self) -> Tuple[Request, ...]:

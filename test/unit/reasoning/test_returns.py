@@ -10,7 +10,7 @@ from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import LONGEST, action_of
-from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.observations import MEMORY, Observation
 from rosoclingo.reasoning.returns import EXECUTED, ExecutionMonitor
 
 MOST_FACTS = 3
@@ -104,9 +104,9 @@ def test_what_was_done_was_done_though_all_that_was_told_is_forgotten():
         monitor.begin(action.cycle, (action,), 0.0)
         monitor.receive("go", [f"_return(go,lost,{action.cycle})"])
         assert monitor.end_cycle() == (action,)
-    assert monitor.observations.newest_first
+    assert [one.cycle for one in monitor.observations] == list(range(EXECUTED + 3 - MEMORY, EXECUTED + 3))
     monitor.forget_all()
-    assert monitor.observations.newest_first == ()
+    assert not monitor.observations
     assert monitor.executed == tuple(actions[2:])
 
 
@@ -135,7 +135,8 @@ def test_what_is_under_way_done_and_told_goes_on_in_another_monitor():
     assert (twin.awaited, twin.under_way) == (monitor.awaited, actions)
     assert [str(one.atom) for one in twin.awaited] == ["_action_lib(walk,b,2)", "_action_lib(run,a,2)"]
     assert twin.executed == (walk,)
-    assert twin.observations.newest_first == monitor.observations.newest_first != ()
+    assert twin.observations == monitor.observations
+    assert monitor.observations
     twin.receive("legs", ["_battery(low,2)", "_return(run,b,2)", "_return(walk,c,2)"])
     assert ["has returned already" in one.message for one in more] == [True, True], "and what is known is nothing new"
     twin.expire(7.0, 3.0)
@@ -145,7 +146,7 @@ def test_what_is_under_way_done_and_told_goes_on_in_another_monitor():
     for one in (monitor, twin):
         one.expire(9.0, 3.0)
         assert one.end_cycle() == actions
-    assert twin.observations.newest_first == monitor.observations.newest_first
+    assert twin.observations == monitor.observations
     assert twin.executed == monitor.executed == (walk, *actions)
 
 
@@ -180,7 +181,7 @@ def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
     facts = [Observation(low, 2, told=low), Observation(high, 2)]
     ended = parse_atom("_return(walk,a,1)")
     monitor.taken([*facts, Observation(ended, 1)], {low, ended})
-    assert monitor.observations.newest_first == (facts[0],)
+    assert list(monitor.observations) == [facts[0]]
     monitor.receive("meter", [str(low), str(high)])
     assert [one.atom for one in events] == [low, high, high]
     monitor.forget_all()
