@@ -1,10 +1,9 @@
-"""Profiles for hypothesis, which tests are slow, and a browser.
+"""Profiles for hypothesis, which tests are slow, the first case of each test, and a browser.
 
 The standing run looks at the same random examples each time, others at new ones.
 """
 
 import os
-from collections import defaultdict
 
 import browser
 import pytest
@@ -13,35 +12,41 @@ from hypothesis import HealthCheck, settings
 _slow = [HealthCheck.too_slow, HealthCheck.data_too_large]  # no test depends on the machine's speed
 settings.register_profile("random", deadline=None, suppress_health_check=_slow)
 settings.register_profile("thorough", parent=settings.get_profile("random"), max_examples=5000)
-settings.register_profile("standing", parent=settings.get_profile("random"), derandomize=True, max_examples=30)
-settings.register_profile("brief", parent=settings.get_profile("standing"), max_examples=15)
+settings.register_profile("standing", parent=settings.get_profile("random"), derandomize=True, max_examples=15)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "standing"))
 
-#: Folders of tests of what clingo runs, and of what is run by hand: their slow tests say nothing of a Python.
+#: Folders of tests of what clingo runs, and of what is run by hand: they say nothing of a Python.
 ABOUT_NO_PYTHON = ("encodings", "bench")
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Mark as slow what is mostly_slow, but its first case; with again the first of a file in which all are slow.
+def pytest_addoption(parser):
+    """For a second Python."""
+    parser.addoption(
+        "--each-once", action="store_true", help="the first case of each test that is neither slow nor once"
+    )
 
-    Of the latter there is none in the folders that are about no Python.
-    """
-    begun, files = set(), defaultdict(list)
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    """Mark as slow what is mostly_slow, but its first case; with --each-once leave cases out."""
+    begun = set()
     for item in items:
-        if item.get_closest_marker("mostly_slow"):
-            name = item.nodeid.partition("[")[0]
-            if name in begun:
-                item.add_marker("slow")
-            begun.add(name)
-        files[item.path].append(item)
-    for path, ours in files.items():
-        if path.parent.name in ABOUT_NO_PYTHON:
-            continue
-        again = [one for one in ours if not one.get_closest_marker("once")]
-        if all(one.get_closest_marker("slow") for one in again):
-            for one in again[:1]:
-                one.add_marker("again")
+        if item.get_closest_marker("mostly_slow") and name_of(item) in begun:
+            item.add_marker("slow")
+        begun.add(name_of(item))
+    if config.getoption("--each-once"):
+        first = {}
+        for item in items:
+            left_out = item.get_closest_marker("slow") or item.get_closest_marker("once")
+            if not left_out and item.path.parent.name not in ABOUT_NO_PYTHON:
+                first.setdefault(name_of(item), item)
+        config.hook.pytest_deselected(items=[one for one in items if first.get(name_of(one)) is not one])
+        items[:] = first.values()
+
+
+def name_of(item):
+    """The name of a test without that of its case."""
+    return item.nodeid.partition("[")[0]
 
 
 @pytest.fixture(scope="module")

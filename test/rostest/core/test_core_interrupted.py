@@ -120,6 +120,7 @@ class CoreInterrupted(unittest.TestCase):
                     goal = Client("cancelled/rosoclingo").send(f"do({what},{number})")
                 goal.cancel()
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
+                self.assertLessEqual(len(children("/cancelled/rosoclingo")), 2, "more than one in reserve")
             self.serves("cancelled", "do(walk,3)", updates)
 
     def test_a_goal_whose_search_never_ends_waits_and_is_cancelled(self):
@@ -127,17 +128,17 @@ class CoreInterrupted(unittest.TestCase):
             updates = Updates("alone/rosoclingo")
             goal = Client("alone/rosoclingo").send("do(maze,1)")
             goal.arrived()
-            for number in (2, 3, 4):
+            for number in (2, 3):
                 self.serves("alone", f"do(walk,{number})", updates)
             goal.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
 
-    def test_a_goal_cancelled_while_a_search_goes_on_ends_at_once(self):
+    def test_goals_cancelled_while_a_search_goes_on_end_at_once(self):
         with core("during", search_timeout=0, horizon_limit=4):
             client = Client("during/rosoclingo")
             with kept_busy("/during/rosoclingo"):
                 client.send("do(maze,1)").arrived()
-            for goal in [client.send(f"do(walk,{number})") for number in (2, 3, 4)]:
+            for goal in [client.send(f"do(walk,{number})") for number in (2, 3)]:
                 goal.arrived()
                 goal.cancel()
                 self.assertIn("was cancelled before it was planned for", goal.ends_as(GoalStatus.RECALLED))
@@ -203,18 +204,6 @@ class CoreInterrupted(unittest.TestCase):
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
             self.serves("robbed", "do(run,2)", updates)
             self.assertIsNotNone(process)
-
-    def test_cancels_of_grounding_leave_one_process_in_reserve(self):
-        with core("often", search_timeout=0, horizon_limit=2):
-            updates = Updates("often/rosoclingo")
-            client = Client("often/rosoclingo")
-            for number in range(1, 4):
-                with kept_busy("/often/rosoclingo"):
-                    goal = client.send(f"do(boom,{number})")
-                goal.cancel()
-                self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
-                self.assertLessEqual(len(children("/often/rosoclingo")), 2)
-            self.serves("often", "do(walk,9)", updates)
 
 
 if __name__ == "__main__":

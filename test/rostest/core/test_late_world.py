@@ -20,7 +20,7 @@ from carrying_stage import Stage
 from carrying_world import HOUSE, OFFICE, ROBOT
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
-GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "30"))  # in each of the two worlds
+GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "12"))  # in each of the two worlds
 
 
 class LateWorld(unittest.TestCase):

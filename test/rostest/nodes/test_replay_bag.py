@@ -33,7 +33,7 @@ from carrying_world import HOUSE, OFFICE
 from interface_helpers import Process, executable, init_node, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
-GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "10"))
+GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "6"))
 WORLDS = {"office": OFFICE, "house": HOUSE}
 CORE_TOPICS = [
     f"/{world}/{topic}"

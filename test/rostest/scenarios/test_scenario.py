@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plays a shipped scenario in the whole system: real core, interfaces, office, navigation, simulator and recorder.
+"""Plays shipped scenarios in the whole system: core, interfaces, office, navigation, simulator and recorder.
 
 Time flies once all nodes are up: before, each step of it would only take from them what they need to start.
 """
@@ -96,36 +96,40 @@ def recording_and_flying():
 
 
 class ScenarioTest(unittest.TestCase):
-    """One scenario."""
+    """Scenarios that one system plays one after the other: the next begins where the robot is."""
 
-    def test_it_ends_as_expected_and_the_bag_tells_the_same(self):
-        scenario = find_scenario(OPTIONS.scenario)
-        lines = []
-        outcome = run_scenario(
-            scenario,
-            ["move_base", "pickup", "deliver"],
-            lines.append,
-            PATIENCE,
-            recording=recording_and_flying,
-        )
+    def test_they_end_as_expected_and_the_bag_tells_the_same(self):
+        scenarios = [find_scenario(name) for name in OPTIONS.scenarios]
+        for scenario in scenarios:
+            self.play(scenario)
+        goals = [end for scenario in scenarios for end in scenario.expect["goals"]]
+        bag = self.read_bag(goals)
+        if len(scenarios) == 1 and "actions" in scenarios[0].expect:
+            self.assertEqual([str(action) for action in bag.actions], scenarios[0].expect["actions"])
+        self.compare(bag)
+        self.report(bag, goals)
+
+    def play(self, scenario):
+        """Play one; its account names what is not as expected."""
+        lines = [scenario.title]
+        servers = ["move_base", "pickup", "deliver"]
+        outcome = run_scenario(scenario, servers, lines.append, PATIENCE, recording=recording_and_flying)
         self.assertEqual(outcome.faults, [], "\n".join(lines))
-        bag = self.read_bag(len(scenario.expect["goals"]))
-        self.compare(bag, scenario)
-        self.report(bag, scenario)
 
     def read_bag(self, goals):
-        """The bag of the recorder that has taken the end of so many goals; what else is on its way comes before."""
-        bag = Growing(Path(OPTIONS.bag))
-        self.assertTrue(wait_for(lambda: bag.count_results() >= goals, pause=1.0), "the bag lacks ends of goals")
+        """The bag of the recorder that has taken these ends of goals; what else is on its way comes before."""
+        growing = Growing(Path(OPTIONS.bag))
+        complete = wait_for(lambda: growing.count_results() >= len(goals), pause=1.0)
+        self.assertTrue(complete, "the bag lacks ends of goals")
         rosnode.kill_nodes(["/record"])
         self.assertTrue(wait_for(lambda: os.path.exists(OPTIONS.bag)), "the bag was not closed")
         self.addCleanup(os.remove, OPTIONS.bag)
-        return Bag(OPTIONS.bag)
+        bag = Bag(OPTIONS.bag)
+        self.assertEqual(sorted(bag.ends.values()), sorted(goals))
+        return bag
 
-    def compare(self, bag, scenario):
-        self.assertEqual(sorted(bag.ends.values()), sorted(scenario.expect["goals"]))
-        if "actions" in scenario.expect:
-            self.assertEqual([str(action) for action in bag.actions], scenario.expect["actions"])
+    def compare(self, bag):
+        """Updates, actions and returns of the bag agree."""
         self.assertEqual([update.step for update in bag.updates], list(range(1, len(bag.updates) + 1)))
         statements = [item for update in bag.updates for item in update.items if isinstance(item, Statement)]
         committed = [one.body[0].atom for one in statements if one.head is None]
@@ -136,21 +140,21 @@ class ScenarioTest(unittest.TestCase):
         for action, value in zip(bag.actions, bag.returns):
             self.assertEqual(action.arguments[0::2], value.arguments[0::2])
 
-    def report(self, bag, scenario):
+    def report(self, bag, goals):
         """The report of the bag has what happened, and for the paper's run a browser shows it."""
         page = Path(OPTIONS.bag).with_suffix(".html")
         self.addCleanup(page.unlink)
-        write_report(Path(OPTIONS.bag), page, about={"title": scenario.title, "verdict": []})
+        write_report(Path(OPTIONS.bag), page, about={"title": OPTIONS.name, "verdict": []})
         data = re.search(r'id="run">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
         run = json.loads(data.group(1))
         ends = [goal["states"][-1][1] for _, goal in run["goals"]]
-        self.assertEqual(sorted(ends), sorted(scenario.expect["goals"]))
+        self.assertEqual(sorted(ends), sorted(goals))
         self.assertEqual(len(run["actions"]), len(bag.actions))
         self.assertEqual({bool(one["ended"]) for _, one in run["actions"]}, {True} if bag.actions else set())
         self.assertIsNotNone(run["about"]["map"])
         self.assertTrue(run["poses"])
         self.assertIn("way", [shape["kind"] for shape in run["shapes"]])
-        if OPTIONS.scenario == "paper" and browser.found() is not None:
+        if OPTIONS.scenarios == ["paper"] and browser.found() is not None:
             with browser.Browser(browser.found()) as shown:
                 shown.open(page.as_uri())
                 self.assertEqual(shown.texts("#goals .state"), ends)
@@ -164,8 +168,9 @@ class ScenarioTest(unittest.TestCase):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    parser.add_argument("--scenario", required=True)
+    parser.add_argument("--scenarios", nargs="+", required=True)
+    parser.add_argument("--name", required=True)
     parser.add_argument("--bag", required=True)
     OPTIONS, _ = parser.parse_known_args(rospy.myargv()[1:])
     rospy.init_node("test_scenario")
-    rostest.rosrun("rosoclingo", f"scenario_{OPTIONS.scenario}", ScenarioTest, sys.argv)
+    rostest.rosrun("rosoclingo", OPTIONS.name, ScenarioTest, sys.argv)

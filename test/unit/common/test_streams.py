@@ -94,29 +94,32 @@ def folder(tmp_path):
     return tmp_path
 
 
+#: A command, and what it prints.
+COMMANDS = [
+    (("check", "küche.lp"), KITCHEN),
+    (("check", "küche.lp", "--labels", "küche.yaml", "--interfaces", "größe.yaml"), SIZE),
+    (("check", "küche.lp", "--plan", 'go("Küche",1)'), KITCHEN),
+    (("check", "nöKüche.lp"), KITCHEN),
+    (("oclingo", "küche.lp", "--shortest", "--bound", "3", "--stream", "one.str"), KITCHEN),
+    (("oclingo", "--check", "küche.lp"), KITCHEN),
+    (("places", "Küche.yaml", "küche.yaml"), KITCHEN),
+    (("new", "Küche"), KITCHEN),
+    (("stage_world", "Küche.yaml", "-o", "x.world"), KITCHEN),
+    (("journal", "show", "Küche"), KITCHEN),
+    (("watch", "Küche.bag"), KITCHEN),
+    (("report", "Küche.bag"), KITCHEN),
+    (("replay", "Küche.bag"), KITCHEN),
+    (("demo", "Küche"), KITCHEN),
+    (("play_scenario", "größe.yaml"), SIZE),
+    (("request", "--plain", 'go("Küche",1)'), "no ROS master"),
+]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 @pytest.mark.parametrize(
-    ("command", "words"),
-    [
-        (("check", "küche.lp"), KITCHEN),
-        (("check", "küche.lp", "--labels", "küche.yaml", "--interfaces", "größe.yaml"), SIZE),
-        (("check", "küche.lp", "--plan", 'go("Küche",1)'), KITCHEN),
-        (("check", "nöKüche.lp"), KITCHEN),
-        (("oclingo", "küche.lp", "--shortest", "--bound", "3", "--stream", "one.str"), KITCHEN),
-        (("oclingo", "--check", "küche.lp"), KITCHEN),
-        (("places", "Küche.yaml", "küche.yaml"), KITCHEN),
-        (("new", "Küche"), KITCHEN),
-        (("stage_world", "Küche.yaml", "-o", "x.world"), KITCHEN),
-        (("journal", "show", "Küche"), KITCHEN),
-        (("watch", "Küche.bag"), KITCHEN),
-        (("report", "Küche.bag"), KITCHEN),
-        (("replay", "Küche.bag"), KITCHEN),
-        (("demo", "Küche"), KITCHEN),
-        (("play_scenario", "größe.yaml"), SIZE),
-        (("request", "--plain", 'go("Küche",1)'), "no ROS master"),
-    ],
-    ids=lambda value: " ".join(value[:2]) if isinstance(value, tuple) else "",
+    ("command", "words", "environment"),
+    [(*one, LOCALES[number % len(LOCALES)]) for number, one in enumerate(COMMANDS)],
+    ids=[" ".join(command[:2]) for command, _ in COMMANDS],
 )
 def test_commands_print_any_text_in_any_locale(folder, command, words, environment):
     output, errors = run(folder, environment, *command)

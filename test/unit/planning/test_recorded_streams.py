@@ -7,7 +7,7 @@ import pytest
 from recorded_streams import DOMAINS, KINDS, LATE, first_plans, play, recorded, what_if, why
 
 pytestmark = [pytest.mark.slow, pytest.mark.once]
-SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "30"))
+SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "15"))
 
 
 def streams(kind):

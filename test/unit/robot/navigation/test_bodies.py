@@ -109,7 +109,6 @@ def start(grid, bodies_of, places, gates):
     return world
 
 
-@pytest.mark.again
 @pytest.mark.slow
 @given(
     st.integers(0, 999), st.sampled_from([0.05, 0.1, 0.5]), st.integers(0, 12), st.tuples(bodies, bodies),
