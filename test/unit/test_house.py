@@ -60,12 +60,25 @@ def relative(path):
     return str(path.relative_to(ROOT))
 
 
+def faults(paths, check):
+    """What a check finds in each of some files, for those in which it finds something."""
+    found = {relative(path): check(path) for path in paths}
+    return {name: one for name, one in found.items() if one}
+
+
+@lru_cache(maxsize=None)
+def nodes_of(path):
+    """The imports, functions and classes of a file."""
+    kinds = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+    return [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, kinds)]
+
+
 @lru_cache(maxsize=None)
 def imports_of(path):
     """The absolute names of all modules that a file imports; for "from a import b" both a and a.b."""
     package = path.relative_to(ROOT / "src").with_suffix("").parts if path.suffix else ()
     names = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -97,25 +110,31 @@ def dependencies():
     return {element.text.strip() for element in root if element.tag.endswith("depend")}
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_imports_go_one_way(path):
+def test_imports_go_one_way():
+    assert not faults(SOURCES, forbidden_rooms)
+
+
+def forbidden_rooms(path):
+    """The rooms from which a module imports though it may not; modules beside the packages import none of them."""
     parts = path.relative_to(PACKAGES).with_suffix("").parts
     if len(parts) == 1:
-        assert not rooms_of(imports_of(path), ""), "modules beside the packages import none of them"
-        return
+        return rooms_of(imports_of(path), "")
     room = room_of(parts)
     allowed = MAY_IMPORT[room] | {room} | (set() if path in PURE_SOURCES else {*GENERATED_FOLDERS})
-    assert rooms_of(imports_of(path), room) <= allowed
+    return rooms_of(imports_of(path), room) - allowed
 
 
-@pytest.mark.parametrize("path", PURE_SOURCES, ids=relative)
-def test_pure_packages_know_nothing_of_ros_and_start_no_threads(path):
-    forbidden = [name for name in imports_of(path) if ROS_MODULES.match(name) and not name.startswith("rosoclingo")]
-    forbidden += [name for name in imports_of(path) if GENERATED.match(name)]
-    forbidden += imports_of(path) & {"threading", "multiprocessing", "concurrent.futures", "queue"}
-    of_common = {name.split(".")[2] for name in imports_of(path) if name.startswith("rosoclingo.common.")}
-    forbidden += of_common - set(PURE_COMMON)
-    assert not forbidden
+def test_pure_packages_know_nothing_of_ros_and_start_no_threads():
+    assert not faults(PURE_SOURCES, impure_imports)
+
+
+def impure_imports(path):
+    """What a pure module imports though it may not."""
+    names = imports_of(path)
+    impure = {name for name in names if ROS_MODULES.match(name) and not name.startswith("rosoclingo")}
+    impure |= {name for name in names if GENERATED.match(name)}
+    impure |= names & {"threading", "multiprocessing", "concurrent.futures", "queue"}
+    return impure | {name.split(".")[2] for name in names if name.startswith("rosoclingo.common.")} - {*PURE_COMMON}
 
 
 def test_every_subpackage_is_in_the_layers():
@@ -129,10 +148,14 @@ def test_rostests_lie_in_rooms_and_no_two_have_one_name():
     assert not {name for name in names if names.count(name) > 1}, "rostest finds scripts by their names"
 
 
-@pytest.mark.parametrize("folder", sorted({path.parent for path in SOURCES}), ids=relative)
-def test_no_family_of_names_is_a_folder_in_disguise(folder):
+def test_no_family_of_names_is_a_folder_in_disguise():
+    assert not faults({path.parent for path in SOURCES}, families)
+
+
+def families(folder):
+    """The first words of more than two modules' names."""
     first = [path.stem.split("_")[0] for path in folder.glob("*.py") if path.stem != "__init__"]
-    assert not {word for word in first if first.count(word) > 2}
+    return {word for word in first if first.count(word) > 2}
 
 
 def test_setup_py_lists_every_subpackage():
@@ -150,29 +173,31 @@ def test_the_version_is_in_package_xml_only():
         assert f'"{version}"' not in text, path
 
 
-@pytest.mark.parametrize("path", SOURCES + SCRIPTS + TESTS, ids=relative)
-def test_scripts_and_functions_are_short(path):
-    text = path.read_text()
-    assert path not in SCRIPTS or len(text.splitlines()) <= 40
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            assert node.end_lineno - node.lineno < 50, f"{node.name} is too long"
+def test_scripts_and_functions_are_short():
+    assert not [relative(path) for path in SCRIPTS if len(path.read_text().splitlines()) > 40]
+    assert not faults(SOURCES + SCRIPTS + TESTS, long_functions)
 
 
-@pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=relative)
-def test_no_named_tuple_has_another_base_before_python_3_11(path):
-    text = path.read_text()
-    for node in ast.walk(ast.parse(text)) if "NamedTuple" in text else ():
-        bases = [ast.dump(base) for base in node.bases] if isinstance(node, ast.ClassDef) else []
-        assert len(bases) < 2 or not any("NamedTuple" in base for base in bases), f"line {node.lineno}"
+def long_functions(path):
+    functions = [node for node in nodes_of(path) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    return [node.name for node in functions if node.end_lineno - node.lineno >= 50]
 
 
-@pytest.mark.parametrize("path", SCRIPTS, ids=relative)
-def test_scripts_are_executables(path):
-    assert path.suffix == ""
-    assert path.name != "rosoclingo", "it would shadow the package"
-    assert path.stat().st_mode & 0o111 == 0o111, "chmod +x"
-    assert path.read_text().startswith("#!/usr/bin/env python3\n")
+def test_no_named_tuple_has_another_base_before_python_3_11():
+    assert not faults(SOURCES + SCRIPTS, mixed_named_tuples)
+
+
+def mixed_named_tuples(path):
+    classes = [node for node in nodes_of(path) if isinstance(node, ast.ClassDef) and len(node.bases) > 1]
+    return [node.name for node in classes if any("NamedTuple" in ast.dump(base) for base in node.bases)]
+
+
+def test_scripts_are_executables():
+    for path in SCRIPTS:
+        assert path.suffix == ""
+        assert path.name != "rosoclingo", "it would shadow the package"
+        assert path.stat().st_mode & 0o111 == 0o111, f"chmod +x {path}"
+        assert path.read_text().startswith("#!/usr/bin/env python3\n"), path
 
 
 def test_every_script_is_installed():
@@ -181,10 +206,10 @@ def test_every_script_is_installed():
     assert listed == [path.name for path in SCRIPTS], "catkin_install_python in CMakeLists.txt lists all of scripts/"
 
 
-@pytest.mark.parametrize("folder", ["action", "msg", "srv"])
-def test_every_interface_file_is_generated(folder):
-    listed = re.findall(rf"^\s+(\w+\.{folder})$", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
-    assert listed == sorted(path.name for path in (ROOT / folder).glob(f"*.{folder}"))
+def test_every_interface_file_is_generated():
+    for folder in ("action", "msg", "srv"):
+        listed = re.findall(rf"^\s+(\w+\.{folder})$", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
+        assert listed == sorted(path.name for path in (ROOT / folder).glob(f"*.{folder}"))
 
 
 def test_every_data_folder_is_installed():
@@ -208,22 +233,30 @@ def test_dev_knows_the_debian_package_of_each_dependency():
         assert packages & {name, f"python3-{name}", f"ros-{name}", f"lib{name}-dev", f"python3-{name}-python"}, key
 
 
-@pytest.mark.parametrize("path", LAUNCH_FILES, ids=relative)
-def test_every_launch_argument_is_documented(path):
-    for argument in ElementTree.parse(path).getroot().findall("arg"):
-        assert argument.get("doc") or "value" in argument.attrib, f"{argument.get('name')} lacks a doc text"
+def test_every_launch_argument_is_documented():
+    for path in LAUNCH_FILES:
+        for argument in ElementTree.parse(path).getroot().findall("arg"):
+            assert argument.get("doc") or "value" in argument.attrib, f"{path}: {argument.get('name')} lacks a doc text"
 
 
-@pytest.mark.parametrize("path", LAUNCH_FILES + ROSTESTS, ids=relative)
-def test_launch_files_refer_to_what_there_is(path):
-    for element in ElementTree.parse(path).getroot().iter():
-        for value in element.attrib.values():
-            for found in re.findall(r"\$\(find rosoclingo\)/([\w./-]+)", value):
-                assert (ROOT / found).exists(), found
-        if element.tag == "node" and element.get("pkg") == "rosoclingo" and "$(" not in element.get("type"):
-            folder = (
-                path.parent if path in ROSTESTS and (path.parent / element.get("type")).exists() else ROOT / "scripts"
-            )
-            assert (folder / element.get("type")).exists(), element.get("type")
-        if element.tag == "test":
-            assert element.get("time-limit"), f"{element.get('test-name')} has no time limit"
+def test_launch_files_refer_to_what_there_is():
+    assert not faults(LAUNCH_FILES + ROSTESTS, missing_files)
+
+
+def missing_files(path):
+    """The files and nodes of this package that a launch file names though there are none."""
+    elements = list(ElementTree.parse(path).getroot().iter())
+    values = " ".join(value for element in elements for value in element.attrib.values())
+    files = {ROOT / name for name in re.findall(r"\$\(find rosoclingo\)/([\w./-]+)", values)}
+    for element in elements:
+        kind = element.get("type", "$(")
+        if element.tag == "node" and element.get("pkg") == "rosoclingo" and "$(" not in kind:
+            beside = path in ROSTESTS and (path.parent / kind).exists()
+            files.add((path.parent if beside else ROOT / "scripts") / kind)
+    return [str(file) for file in files if not file.exists()]
+
+
+def test_each_rostest_has_a_time_limit():
+    for path in ROSTESTS:
+        for element in ElementTree.parse(path).getroot().iter("test"):
+            assert element.get("time-limit"), f"{path}: {element.get('test-name')} has no time limit"
