@@ -1,11 +1,11 @@
 """Called by catkin, for all of the package, and by pip, for what needs no ROS: the solver and its commands.
 
-Name, version and the rest come from package.xml, versions of libraries from requirements.txt.
+Version, description and licence come from package.xml; pyproject.toml has the libraries.
 """
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
-from typing import Any, Dict
+from typing import Dict
 
 from setuptools import find_packages, setup
 
@@ -19,8 +19,6 @@ WITHOUT_ROS = [
     ),
     "rosoclingo.common",
 ]
-LIBRARIES = ("clingo",)
-
 COMMANDS = [
     "check = rosoclingo.checking.check_command:main",
     "oclingo = rosoclingo.checking.oclingo_command:main",
@@ -29,13 +27,10 @@ COMMANDS = [
 ]
 
 
-def described() -> Dict[str, Any]:
+def described() -> Dict[str, str]:
     """The arguments of setup() that package.xml tells, without ROS's parser for it."""
-    here = Path(__file__).resolve().parent
-    package = ElementTree.parse(here / "package.xml").getroot()
-    told = {tag: " ".join(package.findtext(tag, "").split()) for tag in ("name", "version", "description", "license")}
-    wanted = [line.strip() for line in (here / "requirements.txt").read_text().splitlines()]
-    return {**told, "install_requires": [line for line in wanted if line.startswith(LIBRARIES)]}
+    package = ElementTree.parse(Path(__file__).resolve().parent / "package.xml").getroot()
+    return {tag: " ".join(package.findtext(tag, "").split()) for tag in ("version", "description", "license")}
 
 
 try:
@@ -45,7 +40,6 @@ except ImportError:  # pip builds in an environment of its own, in which there i
         **described(),
         packages=find_packages("src", include=WITHOUT_ROS),
         package_dir={"": "src"},
-        python_requires=">=3.8",
         entry_points={"console_scripts": COMMANDS},
     )
 else:

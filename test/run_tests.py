@@ -19,23 +19,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
 
+import yaml
 from durations import Duration, summary
 from outcome import Outcome, count, judge, report
 from processes import ROOT, run
 
-PYTHON_FOLDERS = ("src", "scripts", "test", "bench", "doc", "setup.py")
 UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 3600.0, 1800.0, 900.0  # seconds, for a machine that is slow or busy
 CORES = min(os.cpu_count() or 1, 4)  # so many unit tests run at a time
 ROSTEST_MARGIN = 300.0  # seconds for master and nodes to start and stop, besides the tests' own time limits
 
-LINTERS: Dict[str, List[str]] = {
-    "ruff check": ["ruff", "check", "--quiet", "--output-format=concise", "."],
-    "ruff format": ["ruff", "format", "--quiet", "--check", "--diff", "."],
-    "mypy": ["mypy"],
-    "vermin": ["vermin", "--quiet", "--violations", "--no-tips", "--target=3.8-"],
-    "catkin_lint": ["catkin_lint", "-W2", "--strict", "--offline", "--quiet"],  # with the folder of the package
-    "shellcheck": ["shellcheck", "dev", ".ci/run"],
-}
+HOOKS = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"][0]["hooks"]
+LINTERS: Dict[str, List[str]] = {one["name"]: shlex.split(one["entry"])[2:] for one in HOOKS}  # without "./dev exec"
 GROUPS = ("lint", "unit", "rostest", "python38", "install", "pip")  # and "quick"
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
@@ -142,10 +136,7 @@ class Tests:
         return self._unit(ON_PYTHON38, environment, [*IN_PARALLEL, "--each-once"])
 
     def _lint(self, names: Iterable[str]) -> Outcome:
-        sources = [str(path) for folder in PYTHON_FOLDERS for path in _python_files(ROOT / folder)]
-        arguments = {"vermin": sources, "catkin_lint": [str(self.work / "ws" / "src" / "rosoclingo")]}
-        commands = {name: LINTERS[name] + arguments.get(name, []) for name in names}
-        return sum((self._run("lint", name, commands[name], LINT_LIMIT, os.environ) for name in commands), Outcome())
+        return sum((self._run("lint", name, LINTERS[name], LINT_LIMIT, os.environ) for name in names), Outcome())
 
     def _unit(self, suffix: str, environment: Mapping[str, str], arguments: Sequence[str]) -> Outcome:
         name = "unit" + suffix
@@ -245,20 +236,6 @@ def _python38_environment() -> Dict[str, str]:
 
 def _file_name(name: str) -> str:
     return re.sub(r"[^\w.]+", "-", name)
-
-
-def _python_files(path: Path) -> Iterator[Path]:
-    if path.is_file():
-        yield path
-    elif path.is_dir():
-        for file in sorted(path.rglob("*")):
-            if file.is_file() and (file.suffix == ".py" or _has_python_shebang(file)):
-                yield file
-
-
-def _has_python_shebang(path: Path) -> bool:
-    with path.open("rb") as file:
-        return not path.suffix and file.readline(80).rstrip().endswith(b"python3")
 
 
 def _chosen(paths: Sequence[Path], patterns: Sequence[str]) -> List[Path]:

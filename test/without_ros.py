@@ -2,7 +2,7 @@
 """Checks what pip installs from a clone into a bare virtual environment: ``test/without_ros.py PYTHON...``.
 
 For each Python: the commands are there and give the answers of the real oClingo, and no library but those that
-requirements.txt names is needed. The clone is left as it is.
+pyproject.toml names is needed. The clone is left as it is.
 """
 
 import json
@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-NEEDED = ("src", "setup.py", "pyproject.toml", "package.xml", "requirements.txt", "LICENSE", "README.md")
+NEEDED = ("src", "setup.py", "pyproject.toml", "package.xml", "LICENSE", "README.md")
 CASES = json.loads((ROOT / "test" / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
 OLD = "#domain f(X).\n{ p(X), q }.\n"
 ALL = (

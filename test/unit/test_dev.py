@@ -45,7 +45,7 @@ def test_a_known_scenario_is_set_up_for(scenario):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["nosuch"], "no such bench: nosuch; there are cancels "),
+        (["nosuch"], "no such bench: nosuch; there are cut_off "),
         (["oclingo", "--rounds", "0"], "--rounds is at least 1"),
         (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
     ],
@@ -60,24 +60,6 @@ def test_a_wrong_bench_is_told_before_any_set_up(arguments, told):
 def test_a_known_bench_is_set_up_for():
     _, said = dev("bench", "oclingo")
     assert "/proc/no/folder" in said
-
-
-@pytest.mark.parametrize(
-    ("command", "told"),
-    [
-        (["ruff", "format", "."], "tools"),
-        (["ruff"], "tools"),
-        (["python3", "-m", "pytest", "test/unit"], "tools"),
-        (["python3", "bench/golog.py"], ""),
-        (["rosrun", "rosoclingo", "check", "ruff"], ""),
-    ],
-)
-def test_commands_that_are_for_tests_are_known(command, told):
-    function = (ROOT / "dev").read_text().partition("\ntools_for() {")[2].partition("\n}\n")[0]
-    script = f'tools_for() {{{function}\n}}\ntools_for "$@"'
-    assert (
-        subprocess.run(["bash", "-c", script, "-", *command], stdout=subprocess.PIPE, text=True).stdout.strip() == told
-    )
 
 
 def test_help_needs_no_set_up():
@@ -211,23 +193,16 @@ def test_an_overlay_where_there_can_be_none(arguments):
     assert "--overlay" in said or "is not for overlays" in said
 
 
-TIMES = """set -euo pipefail
-source <(sed -n '/^keep_times()/,/^}/p; /^restore_times()/,/^}/p' "$DEV")
-SOURCE=$1 WORK=$2 && "$3"
-"""
-
-
-def test_what_numba_compiled_is_still_good_in_another_clone_of_the_same_sources(tmp_path):
-    """The files have the times of those that were compiled, but for what has changed."""
-    built, clone, work = tmp_path / "built", tmp_path / "a clone", tmp_path / "work"
-    for root, time in ((built, 1000), (clone, 2000)):
-        folder = root / "src" / "rosoclingo" / "robot" / "navigation" / "compiled"
-        folder.mkdir(parents=True)
-        for name in ("same.py", "changed.py"):
-            (folder / name).write_text(f"{name} {time if name == 'changed.py' else ''}")
-            os.utime(folder / name, (time, time))
-    for root, step in ((clone, "restore_times"), (built, "keep_times"), (clone, "restore_times")):
-        command = ["bash", "-c", TIMES, "dev", str(root), str(work), step]
-        subprocess.run(command, env={**os.environ, "DEV": str(ROOT / "dev")}, check=True, timeout=60)
-    times = {path.name: path.stat().st_mtime for path in clone.rglob("*.py")}
-    assert times == {"same.py": 1000, "changed.py": 2000}
+def test_times_of_compiled_files_follow_from_their_contents(tmp_path):
+    """So what numba has compiled is still good in another clone of the same sources."""
+    function = (ROOT / "dev").read_text().partition("\nsame_times() {")[2].partition("\n}\n")[0]
+    times = []
+    for number, text in enumerate(("same", "same", "changed")):
+        file = tmp_path / f"a clone {number}" / "src" / "rosoclingo" / "robot" / "navigation" / "compiled" / "loop.py"
+        file.parent.mkdir(parents=True)
+        file.write_text(text)
+        script = f"set -eu; SOURCE=$1; same_times() {{{function}\n}}; same_times"
+        subprocess.run(["bash", "-c", script, "-", str(file.parents[5])], check=True, timeout=60)
+        times.append(file.stat().st_mtime)
+    assert times[0] == times[1] != times[2]
+    assert max(times) < 1e9

@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 import xml.etree.ElementTree as ElementTree
 from functools import lru_cache
 from pathlib import Path
@@ -226,8 +227,9 @@ def test_package_xml_names_what_is_imported():
 
 
 def test_dev_knows_the_debian_package_of_each_dependency():
-    text = (ROOT / "dev").read_text()
-    packages = set(" ".join(re.findall(r"_PACKAGES=\(([^)]*)\)", text)).split())
+    arrays = "\n".join(re.findall(r"^\w+_PACKAGES=\([^)]*\)", (ROOT / "dev").read_text(), re.MULTILINE))
+    script = f'{arrays}\necho "${{DEBIAN_PACKAGES[@]}}" "${{COMMON_PACKAGES[@]}}"'
+    packages = set(subprocess.run(["bash", "-c", script], check=True, capture_output=True, text=True).stdout.split())
     for key in dependencies() - {"python3-setuptools"}:
         name = key.replace("_", "-")
         assert packages & {name, f"python3-{name}", f"ros-{name}", f"lib{name}-dev", f"python3-{name}-python"}, key

@@ -316,7 +316,7 @@ class Core(unittest.TestCase):
         self.hands.at_once = True
         chance = random.Random(1)
         clients = [Client() for _ in range(4)]
-        sent = [(chance.random() < 0.3, SentGoal(chance.choice(clients).raw, self.errand("quick"))) for _ in range(100)]
+        sent = [(chance.random() < 0.3, SentGoal(chance.choice(clients).raw, self.errand("quick"))) for _ in range(40)]
         for cancelled, goal in sent:
             if cancelled:
                 goal.cancel()

@@ -167,5 +167,5 @@ def test_a_checked_command_line_tells_which_benches_are_meant():
 
 
 def test_the_modules_that_benches_share_are_none():
-    assert not {"run", "figures", "ros_system", "tour_floors", "deliveries", "routing"} & set(run.BENCHES)
+    assert not {"run", "figures", "ros_system", "tour_floors", "deliveries"} & set(run.BENCHES)
     assert {"oclingo", "response", "tours"} <= set(run.BENCHES)
