@@ -20,16 +20,15 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
-from rosoclingo.checking.lint.mixed_values import MixedValues
-from rosoclingo.checking.lint.rule_shapes import Rule
-from rosoclingo.checking.lint.term_shapes import Bindings, is_open
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import parted
-from rosoclingo.oclingo.program.survey import LABELS, Survey, fault_at
+from rosoclingo.oclingo.program.survey import LABELS, fault_at
 from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.planning.explaining.atom_patterns import ANY, names_of
 
 Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
 """Returns of which terms an action asks for the label, by its parameter."""
@@ -53,44 +52,30 @@ class Named(NamedTuple):
 
 
 class Actions:
-    """The actions that a program may plan.
+    """The actions that a program can plan.
 
     Attributes:
         all_known: whether it has no others than those of ``parameters``.
-        parameters: what the parameter of each may be, by the action's name as text; None for anything.
-        mixed: the actions whose parameters can include those of other actions, as rules do not separate them.
+        parameters: what the parameter of each can be, by the action's name as text; None for anything.
 
     """
 
-    def __init__(self, survey: Survey, values: ArgumentValues) -> None:
-        self._survey = survey
-        self.all_known = True
-        self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {}
-        self.mixed: Set[str] = set()
+    def __init__(self, program: ReactiveProgram) -> None:
+        self._survey, values = program.survey, ArgumentValues.of(program)
+        self.all_known = bool(values.rules)
+        found: Dict[str, Set[clingo.Symbol]] = {}
         self._nodes: Dict[str, Node] = {}
-        mixed = MixedValues(values)
-        for rule in values.rules:
-            bound = values.bindings(rule) if rule.head.signature == ACTION else None
-            if bound is not None:
-                self._add(rule, values, mixed, bound)
-
-    def _add(self, rule: Rule, values: ArgumentValues, mixed: MixedValues, bound: Bindings) -> None:
-        """Add the actions that a rule plans."""
-        name, parameter, _ = parted(rule.head.term)[1]
-        names = values.value(name, rule.parameter, bound)
-        if names is None or any(map(is_open, names)):
-            self.all_known = False
-            return
-        variable = rule.head.arguments[0].variable
-        for value in names:
-            inside = values.bindings(rule, {variable: frozenset({value})}) if variable else bound
-            if inside is None:
-                continue
-            told, one = values.value(parameter, rule.parameter, inside), str(value)
-            known = self.parameters.get(one, frozenset())
-            self.parameters[one] = None if told is None or known is None else known | told
-            self.mixed.update([one] if mixed.mixes(rule) else [])
-            self._nodes.setdefault(one, name)
+        for number, rule in enumerate(values.rules):
+            for atom in values.derived_by(number) if rule.head.signature == ACTION else ():
+                name, parameter, _ = atom.arguments
+                if names_of(name):
+                    self.all_known = False
+                else:
+                    found.setdefault(str(name), set()).add(parameter)
+                    self._nodes.setdefault(str(name), parted(rule.head.term)[1][0])
+        self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {
+            name: None if ANY in told else frozenset(told) for name, told in found.items()
+        }
 
     def without_interface(self, interfaces: Sequence[Named]) -> Iterator[Fault]:
         """Yield the actions that no interface drives, and the interfaces that no action drives."""
@@ -114,12 +99,12 @@ class Actions:
         certain = self.all_known
         for action, asked in asking.items():
             parameters = self.parameters.get(action, frozenset())
-            if parameters is None or any(map(is_open, parameters)):
+            if parameters is None or any(map(names_of, parameters)):
                 certain = False
                 continue
             terms = sorted({term for parameter in parameters for term in asked(parameter)})
             needed |= set(map(str, terms))
-            for term in terms if action not in self.mixed else ():
+            for term in terms:
                 if str(term) not in names:
                     yield self._no_label(action, term, names)
         for node in self._odd_in_rows(names):
@@ -133,7 +118,7 @@ class Actions:
     def like_reasons(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
         """Yield the parameters that equal a failure reason of their action; ``reasons`` has these by its name."""
         for action, parameters in self.parameters.items():
-            alike = reasons(action) & set(map(str, parameters or ())) if action not in self.mixed else set()
+            alike = reasons(action) & set(map(str, parameters or ()))
             for term in sorted(alike):
                 node = self._where(term)
                 message = f"{term} is a parameter of {action} and a reason with which it fails"
@@ -184,7 +169,7 @@ def _meant(name: str, needed: Set[str]) -> str:
     return likely_word(name, needed) or f"places are {', '.join(sorted(needed))}"
 
 
-def lint_labels(survey: Survey, labels: Sequence[Named]) -> List[Fault]:
+def lint_labels(program: ReactiveProgram, labels: Sequence[Named]) -> List[Fault]:
     """Return what is wrong with labels where nothing is known of interfaces."""
-    actions = Actions(survey, ArgumentValues.of_survey(survey))
+    actions = Actions(program)
     return list(actions.without_label(labels, actions.likely_asking(labels)))

@@ -43,7 +43,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
 
     ``core`` says whether it is for rosoclingo's core; without, its keywords tell.
     """
-    survey, values = program.survey, ArgumentValues.of_survey(program.survey)
+    survey, values = program.survey, ArgumentValues.of(program)
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
     found += [*unused(survey), *never_matching(survey, values), *disjoint(values)]
     found += [*unfounded(survey, values), *contradictions(survey)]
@@ -62,7 +62,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
             *exchanged_words(survey),
             *other_steps(survey),
             *early_ends(survey),
-            *slips_of_words(survey, values),
+            *slips_of_words(program),
         ]
     told = {(one.file, one.line, one.column) for one in found}
     found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in told]

@@ -6,8 +6,6 @@ import clingo
 from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
-from rosoclingo.checking.lint.rule_shapes import Rule
-from rosoclingo.checking.lint.term_shapes import WILD
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.likeness import asked, likely_value, slip_of
@@ -16,6 +14,8 @@ from rosoclingo.oclingo.program.signatures import occurrences, parted
 from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.undefined import primed_mend
 from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.planning.explaining.atom_patterns import shown
+from rosoclingo.planning.explaining.reach import HeadRule
 
 MANY = 6  # values that a message lists
 
@@ -95,15 +95,15 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
     if misfit is not None:
         position, may_be = misfit
         argument = parted(term)[1][position]
-        known = sorted(str(one).replace(str(WILD), "_") for one in may_be)
+        known = sorted(shown(one) for one in may_be)
         message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
 
 
 def disjoint(values: ArgumentValues) -> Iterator[Fault]:
     """Yield the rules of which two atoms share a variable, but no value of it."""
-    for rule in values.rules:
-        found = values.disjoint(rule)
+    for number, rule in enumerate(values.rules):
+        found = values.disjoint(number)
         if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
             name, atom, other = found.variable, written(found.atom.term), written(found.other.term)
             message = f"the rule never applies: no {name} fits both {other} and {atom}"
@@ -112,7 +112,7 @@ def disjoint(values: ArgumentValues) -> Iterator[Fault]:
 
 
 def _listed(values: Iterable[clingo.Symbol]) -> str:
-    known = sorted(str(one).replace(str(WILD), "_") for one in values)
+    known = sorted(shown(one) for one in values)
     return ", ".join(known[:MANY]) + " ..." * (len(known) > MANY)
 
 
@@ -139,8 +139,8 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
     return found
 
 
-def _needed(rule: Rule) -> List[Signature]:
-    return [atom.signature for atom in rule.atoms]
+def _needed(rule: HeadRule) -> List[Signature]:
+    return [atom.signature for atom in rule.body]
 
 
 def contradictions(survey: Survey) -> List[Fault]:

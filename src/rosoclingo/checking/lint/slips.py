@@ -7,13 +7,13 @@ import clingo
 from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.checking.lint.actions import Actions
-from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, written
 from rosoclingo.oclingo.progression.terms import Signature
@@ -40,9 +40,10 @@ def slips(survey: Survey, first: int) -> List[Fault]:
     return [*found, *_first_steps(survey, steps, first), *_lower_case(survey), *_same_variables(survey)]
 
 
-def slips_of_words(survey: Survey, values: ArgumentValues) -> List[Fault]:
+def slips_of_words(program: ReactiveProgram) -> List[Fault]:
     """Return the slips in what the core and a program say to one another."""
-    return [*_hidden(survey), *_like_cancel(survey), *_idle_words(survey, values), *_returns_of_parameters(survey)]
+    survey = program.survey
+    return [*_hidden(survey), *_like_cancel(survey), *_idle_words(program), *_returns_of_parameters(survey)]
 
 
 def _tautologies(survey: Survey) -> Iterator[Fault]:
@@ -247,9 +248,10 @@ def _like_cancel(survey: Survey) -> Iterator[Fault]:
             yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
 
 
-def _idle_words(survey: Survey, values: ArgumentValues) -> Iterator[Fault]:
+def _idle_words(program: ReactiveProgram) -> Iterator[Fault]:
     """Yield the words for actions that the program does not have."""
-    actions = Actions(survey, values) if _SAYS in survey.defining else None
+    survey = program.survey
+    actions = Actions(program) if _SAYS in survey.defining else None
     for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():
         name = place.occurrence.arguments[0]
         value = evaluate(name, survey.constants)

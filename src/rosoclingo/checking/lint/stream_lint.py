@@ -14,6 +14,7 @@ from rosoclingo.oclingo.program.survey import Place, written
 from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.planning.explaining.atom_patterns import shown
 
 _END = re.compile(r"#(end|stop)[^.]*\.")
 _MANY = 4  # atoms of rules that a message lists
@@ -64,7 +65,7 @@ class _Judge:
 
     def __init__(self, program: ReactiveProgram, name: str, updates: Sequence[PlacedUpdate]) -> None:
         self._program, self._survey, self._name = program, program.survey, name
-        self._values, self._hearing = ArgumentValues.of_survey(program.survey), Hearing.of(program)
+        self._values, self._hearing = ArgumentValues.of(program), Hearing.of(program)
         statements = [item for one in updates for item in one.update.items if isinstance(item, Statement)]
         self._stated = {signature_of(one.head) for one in statements if one.head is not None}
         self._asked = {signature_of(literal.atom) for one in statements for literal in one.body}
@@ -111,7 +112,7 @@ class _Judge:
             position, known = misfit
             argument = atom.arguments[position]
             message = f"{signature_of(atom)} is never {what} with {argument} as argument {position + 1}"
-            yield message, likely_value(str(argument), list(map(str, known)))
+            yield message, likely_value(str(argument), list(map(shown, known)))
 
     def _seen_instead(self, signature: Signature) -> str:
         """Return which atoms of a predicate the rules look at."""

@@ -1,13 +1,12 @@
 """What a program for the core has to say and to hear: goals, actions, returns, and the statuses of goals."""
 
 import operator
-from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set
+from typing import Any, Callable, Dict, List, Optional, Set
 
 import clingo
 from clingo.ast import ASTType, ComparisonOperator
 
-from rosoclingo.checking.lint.argument_values import ArgumentValues
-from rosoclingo.checking.lint.rule_shapes import Rule
+from rosoclingo.checking.lint.argument_values import STATUS, ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
@@ -17,9 +16,10 @@ from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate, parted
 from rosoclingo.oclingo.program.survey import Survey, written
 from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.planning.explaining.atom_patterns import ANY, is_variable
+from rosoclingo.planning.explaining.reach import HeadRule
 
 REQUEST = Signature("_request", 2)
-STATUS = Signature("_status", 3)
 _COMPARISONS: Dict[ComparisonOperator, Callable[[Any, Any], Any]] = {
     ComparisonOperator.GreaterThan: operator.gt,
     ComparisonOperator.LessThan: operator.lt,
@@ -105,44 +105,42 @@ def told_at_the_end(survey: Survey) -> List[Fault]:
 
 def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
     """Return what is wrong with the statuses that a program gives to goals."""
-    rules = [one for one in values.rules if one.head.signature == STATUS]
+    numbers = [number for number, one in enumerate(values.rules) if one.head.signature == STATUS]
     found: Dict[str, Fault] = {}
-    given: Optional[Set[str]] = set()
-    for rule in rules:
-        bound, word = values.bindings(rule), parted(rule.head.term)[1][1]
-        told = _words(values.value(word, rule.parameter, bound or {}), str(word))
-        given = None if told is None or given is None else given | told
-        fault = _strange(rule, told) or (_unreachable(rule, values) if bound is None else None)
+    given: Set[str] = set()
+    for number in numbers:
+        rule, derived = values.rules[number], values.derived_by(number)
+        known = [one for one in (derived or rule.head.patterns) if not is_variable(one.arguments[1])]
+        words = {_word(one.arguments[1]) for one in known}
+        given |= words
+        fault = _strange(rule, words) or (None if derived else _unreachable(rule, values))
         if fault is not None:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
     misspelt = any(one.kind == "status-word" and "succeeded meant" in one.mend for one in found.values())
-    if rules and given is not None and "succeeded" not in given and not misspelt and survey.is_external(REQUEST):
+    if numbers and not given & {"succeeded", ANY.name} and not misspelt and survey.is_external(REQUEST):
         message = "no rule ever says that a goal has succeeded: clients wait for ever"
         place = survey.defining[STATUS][0]
         found["none"] = place.fault("no-success", message, "write a rule for _status(Id,succeeded,C)")
     return list(found.values())
 
 
-def _words(told: Optional[FrozenSet[clingo.Symbol]], text: str) -> Optional[Set[str]]:
-    """Return the words of statuses, without the reasons around which they stand; None where they may be any."""
-    if told is None:
-        name, bracket, _ = text.partition("(")
-        return {name} if bracket and name else None
-    plain = clingo.SymbolType.Function
-    return {one.name if one.type is plain and one.name and len(one.arguments) < 2 else str(one) for one in told}
+def _word(status: clingo.Symbol) -> str:
+    """Return the word of a status, without the reason around which it stands."""
+    named = status.type is clingo.SymbolType.Function and status.name and len(status.arguments) < 2
+    return status.name if named else str(status)
 
 
-def _strange(rule: Rule, told: Optional[Set[str]]) -> Optional[Fault]:
-    strange = sorted(word for word in told or () if word not in WORDS)
+def _strange(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
+    strange = sorted(words - {*WORDS, ANY.name})
     if not strange:
         return None
     message = f"{strange[0]} is no status: it is one of {', '.join(WORDS)}"
     return _at(rule, "status-word", message, likely_value(strange[0], WORDS))
 
 
-def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
+def _unreachable(rule: HeadRule, values: ArgumentValues) -> Optional[Fault]:
     word = parted(rule.head.term)[1][1]
-    for atom in rule.atoms:
+    for atom in rule.body:
         if not values.is_possible(atom.signature):
             why = f"{atom.signature} is never true"
             break
@@ -156,6 +154,6 @@ def _unreachable(rule: Rule, values: ArgumentValues) -> Optional[Fault]:
     )
 
 
-def _at(rule: Rule, kind: str, message: str, mend: str) -> Fault:
+def _at(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
     begin = parted(rule.head.term)[1][1].location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)

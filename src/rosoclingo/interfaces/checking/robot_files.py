@@ -8,7 +8,6 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 import clingo
 
 from rosoclingo.checking.lint.actions import Actions, Labelled, Named
-from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.checking.more import Kinds, Texts
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
@@ -75,7 +74,7 @@ class RobotFiles:
             labels, reasons_of(spec for spec in specs.values() if spec.name in _asking(specs))
         )
         if program is not None:
-            actions = Actions(program.survey, ArgumentValues.of_survey(program.survey))
+            actions = Actions(program)
             faults += self._interface_faults(actions, specs)
             faults += actions.like_reasons(lambda name: reasons_of(one for one in specs.values() if one.name == name))
             faults += idle_drawings(program.survey)

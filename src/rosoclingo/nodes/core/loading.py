@@ -108,7 +108,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
     _check_constants(program, parameters.constants)
     texts = [(one.name, one.text) for one in program.texts]
     labels = [Named(str(parse_term(label)), LABELS, 0, 0) for label in parameters.labels]
-    faults = [*lint_program(program, core=True), *lint_labels(program.survey, labels)]
+    faults = [*lint_program(program, core=True), *lint_labels(program, labels)]
     return program, [str(one) for one in findings(faults, texts)]
 
 

@@ -5,7 +5,7 @@ state before them, these rules are violated at the second step whenever they are
 of reachable atoms, see :mod:`~rosoclingo.planning.explaining.reach`, so the proof is sound but incomplete.
 """
 
-from typing import Iterable, List, Optional
+from typing import Iterable, List, Optional, Set
 
 import clingo
 from clingo.ast import ASTType
@@ -14,11 +14,12 @@ from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, parted
 from rosoclingo.oclingo.program.survey import OWN
-from rosoclingo.oclingo.progression.terms import signature_of
+from rosoclingo.planning.explaining.atom_patterns import names_of
 from rosoclingo.planning.explaining.named_rules import RuleKind
 from rosoclingo.planning.explaining.reach import Reach, mentions
 from rosoclingo.planning.explaining.relaxed_program import BROKEN, WHOLE, RelaxedProgram
 
+_NUMBER = clingo.SymbolType.Number
 _STEP = 1_000_000  # beyond the steps of all facts
 
 _INDUCTION = """
@@ -30,14 +31,14 @@ __oclingo_ends :- {broken}(N,{step},V), __oclingo_end(N).
 
 def excludes_longer_plans(program: RelaxedProgram, rules: Iterable[int], reach: Reach, last: int) -> bool:
     """Return whether plans beyond step ``last`` provably violate the ``rules`` as well."""
-    times = (reach.time_of(one) for one in reach.known)
-    if program.windows != [1] or any(time is not None and time > last + 1 for time in times):
+    positions = ((one, program.time_position(one.name, len(one.arguments))) for one in reach.known)
+    times = (one.arguments[position] for one, position in positions if position is not None)
+    if program.windows != [1] or any(one.type is _NUMBER and one.number > last + 1 for one in times):
         return False
     back = _longest_look_back(program)
-    if back is None:
-        return False
+    states = None if back is None else _states(program, reach, back)
     try:
-        return not _has_counterexample(program, sorted(rules), _states(program, reach, back))
+        return states is not None and not _has_counterexample(program, sorted(rules), states)
     except RuntimeError:
         return False
 
@@ -59,16 +60,20 @@ def _has_counterexample(program: RelaxedProgram, rules: List[int], states: str) 
     return bool(control.solve(assumptions=[(one, True) for one in kept]).satisfiable)
 
 
-def _states(program: RelaxedProgram, reach: Reach, back: int) -> str:
-    """Return choices for the reachable atoms of the ``back`` previous steps."""
-    steps = program.step_signatures | program.external_signatures
-    found: List[str] = []
-    for atom in sorted(reach.atoms):
-        if reach.time_of(atom) is not None:
-            found += [f"{{ {reach.at(atom, _STEP - 1 - number)} }}." for number in range(back)]
-        elif signature_of(atom) in steps:
-            found.append(f"{{ {atom} }}.")
-    return "\n".join(found) + "\n"
+def _states(program: RelaxedProgram, reach: Reach, back: int) -> Optional[str]:
+    """Return choices for the reachable atoms of the ``back`` previous steps; None if they are uncertain."""
+    found: Set[clingo.Symbol] = set()
+    for signature in program.step_signatures | program.external_signatures:
+        position = program.time_position(signature.name, signature.arity)
+        for atom in reach.atoms(signature) if not signature.name.startswith(OWN) else ():
+            found |= {_at(atom, position, _STEP - 1 - number) for number in range(1 if position is None else back)}
+    return None if any(map(names_of, found)) else "\n".join(f"{{ {one} }}." for one in sorted(found)) + "\n"
+
+
+def _at(atom: clingo.Symbol, position: Optional[int], time: int) -> clingo.Symbol:
+    """Return an atom with another time."""
+    arguments = [clingo.Number(time) if n == position else one for n, one in enumerate(atom.arguments)]
+    return clingo.Function(atom.name, arguments, atom.positive)
 
 
 def _longest_look_back(program: RelaxedProgram) -> Optional[int]:

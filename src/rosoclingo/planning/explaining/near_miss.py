@@ -1,7 +1,7 @@
 """Explanations why an atom is never true: its rules, and the body atoms that are never true either."""
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
+from typing import Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import ASTType, Sign
@@ -11,8 +11,8 @@ from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, parted
-from rosoclingo.oclingo.progression.terms import Signature, parse_term, signature_of
-from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, pattern_of, shown
+from rosoclingo.oclingo.progression.terms import parse_term, signature_of
+from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, shown
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleTexts
 from rosoclingo.planning.explaining.reach import HeadRule, Reach, UncertainError, positive_heads
 
@@ -86,13 +86,6 @@ class _Search:
     def __init__(self, program: ReactiveProgram, reach: Reach) -> None:
         self._program, self._reach = program, reach
         self._texts = RuleTexts(program.texts)
-        self._atoms: Dict[Signature, List[clingo.Symbol]] = {}
-        for atom in sorted(reach.atoms):
-            self._atoms.setdefault(signature_of(atom), []).append(atom)
-        self._rules: Dict[Signature, List[Tuple[HeadRule, clingo.Symbol]]] = {}
-        for rule in reach.rules:
-            head = self._pattern(rule.head)
-            self._rules.setdefault(signature_of(head), []).append((rule, head))
 
     def never_true(self, ends: Ends) -> Iterator[NeverTrue]:
         """Yield the atoms that ``ends`` require but that are never true."""
@@ -100,23 +93,13 @@ class _Search:
         for rule, values in ends:
             known: Bound = {name: parse_term(value) for name, value in values.items()}
             for wanted in self._required(rule, known):
-                if wanted not in found and not self._is_possible(wanted):
+                if wanted not in found and not self._reach.is_possible(wanted):
                     found.append(wanted)
                     yield NeverTrue(self._text(wanted), tuple(self._misses(wanted, [])))
-
-    def _pattern(self, text: str) -> clingo.Symbol:
-        return pattern_of(text, self._program.values)
-
-    def _timeless(self, term: Node, part: Part) -> clingo.Symbol:
-        """Return the pattern of a rule's atom without its time."""
-        return self._pattern(self._reach.text(term, part))
 
     def _text(self, atom: clingo.Symbol) -> str:
         signature = signature_of(atom)
         return shown(atom, self._program.time_position(signature.name, signature.arity))
-
-    def _is_possible(self, wanted: clingo.Symbol) -> bool:
-        return any(fits(wanted, one, {}) for one in self._atoms.get(signature_of(wanted), ()))
 
     def _required(self, rule: NamedRule, known: Bound) -> Iterator[clingo.Symbol]:
         """Yield the atoms that a constraint requires, or that would end the state which it forbids."""
@@ -124,9 +107,9 @@ class _Search:
             begin = statement.location.begin
             if (begin.filename, begin.line, begin.column) == (rule.file, rule.line, rule.column):
                 negated = list(_negated(statement))
-                yield from (filled(self._timeless(term, part), known) for term in negated)
+                yield from (filled(self._reach.pattern(term, part.parameter), known) for term in negated)
                 for literal in () if negated else plain_literals(statement):
-                    yield from self._ending(filled(self._timeless(literal.atom.symbol, part), known))
+                    yield from self._ending(filled(self._reach.pattern(literal.atom.symbol, part.parameter), known))
 
     def _ending(self, atom: clingo.Symbol) -> Iterator[clingo.Symbol]:
         """Yield the atoms whose absence carries an atom over to the next step."""
@@ -135,8 +118,8 @@ class _Search:
             for term, _ in positive_heads(statement) if part.parameter else ():
                 bound: Bound = {}
                 carries_over = any(parted(one)[0] == parted(term)[0] for one in bodies)
-                if carries_over and fits(self._timeless(term, part), atom, bound):
-                    ends = (self._timeless(one, part) for one in _negated(statement))
+                if carries_over and fits(self._reach.pattern(term, part.parameter), atom, bound):
+                    ends = (self._reach.pattern(one, part.parameter) for one in _negated(statement))
                     externals = self._program.external_signatures
                     yield from (filled(one, bound) for one in ends if signature_of(one) not in externals)
 
@@ -152,10 +135,11 @@ class _Search:
             return
         seen.append(atom)
         found: List[Tuple[HeadRule, Optional[clingo.Symbol]]] = []
-        for rule, head in self._rules.get(signature_of(atom), ()):
-            bound: Bound = {}
-            if fits(head, atom, bound):
-                found.append((rule, self._lack(rule, bound)))
+        for rule in self._reach.rules:
+            for head in rule.head.patterns if rule.head.signature == signature_of(atom) else ():
+                bound: Bound = {}
+                if fits(head, atom, bound):
+                    found.append((rule, self._lack(rule, bound)))
         others = [one for one in found if one[1] != atom]
         for rule, lacks in others or found:
             begin, text = rule.statement.location.begin, self._texts.text(rule.statement)
@@ -166,8 +150,8 @@ class _Search:
 
     def _lack(self, rule: HeadRule, bound: Bound) -> Optional[clingo.Symbol]:
         """Return the first body atom that is never true for the values of the head, None if there is no single one."""
-        body = [self._pattern(text) for text in rule.body]
-        alone = (filled(one, bound) for one in body if not self._is_possible(filled(one, bound)))
+        body = [one.patterns[0] for one in rule.body if len(one.patterns) == 1]
+        alone = (filled(one, bound) for one in body if not self._reach.is_possible(filled(one, bound)))
         return next(alone, None) or self._lack_together(body, bound)
 
     def _lack_together(self, body: Sequence[clingo.Symbol], bound: Bound) -> Optional[clingo.Symbol]:
@@ -176,7 +160,7 @@ class _Search:
         for one in body:
             longer: List[Bound] = []
             for instance in instances:
-                for atom in self._atoms.get(signature_of(one), ()):
+                for atom in self._reach.atoms(signature_of(one)):
                     further = dict(instance)
                     if fits(one, atom, further):
                         longer.append(further)

@@ -1,141 +1,409 @@
 """An over-approximation of the atoms that a program can derive, for any number of steps.
 
-Time arguments are abstracted to one value, and constraints, negation, bounds and aggregates are dropped. So an atom
-that the abstract rules do not derive is true in no answer, for any number of steps. Programs that compute with steps,
-or whose abstraction has no finite grounding, are not supported.
+Negation, bounds, aggregates and constraints are dropped. What the rules do not tell of a value is
+:data:`~rosoclingo.planning.explaining.atom_patterns.ANY`: steps, sums, facts from outside. In most programs the
+remaining rules have a small grounding, and clingo derives their atoms. So an atom that they do not derive is true in no
+answer, for any number of steps.
 """
 
-from typing import FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from collections import Counter
+from itertools import islice, product
+from math import prod
+from typing import (
+    Container,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 import clingo
-from clingo.ast import ASTType, Sign
+from clingo.ast import ASTType, ComparisonOperator, Sign
 from clingo.backend import Observer
 
-from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, parted
-from rosoclingo.oclingo.program.survey import OWN
+from rosoclingo.oclingo.program.survey import MADE, OWN
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.planning.explaining.atom_patterns import (
+    ANY,
+    Patterns,
+    arguments_in,
+    filled,
+    fits,
+    is_variable,
+    names_of,
+    patterns_of,
+)
 
-_MOST = 100_000  # ground rules
-_TIME = clingo.Number(0)  # for all times
+_MOST = 50_000  # ground rules
+_MOST_WAYS = 64  # to write one rule
+_DEEPEST = 6  # levels of a term that are compared
+_BY_RULE, _APPLIES = f"{OWN}_by_rule", f"{OWN}_applies"
+_ANYTHING = clingo.Function("_")
+
+_OPERATORS = {
+    ComparisonOperator.Equal: "=",
+    ComparisonOperator.NotEqual: "!=",
+    ComparisonOperator.LessThan: "<",
+    ComparisonOperator.LessEqual: "<=",
+    ComparisonOperator.GreaterThan: ">",
+    ComparisonOperator.GreaterEqual: ">=",
+}
+
+
+Argument = Tuple[Signature, int]
+"""An argument of a predicate."""
+
+_Edges = Dict[Argument, Set[Tuple[Argument, int]]]
 
 
 class UncertainError(Exception):
     """The reachable atoms of the program cannot be computed."""
 
 
+class Condition(NamedTuple):
+    """An atom of a rule: its term, and its patterns."""
+
+    term: Node
+    signature: Signature
+    patterns: Patterns
+
+
+class Comparison(NamedTuple):
+    """A comparison in a rule."""
+
+    left: Patterns
+    operator: str
+    right: Patterns
+
+    @property
+    def names(self) -> FrozenSet[str]:
+        """Its variables."""
+        return _names((*self.left, *self.right))
+
+    def bound_by(self, known: Set[str]) -> Iterator[str]:
+        """Yield the variable to which an equation gives a value."""
+        for one, other in ((self.left, self.right), (self.right, self.left)):
+            if self.operator == "=" and is_variable(one[0]) and _names(other) <= known:
+                yield one[0].name
+
+
 class HeadRule(NamedTuple):
-    """An abstract rule.
+    """What a statement derives or declares, and what of its conditions is kept.
 
     Attributes:
-        statement: the rule in the program.
-        head: the head atom, as text.
-        body: the positive body atoms, as text.
-        other: comparisons without times, as text.
+        statement: the statement.
+        parameter: the name of its step, empty in base.
+        head: an atom of its head.
+        body: the positive atoms on which that depends.
+        comparisons: the comparisons on which it depends.
 
     """
 
     statement: Node
-    head: str
-    body: Tuple[str, ...]
-    other: Tuple[str, ...]
-
-    @property
-    def text(self) -> str:
-        """The rule as text."""
-        return f"{self.head} :- {', '.join([*self.body, *self.other])}." if self.body or self.other else f"{self.head}."
+    parameter: str
+    head: Condition
+    body: Tuple[Condition, ...]
+    comparisons: Tuple[Comparison, ...]
 
 
 class Reach:
     """The reachable atoms of a program.
 
     Attributes:
-        rules: the abstract rules.
+        rules: the rules without what is dropped.
+        free: the predicates of which nothing is known.
         known: the given atoms.
-        atoms: the reachable atoms, without times.
 
     """
 
-    def __init__(self, program: ReactiveProgram, known: Iterable[clingo.Symbol]) -> None:
-        """Compute the atoms that are reachable from ``known`` ones; raises UncertainError."""
-        self._program = program
-        self.rules: List[HeadRule] = [rule for part in program.parts for rule in self._rules_of(part)]
-        constants = "".join(f"#const {name} = {value}.\n" for name, value in program.values.items())
-        self.known = [one for one in known if not one.name.startswith(OWN)]
-        start = {self._timeless(one) for one in self.known}
-        facts = "".join(f"{{ {one} }}.\n" for one in sorted(start))
-        self.atoms: FrozenSet[clingo.Symbol] = _closed(constants + facts + "\n".join(one.text for one in self.rules))
+    def __init__(
+        self,
+        program: ReactiveProgram,
+        known: Optional[Iterable[clingo.Symbol]] = None,
+        numbered: Container[Signature] = (),
+    ) -> None:
+        """Compute the atoms that are reachable from ``known`` ones; raises UncertainError.
 
-    def _timeless(self, atom: clingo.Symbol) -> clingo.Symbol:
-        """Return an atom without its time."""
-        return atom if self.time_of(atom) is None else self.at(atom, 0)
+        Without ``known`` atoms, externals can be true as they are declared. For rules of the ``numbered`` predicates
+        :meth:`derived_by` is known.
+        """
+        survey = program.survey
+        self._constants = {**survey.constants, **dict.fromkeys(survey.unvalued, ANY)}
+        self._values: Dict[str, Dict[str, clingo.Symbol]] = {}
+        self._patterns: Dict[int, Patterns] = {}
+        kinds = [ASTType.Rule] if known is not None else [ASTType.Rule, ASTType.External]
+        self.rules = [
+            rule
+            for part in program.parts
+            for statement in part.statements
+            if statement.ast_type in kinds and statement.location.begin.filename not in MADE
+            for rule in self._rules_of(statement, part.parameter)
+        ]
+        used = {one.signature for rule in self.rules for one in rule.body} | survey.using.keys()
+        self.free: Set[Signature] = set() if known is not None else {*survey.opened, *(used - survey.known)}
+        self._growing = _growing(self.rules)
+        self._open = self._open_arguments()
+        self.known = [one for one in known or () if not one.name.startswith(OWN)]
+        lines = [f"{{ {self._without_steps(one)} }}." for one in self.known]
+        for number, rule in enumerate(self.rules):
+            if rule.head.signature not in self.free:
+                lines += self._texts(rule, number, rule.head.signature in numbered)
+        self._control = _ground("\n".join(lines))
+        self._atoms: Dict[Signature, List[clingo.Symbol]] = {}
+        self._by_rule: Optional[Dict[int, List[clingo.Symbol]]] = None
 
-    def time_of(self, atom: clingo.Symbol) -> Optional[int]:
-        """Return the time of an atom, None if it has none."""
-        position = self._program.time_position(atom.name, len(atom.arguments))
-        time = None if position is None else atom.arguments[position]
-        return time.number if time is not None and time.type is clingo.SymbolType.Number else None
+    def is_possible(self, atom: clingo.Symbol) -> bool:
+        """Return whether some reachable atom is of the pattern ``atom``."""
+        signature = signature_of(atom)
+        return signature in self.free or any(fits(atom, one, {}) for one in self.atoms(signature))
 
-    def at(self, atom: clingo.Symbol, time: int) -> clingo.Symbol:
-        """Return an atom with another time."""
-        position = self._program.time_position(atom.name, len(atom.arguments))
-        arguments = [clingo.Number(time) if n == position else one for n, one in enumerate(atom.arguments)]
+    def atoms(self, signature: Signature, most: Optional[int] = None) -> List[clingo.Symbol]:
+        """Return the reachable atoms of a predicate, ``most`` of them at most; always with the same limit."""
+        if signature not in self._atoms:
+            found = self._control.symbolic_atoms.by_signature(*signature)
+            self._atoms[signature] = [one.symbol for one in islice(found, most)]
+        return self._atoms[signature]
+
+    def applies(self, rule: int) -> bool:
+        """Return whether the conditions of a rule, given by its number, can hold."""
+        return self._control.symbolic_atoms[clingo.Function(_APPLIES, [clingo.Number(rule)])] is not None
+
+    def derived_by(self, rule: int) -> List[clingo.Symbol]:
+        """Return the atoms that a rule of the numbered predicates derives, given by its number."""
+        if self._by_rule is None:
+            self._by_rule = {}
+            for number, atom in (one.arguments for one in self.atoms(Signature(_BY_RULE, 2))):
+                self._by_rule.setdefault(number.number, []).append(atom)
+        return self._by_rule.get(rule, [])
+
+    def patterns(self, term: Node, step: str) -> Patterns:
+        """Return the patterns of a term of a rule with this step, empty in base."""
+        if step not in self._values:
+            self._values[step] = {**self._constants, step: ANY}
+        if id(term) not in self._patterns:  # the program keeps its terms
+            self._patterns[id(term)] = patterns_of(term, self._values[step])
+        return self._patterns[id(term)]
+
+    def pattern(self, term: Node, parameter: str) -> clingo.Symbol:
+        """Return the pattern of an atom; raises UncertainError for a pool."""
+        found = self.patterns(term, parameter)
+        if len(found) != 1:
+            raise UncertainError("an atom is a pool")
+        return found[0]
+
+    # -- rules
+
+    def _rules_of(self, statement: Node, step: str) -> Iterator[HeadRule]:
+        for term, condition in _declared(statement) or positive_heads(statement):
+            head = self._condition(term, step)
+            if head.signature.name.startswith(OWN):
+                continue
+            literals = [one for one in (*condition, *statement.body) if one.ast_type == ASTType.Literal]
+            atoms = [one.atom for one in literals if one.sign == Sign.NoSign]
+            symbols = [one.symbol for one in atoms if one.ast_type == ASTType.SymbolicAtom]
+            body = tuple(self._condition(one, step) for one in symbols if one.ast_type != ASTType.Pool)
+            compared = [one for one in atoms if one.ast_type == ASTType.Comparison]
+            comparisons = tuple(found for one in compared for found in self._comparisons(one, step))
+            yield _projected(HeadRule(statement, step, head, body, comparisons))
+
+    def _condition(self, term: Node, step: str) -> Condition:
+        return Condition(term, parted(term)[0], self.patterns(term, step))
+
+    def _comparisons(self, atom: Node, step: str) -> Iterator[Comparison]:
+        left = self.patterns(atom.term, step)
+        for guard in atom.guards:
+            right = self.patterns(guard.term, step)
+            yield Comparison(left, _OPERATORS[guard.comparison], right)
+            left = right
+
+    # -- which arguments can be anything, or have parts that can
+
+    def _open_arguments(self) -> Set[Argument]:
+        found = {(one, number) for one in self.free for number in range(one.arity)}
+        before = -1
+        while before != len(found):
+            before = len(found)
+            for number, rule in enumerate(self.rules):
+                exact = _exact(rule, found) - self._growing.get(number, set())
+                rows = (enumerate(one.arguments) for one in rule.head.patterns)
+                found |= {(rule.head.signature, n) for row in rows for n, one in row if not names_of(one) <= exact}
+        return found
+
+    def _without_steps(self, atom: clingo.Symbol) -> clingo.Symbol:
+        """Return an atom with any term for numbers in arguments that can be anything, such as its step."""
+        arguments = [
+            ANY if one.type is clingo.SymbolType.Number and (signature_of(atom), number) in self._open else one
+            for number, one in enumerate(atom.arguments)
+        ]
         return clingo.Function(atom.name, arguments, atom.positive)
 
-    def _rules_of(self, part: Part) -> Iterator[HeadRule]:
-        used = self._program.survey.using
-        for statement in part.statements:
-            if statement.ast_type != ASTType.Rule or statement.location.begin.filename.startswith("<"):
-                continue
-            for term, condition in positive_heads(statement):
-                if parted(term)[0] in used:  # other atoms are in no body
-                    yield self._rule(statement, term, [*condition, *statement.body], part)
+    # -- rules as text
 
-    def _rule(self, statement: Node, head: Node, literals: Sequence[Node], part: Part) -> HeadRule:
-        times: Set[str] = set()
-        plain = [one for one in literals if one.ast_type == ASTType.Literal and one.sign == Sign.NoSign]
-        atoms = [one.atom.symbol for one in plain if one.atom.ast_type == ASTType.SymbolicAtom]
-        texts = tuple(self.text(one, part, times) for one in atoms if not _name(one).startswith(OWN))
-        head_text = self.text(head, part, times)
-        compared = [one for one in plain if one.atom.ast_type == ASTType.Comparison]
-        free = [one for one in compared if not times & set(names_in(one)) and not mentions(one, part.parameter)]
-        counted = times & {name for text in (head, *atoms) for name in self._names_outside_time(text)}
-        if counted:
-            raise UncertainError(f"the rules compute with the time {min(counted)}")
-        return HeadRule(statement, head_text, texts, tuple(map(str, free)))
+    def _texts(self, rule: HeadRule, number: int, numbered: bool) -> Iterator[str]:
+        """Yield the rule in clingo's language, in each of the ways in which its atoms can be true."""
+        exact = _exact(rule, self._open)
+        kept = set(exact)
+        ways = [self._ways(one, kept) for one in rule.body if one.signature not in self.free]
+        tests = [
+            [f"{left}{one.operator}{right}" for left in one.left for right in one.right]
+            for one in rule.comparisons
+            if one.names <= exact
+        ]
+        growing = self._growing.get(number, set())
+        if prod([*map(len, ways), *map(len, tests)]) > _MOST_WAYS:  # less is kept of each
+            ways, tests, exact = [], [], set()
+        for way in product(*ways):
+            bound = exact.union(*map(names_of, way)) - growing
+            values = {name: clingo.Function(name) for name in bound}
+            for test in product(*tests):
+                body = ", ".join([*map(str, way), *test])
+                yield f"{_APPLIES}({number}) :- {body}."
+                for head in (filled(pattern, values) for pattern in rule.head.patterns):
+                    yield f"{head} :- {body}."
+                    if numbered:
+                        yield f"{_BY_RULE}({number},{head}) :- {body}."
 
-    def _position(self, term: Node) -> Optional[int]:
-        signature, arguments = parted(term)
-        return self._program.time_position(signature.name, len(arguments)) if arguments else None
+    def _ways(self, condition: Condition, kept: Set[str]) -> List[clingo.Symbol]:
+        """Return the patterns of atoms by which a condition can be true; a variable is bound where it is first met."""
+        found: List[clingo.Symbol] = []
+        for pattern in condition.patterns:
+            rows = [
+                _loosened(one, kept) if (condition.signature, number) in self._open else [_asked(one)]
+                for number, one in enumerate(pattern.arguments)
+            ]
+            found += [clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)]
+        return found
 
-    def _names_outside_time(self, term: Node) -> Iterator[str]:
-        position = self._position(term)
-        for number, one in enumerate(parted(term)[1]):
-            if number != position:
-                yield from names_in(one)
 
-    def text(self, term: Node, part: Part, times: Optional[Set[str]] = None) -> str:
-        """Return the text of a rule's atom without its time, whose variables are added to ``times``.
+def _projected(rule: HeadRule) -> HeadRule:
+    """Return a rule with any term in the body for variables that occur once."""
+    sides = (side for one in rule.comparisons for side in (one.left, one.right))
+    terms = [one for patterns in (rule.head.patterns, *(one.patterns for one in rule.body), *sides) for one in patterns]
+    count = Counter(name for term in terms for name in _variables(term))
+    values = {name: clingo.Function(name) for name, number in count.items() if number > 1}
+    if len(values) == len(count):
+        return rule
+    body = (one._replace(patterns=tuple(filled(pattern, values) for pattern in one.patterns)) for one in rule.body)
+    return rule._replace(body=tuple(body))
 
-        Raises UncertainError if the step occurs outside the time.
-        """
-        if term.ast_type == ASTType.Pool:
-            raise UncertainError("an atom is a pool")
-        signature, arguments = parted(term)
-        position, texts = self._position(term), []
-        for number, one in enumerate(arguments):
-            if number == position:
-                if times is not None:
-                    times.update(names_in(one))
-                texts.append(str(_TIME))
-            elif mentions(one, part.parameter):
-                raise UncertainError(f"{signature} has the step in another argument than its time")
-            else:
-                texts.append(str(one))
-        sign = "" if signature.positive else "-"
-        return f"{sign}{signature.name}({','.join(texts)})" if texts else f"{sign}{signature.name}"
+
+def _variables(term: clingo.Symbol) -> Iterator[str]:
+    """Yield the variables of a pattern, each as often as it occurs."""
+    if is_variable(term):
+        yield term.name
+    for one in arguments_in(term):
+        yield from _variables(one)
+
+
+def _exact(rule: HeadRule, opened: Set[Argument]) -> Set[str]:
+    """Return the variables of a rule that are bound to known values."""
+    found: Set[str] = set()
+    for one in rule.body:
+        places = [n for n in range(one.signature.arity) if (one.signature, n) not in opened]
+        rows = [_names(pattern.arguments[n] for n in places) for pattern in one.patterns] if places else []
+        found |= frozenset.intersection(*rows) - {ANY.name} if rows else frozenset()
+    for _ in rule.comparisons:
+        for comparison in rule.comparisons:
+            found.update(comparison.bound_by(found))
+    return found
+
+
+def _names(patterns: Iterable[clingo.Symbol]) -> FrozenSet[str]:
+    return frozenset().union(*map(names_of, patterns))
+
+
+def _growing(rules: Sequence[HeadRule]) -> Dict[int, Set[str]]:
+    """Return the variables of rules by which terms would grow without end, by the numbers of rules.
+
+    Such a variable is deeper in the head than in the body, and other rules bring the argument of the head back to that
+    of the body without making up for it.
+    """
+    edges: _Edges = {}
+    deeper: Dict[Tuple[Argument, Argument, int], List[Tuple[int, str]]] = {}
+    for number, rule in enumerate(rules):
+        heads = list(_depths(rule.head))
+        for name, depth, argument in (one for condition in rule.body for one in _depths(condition)):
+            for other, its_depth, head in heads:
+                if name == other:
+                    edges.setdefault(argument, set()).add((head, its_depth - depth))
+                    if its_depth > depth:
+                        deeper.setdefault((argument, head, its_depth - depth), []).append((number, name))
+    found: Dict[int, Set[str]] = {}
+    for (argument, head, growth), places in deeper.items():
+        if _grows_to(argument, head, growth, edges):
+            for number, name in places:
+                found.setdefault(number, set()).add(name)
+    return found
+
+
+def _grows_to(
+    goal: Argument, start: Argument, growth: int, edges: Mapping[Argument, Set[Tuple[Argument, int]]]
+) -> bool:
+    """Return whether a term in ``start`` that is deeper by ``growth`` can come to ``goal`` deeper than it was."""
+    waiting, seen = [(start, growth)], {(start, growth)}
+    while waiting:
+        argument, depth = waiting.pop()
+        if argument == goal and depth > 0:
+            return True
+        for other, more in edges.get(argument, ()):
+            state = other, min(depth + more, _DEEPEST)
+            if state[1] > -_DEEPEST and state not in seen:
+                seen.add(state)
+                waiting.append(state)
+    return False
+
+
+def _depths(condition: Condition) -> Iterator[Tuple[str, int, "Argument"]]:
+    """Yield the variables of an atom, each with its depth and its argument."""
+    for pattern in condition.patterns:
+        for number, one in enumerate(pattern.arguments):
+            waiting = [(one, 0)] if names_of(one) else []
+            while waiting:
+                term, depth = waiting.pop()
+                if is_variable(term):
+                    yield term.name, depth, (condition.signature, number)
+                else:
+                    waiting += [(part, depth + 1) for part in arguments_in(term)]
+
+
+def _loosened(pattern: clingo.Symbol, kept: Set[str]) -> List[clingo.Symbol]:
+    """Return the patterns of values, parts of which can be anything, that a pattern fits."""
+    if pattern == ANY:
+        return [_ANYTHING]
+    if is_variable(pattern):
+        if pattern.name in kept:
+            return [_ANYTHING]
+        kept.add(pattern.name)
+        return [pattern]
+    if pattern.type is not clingo.SymbolType.Function or not pattern.arguments:
+        return [pattern, ANY]
+    rows = [_loosened(one, kept) for one in pattern.arguments]
+    return [*(clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)), ANY]
+
+
+def _asked(pattern: clingo.Symbol) -> clingo.Symbol:
+    """Return a pattern as a body asks for it."""
+    if pattern == ANY:
+        return _ANYTHING
+    if ANY.name not in names_of(pattern):
+        return pattern
+    return clingo.Function(pattern.name, list(map(_asked, pattern.arguments)), pattern.positive)
+
+
+def _declared(statement: Node) -> List[Tuple[Node, Sequence[Node]]]:
+    """Return the atoms that an ``#external`` declares; none of any other statement."""
+    external = statement.ast_type == ASTType.External
+    return [(term, ()) for term in atom_terms(statement.atom.symbol)] if external else []
 
 
 def positive_heads(statement: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
@@ -143,11 +411,6 @@ def positive_heads(statement: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
     for literal, condition in head_literals(statement.head):
         if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
             yield from ((term, condition) for term in atom_terms(literal.atom.symbol))
-
-
-def _name(term: Node) -> str:
-    """Return the name of an atom."""
-    return str(next(parted(one)[0].name for one in atom_terms(term)))
 
 
 def mentions(node: Node, step: str) -> int:
@@ -170,8 +433,8 @@ class _Counter(Observer):
             raise _TooManyError
 
 
-def _closed(text: str) -> FrozenSet[clingo.Symbol]:
-    """Return the atoms that the rules in ``text`` can derive."""
+def _ground(text: str) -> clingo.Control:
+    """Return a control with the rules in ``text`` ground."""
     control = clingo.Control(["-Wnone"], logger=lambda code, message: None)
     control.register_observer(_Counter())
     try:
@@ -179,4 +442,4 @@ def _closed(text: str) -> FrozenSet[clingo.Symbol]:
         control.ground([("base", [])])
     except (RuntimeError, _TooManyError) as error:
         raise UncertainError(str(error)) from None
-    return frozenset(one.symbol for one in control.symbolic_atoms)
+    return control
