@@ -1,9 +1,9 @@
 """Names in rules that stand where a number has to be."""
 
-from typing import Collection, Dict, Iterator, List, Sequence, Set
+from typing import Collection, Dict, Iterator, List, Sequence
 
 import clingo
-from clingo.ast import AggregateFunction, ASTType, ComparisonOperator, UnaryOperator
+from clingo.ast import AggregateFunction, ASTType, UnaryOperator
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.constants import own_constants
@@ -48,35 +48,12 @@ def _counted(nodes: Sequence[Node]) -> Iterator[Node]:
             yield from (node.left, node.right)
         elif kind == ASTType.UnaryOperation and node.operator_type != UnaryOperator.Minus:
             yield node.argument
-        elif kind == ASTType.Comparison:
-            yield from _ordered(node, nodes)
         elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
             kind == ASTType.BodyAggregate and node.function in _COUNTING
         ):
             yield from _guards(node)
 
 
-def _ordered(node: Node, nodes: Sequence[Node]) -> Iterator[Node]:
-    """Yield what is compared as less or more with what is counted with: a variable that is calculated with, a sum."""
-    sides = [node.term, *(guard.term for guard in node.guards)]
-    if len(sides) == 2 and node.guards[0].comparison in _ORDERS:
-        for one, other in (sides, sides[::-1]):
-            if other.ast_type == ASTType.BinaryOperation or str(other) in _calculated(nodes):
-                yield one
-
-
-def _calculated(nodes: Sequence[Node]) -> Set[str]:
-    """Return the variables with which a statement calculates."""
-    sums = (one for one in nodes if one.ast_type == ASTType.BinaryOperation)
-    return {str(side) for one in sums for side in (one.left, one.right) if side.ast_type == ASTType.Variable}
-
-
-_ORDERS = (
-    ComparisonOperator.LessThan,
-    ComparisonOperator.LessEqual,
-    ComparisonOperator.GreaterThan,
-    ComparisonOperator.GreaterEqual,
-)
 _COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards may be words
 
 

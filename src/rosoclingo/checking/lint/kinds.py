@@ -63,7 +63,7 @@ _ALL = {
         "a look back at an atom of an earlier step that only the volatile part defines: it is gone",
     ),
     "look-ahead": (WARNING, "an atom of a later step, whose rules are not there yet"),
-    "first-step": (WARNING, "a fact of a predicate of steps that is of no step, or of one whose rules define it"),
+    "first-step": (WARNING, "a fact of a step whose own rules define its predicate"),
     "history": (WARNING, "a look back at all steps: no cycle is ever over, a long run grows without end"),
     # what the core and a program say to one another
     "no-request": (WARNING, "no #external _request/2: the program takes no goals"),

@@ -6,15 +6,21 @@ from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.checking.lint.constants import words_for_numbers
 from rosoclingo.checking.lint.exchanged import exchanged, exchanged_words
 from rosoclingo.checking.lint.kinds import ERROR, KINDS, WARNING, Finding
-from rosoclingo.checking.lint.lone_names import odd_words
-from rosoclingo.checking.lint.other_steps import early_ends, gone, other_steps
+from rosoclingo.checking.lint.lone_names import lower_case, odd_words
 from rosoclingo.checking.lint.other_systems import libraries, of_other_systems
-from rosoclingo.checking.lint.predicates import contradictions, disjoint, never_matching, unfounded, unused
-from rosoclingo.checking.lint.punctuation import odd_choices, odd_marks
+from rosoclingo.checking.lint.predicates import disjoint, never_matching, odd_rules, unfounded, unused
+from rosoclingo.checking.lint.punctuation import odd_marks
 from rosoclingo.checking.lint.silence import Silences
-from rosoclingo.checking.lint.slips import slips, slips_of_words
-from rosoclingo.checking.lint.steps import histories, stepless
-from rosoclingo.checking.lint.talk import demanded_actions, missing_words, statuses, told_at_the_end
+from rosoclingo.checking.lint.steps import histories, other_steps, wrong_steps
+from rosoclingo.checking.lint.talk import (
+    demanded_actions,
+    hidden,
+    idle_words,
+    like_cancel,
+    missing_words,
+    statuses,
+    told_at_the_end,
+)
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program import checks
 from rosoclingo.oclingo.program.languages import language_of
@@ -45,25 +51,16 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     """
     survey, values = program.survey, ArgumentValues.of(program)
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
-    found += [*unused(survey), *never_matching(survey, values), *disjoint(values)]
-    found += [*unfounded(survey, values), *contradictions(survey)]
-    found += [*stepless(survey), *slips(survey, program.first_step), *words_for_numbers(survey)]
-    found += [*exchanged(survey), *odd_choices(survey)]
-    found += gone(survey, program.first_step)
+    found += [*unused(survey), *never_matching(survey, values), *disjoint(values), *unfounded(survey, values)]
+    found += [*odd_rules(survey), *wrong_steps(survey, program.first_step), *lower_case(survey)]
+    found += [*words_for_numbers(survey), *exchanged(survey)]
     texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
     found += [*odd_marks(texts), *of_other_systems(survey, texts), *libraries(texts)]
     if checks.uses_keywords(program.parts) if core is None else core:
-        found += [
-            *missing_words(survey),
-            *demanded_actions(survey, None if program.faults else program.trial),
-            *statuses(survey, values),
-            *told_at_the_end(survey),
-            *histories(survey),
-            *exchanged_words(survey),
-            *other_steps(survey),
-            *early_ends(survey),
-            *slips_of_words(program),
-        ]
+        trial = None if program.faults else program.trial
+        found += [*missing_words(survey), *demanded_actions(survey, trial), *statuses(survey, values)]
+        found += [*told_at_the_end(survey), *hidden(survey), *like_cancel(survey), *idle_words(program)]
+        found += [*histories(survey), *other_steps(survey), *exchanged_words(survey)]
     told = {(one.file, one.line, one.column) for one in found}
     found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in told]
     found = _without_doubles(found)

@@ -7,6 +7,7 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.likeness import asked, is_slip
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import LABELS, Survey, fault_at
@@ -143,3 +144,23 @@ def _words_in(argument: Node, slot: Slot) -> Iterator[_Word]:
     elif kind == ASTType.Pool:
         for one in argument.arguments:
             yield from _words_in(one, slot)
+
+
+def lower_case(survey: Survey) -> Iterator[Fault]:
+    """Yield the names that may be variables of their rules, written small."""
+    named = [(statement, list(_constants_in(statement))) for _, statement, _ in survey.statements]
+    count = Counter(word for _, words in named for word, _ in words)
+    for statement, words in named:
+        own = Counter(word for word, _ in words)
+        for word, node in words:
+            if count[word] == own[word] and f"{word[:1].upper()}{word[1:]}" in set(names_in(statement)):
+                variable = f"{word[:1].upper()}{word[1:]}"
+                message = f"{word} is a name that stands nowhere else, and the rule has a variable {variable}"
+                yield fault_at(node, "lower-case", message, asked(variable))
+
+
+def _constants_in(statement: Node) -> Iterator[Tuple[str, Node]]:
+    """Yield the names in a rule that may be anything's."""
+    for node in statement.nodes if statement.ast_type == ASTType.Rule else ():
+        if node.ast_type == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
+            yield str(node.symbol), node

@@ -8,6 +8,7 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
+from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.likeness import asked, likely_value, slip_of
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences, parted
@@ -15,7 +16,6 @@ from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, w
 from rosoclingo.oclingo.program.undefined import primed_mend
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import shown
-from rosoclingo.planning.explaining.reach import HeadRule
 
 MANY = 6  # values that a message lists
 
@@ -123,7 +123,7 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
     for rule in values.rules:
         signature = rule.head.signature
         if not values.is_possible(signature):
-            missing = {one for one in _needed(rule) if not values.is_possible(one)}
+            missing = {one.signature for one in rule.body if not values.is_possible(one.signature)}
             needs.setdefault(signature, set()).update(missing)
             excused.update(() if missing else {signature})
     before = -1
@@ -139,32 +139,47 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
     return found
 
 
-def _needed(rule: HeadRule) -> List[Signature]:
-    return [atom.signature for atom in rule.body]
+# ---- rules that cannot hold, or derive nothing ----------------------------------------------------------------------
 
 
-def contradictions(survey: Survey) -> List[Fault]:
-    """Return the bodies that can't hold, since they have an atom and its negation or compare a term with itself."""
-    found = []
+def odd_rules(survey: Survey) -> Iterator[Fault]:
+    """Yield what is odd in a rule by itself: contradictions, its own head in its body, two variables that are one."""
     for _, statement, _ in survey.statements:
-        literals = [one for one in _body(statement) if one.ast_type == ASTType.Literal]
-        plain = {str(one.atom) for one in literals if one.sign == Sign.NoSign}
+        body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
+        literals = [one for one in body if one.ast_type == ASTType.Literal]
+        plain = {str(one.atom): one for one in literals if _is_plain(one)}
         for one in literals:
+            atom = written(one.atom)
             if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
-                message = f"{written(one.atom)} and not {written(one.atom)} stand in one body: it never holds"
-                found.append(fault_at(one, "contradiction", message, "leave one of them out"))
-            elif one.atom.ast_type == ASTType.Comparison and _compares_nothing(one):
-                message = f"{written(one.atom)} never holds"
-                found.append(fault_at(one, "contradiction", message, "compare it with something else"))
-    return found
+                message = f"{atom} and not {atom} stand in one body: it never holds"
+                yield fault_at(one, "contradiction", message, "leave one of them out")
+            elif one.sign == Sign.NoSign and one.atom.ast_type == ASTType.Comparison and len(one.atom.guards) == 1:
+                yield from _odd_comparison(one, plain.values())
+        if statement.ast_type == ASTType.Rule and _is_plain(statement.head) and str(statement.head.atom) in plain:
+            message = f"the rule needs its own head {written(statement.head.atom)}: it gives nothing"
+            yield fault_at(statement.head, "tautology", message, "is another step meant in the body?")
 
 
-def _body(statement: Node) -> List[Node]:
-    return list(statement.body) if hasattr(statement, "body") else []
+def _is_plain(literal: Node) -> bool:
+    kinds = literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom
+    return bool(kinds and literal.sign == Sign.NoSign)
 
 
-def _compares_nothing(literal: Node) -> bool:
-    strict = (ComparisonOperator.NotEqual, ComparisonOperator.LessThan, ComparisonOperator.GreaterThan)
-    guards = literal.atom.guards
-    same = len(guards) == 1 and str(guards[0].term) == str(literal.atom.term) != "_"
-    return same and literal.sign == Sign.NoSign and guards[0].comparison in strict
+def _odd_comparison(literal: Node, atoms: Iterable[Node]) -> Iterator[Fault]:
+    """Yield a comparison of a term with itself, and an equation of two variables that atoms bind."""
+    left, guard = literal.atom.term, literal.atom.guards[0]
+    if guard.comparison in _STRICT and str(left) == str(guard.term) != "_":
+        yield fault_at(
+            literal, "contradiction", f"{written(literal.atom)} never holds", "compare it with something else"
+        )
+    names = [one.name for one in (left, guard.term) if one.ast_type == ASTType.Variable]
+    equation = guard.comparison == ComparisonOperator.Equal and len(names) == 2
+    # in conditions of control programs there is no other way to say it of a parameter
+    meant = not equation or literal.location.begin.filename.endswith(".golog")
+    if not meant and set(names) <= {name for one in atoms for name in names_in(one)}:
+        message = f"{names[0]} = {names[1]} says of two variables of atoms that they are one"
+        mend = f"write {names[0]} in the place of {names[1]}, or {names[0]} != {names[1]}"
+        yield fault_at(literal, "same-variables", message, mend)
+
+
+_STRICT = (ComparisonOperator.NotEqual, ComparisonOperator.LessThan, ComparisonOperator.GreaterThan)

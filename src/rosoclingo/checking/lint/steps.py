@@ -1,126 +1,151 @@
-"""Heads without their step, which two steps may define, and looks back that keep all steps for ever."""
+"""Atoms of the wrong step: heads that two steps define, looks ahead and back, actions and ends of another step."""
 
 import re
-from typing import Dict, Iterator, List, Optional, Set, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.look_back import longest_look_back, shortest_look_back, time_offset
-from rosoclingo.oclingo.program.signatures import parted
-from rosoclingo.oclingo.program.survey import Place, Survey, written
+from rosoclingo.oclingo.program.look_back import longest_look_back, shortest_look_back
+from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.survey import OWN, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature
 
+_ALIKE = 4  # atoms that tell which argument of a predicate is its step
 
-def stepless(survey: Survey) -> List[Fault]:
-    """Return the heads of steps that two steps may define, by what they write in place of the step."""
-    found = []
-    for signature, places in survey.defining.items():
-        offsets: Dict[int, Set[int]] = {}
-        for place in places:
-            if place.part.parameter and not _is_fact(place) and not _happens_once(place, survey):
-                told = _offsets(place, survey)
-                if told:
-                    for position, offset in told.items():
-                        offsets.setdefault(position, set()).add(offset)
-                elif not _pinned(place, survey):
-                    found.append(_without_step(place))
-        found += _differing(signature, places, offsets)
+
+def wrong_steps(survey: Survey, first: int) -> List[Fault]:
+    """Return the atoms of predicates other than keywords; ``first`` is the first step."""
+    found: List[Fault] = []
+    for signature, heads in survey.defining.items():
+        uses = survey.using.get(signature, [])
+        timed = [one for one in heads if one.part.parameter]
+        found += [_without_step(one) for one in timed if _lacks_step(one, survey)]
+        found += _differing(signature, timed, survey)
+        found += _elsewhere([*heads, *uses], survey)
+        found += _first_steps(heads, timed, survey, first)
+        if not survey.is_external(signature):
+            found += [*_ahead(heads, timed, uses, survey), *_gone(heads, uses, survey)]
     return found
 
 
+# ---- heads ----------------------------------------------------------------------------------------------------------
+
+
+def _lacks_step(place: Place, survey: Survey) -> bool:
+    """Tell whether nothing in a rule of steps keeps the head of one step apart from that of another one."""
+    step, head, body = place.part.parameter, place.statement.head, place.statement.body
+    if survey.steps(place) or (head.ast_type == ASTType.Literal and not body):  # clingo accepts a fact twice
+        return False
+    bounds = place.statement, step, survey.constants
+    longest, shortest = longest_look_back(*bounds), shortest_look_back(*bounds)
+    names = {str(one) for one in place.occurrence.arguments}
+    bound = any(name in names and longest[name] == shortest.get(name) for name in longest)
+    return not bound and not _mentions(written(place.occurrence.term), step) and not _compares(place, survey)
+
+
+def _compares(place: Place, survey: Survey) -> bool:
+    """Tell whether the rule compares its step, so that it can hold at some steps only."""
+    comparisons = (one for one in place.statement.nodes if one.ast_type == ASTType.Comparison)
+    return any(str(node) == place.part.parameter for one in comparisons for node in one.nodes)
+
+
+def _mentions(text: str, name: str) -> bool:
+    return re.search(rf"(?<![\w']){re.escape(name)}(?![\w'])", text) is not None
+
+
 def _without_step(place: Place) -> Fault:
-    term, step = place.occurrence.term, place.part.parameter
-    message = (
-        f"the head {written(term)} has no step: once the rules of two steps define it, clingo gives up (redefinition)"
-    )
-    arguments = parted(term)[1]
-    example = "{}({})".format(place.signature.name, ",".join([*map(written, arguments), step]))
+    head, step = written(place.occurrence.term), place.part.parameter
+    message = f"the head {head} has no step: once the rules of two steps define it, clingo gives up (redefinition)"
+    example = "{}({})".format(place.signature.name, ",".join([*map(written, place.occurrence.arguments), step]))
     return place.fault("no-step", message, f"give it the step, like {example}, or move the rule to base")
 
 
-def _offsets(place: Place, survey: Survey) -> Dict[int, int]:
-    """Return the positions of arguments that are the step plus a number, each with this number."""
-    arguments = place.occurrence.arguments
-    found = {n: time_offset(one, place.part.parameter, survey.constants) for n, one in enumerate(arguments)}
-    return {position: offset for position, offset in found.items() if offset is not None}
+def _differing(signature: Signature, timed: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+    """Yield a head if those of its predicate have their step in one argument, at several offsets."""
+    rows = [survey.steps(one) for one in timed]
+    offsets = sorted({offset for row in rows for offset in row.values()})
+    if len(offsets) > 1 and len({position for row in rows for position in row}) == 1:
+        words = " and ".join(timed[0].part.parameter + (f"{one:+d}" if one else "") for one in offsets)
+        message = f"heads of {signature} are of the steps {words}: the rules of two steps may define the same atom"
+        mend = "let all heads of a predicate have the same step, or use two predicates"
+        yield timed[-1].fault("no-step", message, mend)
 
 
-def _pinned(place: Place, survey: Survey) -> bool:
-    """Tell whether an argument of the head is a term that steps tell apart, or a variable that is bound to the step."""
-    step, arguments = place.part.parameter, place.occurrence.arguments
-    bounds = (place.statement, step, survey.constants)
-    longest, shortest = longest_look_back(*bounds), shortest_look_back(*bounds)
-    for one in arguments:
-        name = one.name if one.ast_type == ASTType.Variable else ""
-        if name and name in longest and longest[name] == shortest.get(name):
-            return True
-        if _mentions_step(str(one), step):
-            return True
-    return False
+def _elsewhere(places: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+    """Yield the atom whose step is another argument than in all others of its predicate."""
+    told = [(one, set(survey.steps(one))) for one in places if survey.steps(one)]
+    if len(told) < _ALIKE or any(one.part.parameter and not survey.steps(one) for one in places):
+        return
+    for place, positions in told:
+        others = set.intersection(*(other for one, other in told if one is not place))
+        if others and not others & positions:
+            number = min(others) + 1
+            message = f"{written(place.occurrence.term)} has its step elsewhere: in all others it is argument {number}"
+            yield place.fault("exchanged", message, f"write the step as argument {number}")
 
 
-def _mentions_step(text: str, step: str) -> bool:
-    return re.search(rf"(?<![\w']){re.escape(step)}(?![\w'])", text) is not None
+def _first_steps(heads: Sequence[Place], timed: Sequence[Place], survey: Survey, first: int) -> Iterator[Fault]:
+    """Yield the facts of steps whose own rules define the predicate."""
+    for position in set.intersection(*(set(survey.steps(one)) for one in timed)) if timed else ():
+        own = [first + survey.steps(one)[position] for one in timed if not _compares(one, survey)]
+        for place in heads:
+            step = None if place.part.parameter else survey.number(place.occurrence.arguments[position])
+            if step is not None and own and step >= min(own):
+                fact = written(place.occurrence.term)
+                message = (
+                    f"{fact} is of step {step}, whose own rules define it: what holds at first is of step {first - 1}"
+                )
+                yield place.fault("first-step", message, f"write {first - 1} for the step")
 
 
-def _is_fact(place: Place) -> bool:
-    """Tell whether the head holds without condition: clingo does not mind if it does so again."""
-    return place.statement.head.ast_type == ASTType.Literal and not place.statement.body
+# ---- looks ahead and back -------------------------------------------------------------------------------------------
 
 
-def _happens_once(place: Place, survey: Survey) -> bool:
-    """Tell whether the body compares the step itself with something that does not change with it."""
-    step = place.part.parameter
-    for literal in getattr(place.statement, "body", ()):
-        if literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.Comparison:
-            sides = [literal.atom.term, *(guard.term for guard in literal.atom.guards)]
-            if any(time_offset(side, step, survey.constants) is not None for side in sides):
-                return True
-    return False
+def _ahead(heads: Sequence[Place], timed: List[Place], uses: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+    """Yield the atoms that belong to a later step, whose rules are not there yet."""
+    for place in uses:
+        term, step = written(place.occurrence.term), place.part.parameter
+        if not step and len(timed) == len(heads):
+            message = (
+                f"{term} stands in base, where the rules of steps that define it are not there yet: it is never true"
+            )
+            yield place.fault("look-ahead", message, "move the statement to #program cumulative(t).")
+        elif timed and place.statement.ast_type == ASTType.Rule:
+            offsets = [
+                (offset, [survey.steps(one).get(n) for one in timed]) for n, offset in survey.steps(place).items()
+            ]
+            if any(all(one is not None and one < offset for one in its) for offset, its in offsets):
+                message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
+                yield place.fault("look-ahead", message, "look at the step itself, or at one before")
 
 
-def _differing(signature: Signature, places: List[Place], offsets: Dict[int, Set[int]]) -> Iterator[Fault]:
-    """Yield a fault where heads of one predicate have their step at several offsets and in one place only."""
-    if len(offsets) == 1 and len(next(iter(offsets.values()))) > 1:
-        position, different = next(iter(offsets.items()))
-        told = [one for one in places if one.part.parameter]
-        if any(_may_be_same(one, other, position) for one in told for other in told if one is not other):
-            words = " and ".join(_shift(told[0].part.parameter, one) for one in sorted(different))
-            message = f"heads of {signature} are of the steps {words}: the rules of two steps may define the same atom"
-            mend = "let all heads of a predicate have the same step, or use two predicates"
-            yield told[-1].fault("no-step", message, mend)
-
-
-def _shift(step: str, offset: int) -> str:
-    return step if not offset else f"{step}{offset:+d}"
-
-
-def _may_be_same(one: Place, other: Place, position: int) -> bool:
-    """Tell whether two heads, the step aside, may be the same atom: constants of theirs do not differ."""
-    pairs = list(zip(one.occurrence.arguments, other.occurrence.arguments))
-    if str(pairs[position][0]) == str(pairs[position][1]):
-        return False
-    return all(_may_equal(*map(str, pair)) for number, pair in enumerate(pairs) if number != position)
-
-
-def _may_equal(one: str, other: str) -> bool:
-    fixed = [text for text in (one, other) if text[:1].islower() or text[:1] in '"-0123456789']
-    plain = [text for text in fixed if not any(mark in text for mark in "(+*/")]
-    return len(plain) < 2 or one == other
-
-
-# ---- looks back -----------------------------------------------------------------------------------------------------
+def _gone(heads: Sequence[Place], uses: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+    """Yield the looks back at atoms that only the volatile part defines, for one step."""
+    if any(one.part.window != "1" for one in heads):
+        return
+    for position in set.intersection(*(set(survey.steps(one)) for one in heads)):
+        least = min(survey.steps(one)[position] for one in heads)
+        for place in uses:
+            if survey.steps(place).get(position, least) < least and place.statement.ast_type != ASTType.External:
+                term = written(place.occurrence.term)
+                message = f"{term} looks back at the volatile part, whose atoms of earlier steps are gone"
+                mend = f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
+                yield place.fault("past-volatile", message, mend)
 
 
 def histories(survey: Survey) -> List[Fault]:
-    """Return the atoms by which the rules of a step look at all steps before: nothing of these is ever let go of."""
+    """Return the atoms by which the rules of a step look at all steps before, so that none of these can be dropped."""
     positions = time_positions(survey.parts, survey.constants)
     found: Dict[Tuple[str, int, int], Fault] = {}
     for signature, places in survey.using.items():
-        position = _time_of(signature, positions, survey)
+        heads = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
+        position = positions.get(signature) if any(one.part.parameter for one in heads) else None
+        if KEYWORDS.get(signature.name) == signature:
+            position = signature.arity - 1
         for place in places:
             fault = _endless(place, _compared_time(place, survey) if position is None else position, survey)
             if fault is not None:
@@ -128,43 +153,68 @@ def histories(survey: Survey) -> List[Fault]:
     return list(found.values())
 
 
-def _time_of(signature: Signature, positions: Dict[Signature, int], survey: Survey) -> Optional[int]:
-    """Return which argument of a predicate of steps is its time; None where that is not certain."""
-    if KEYWORDS.get(signature.name) == signature:
-        return signature.arity - 1
-    told = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
-    return positions.get(signature) if any(one.part.parameter for one in told) else None
-
-
 def _compared_time(place: Place, survey: Survey) -> Optional[int]:
-    """Return the last argument of an open external where the rule compares it with the step: it is a time then."""
+    """Return the last argument of an open external that the rule compares with the step: it is a time then."""
     arguments, step = place.occurrence.arguments, place.part.parameter
     if place.signature not in survey.opened or not arguments or not step:
         return None
+    compared = [str(one) for one in place.statement.nodes if one.ast_type == ASTType.Comparison]
     last = str(arguments[-1])
-    comparisons = [
-        str(one.atom)
-        for one in getattr(place.statement, "body", ())
-        if one.ast_type == ASTType.Literal and one.atom.ast_type == ASTType.Comparison
-    ]
-    compared = any(_mentions_step(text, step) and _mentions_step(text, last) for text in comparisons)
-    return len(arguments) - 1 if compared else None
+    return len(arguments) - 1 if any(_mentions(one, step) and _mentions(one, last) for one in compared) else None
 
 
 def _endless(place: Place, position: Optional[int], survey: Survey) -> Optional[Fault]:
-    arguments = place.occurrence.arguments
+    arguments, step = place.occurrence.arguments, place.part.parameter
     if position is None or position >= len(arguments) or arguments[position].ast_type != ASTType.Variable:
         return None
-    step, name = place.part.parameter, arguments[position].name
-    atom = written(place.occurrence.term)
-    if not step:
-        if place.signature not in survey.opened:
-            return None
+    atom, shown = written(place.occurrence.term), written(arguments[position])
+    if step and arguments[position].name not in longest_look_back(place.statement, step, survey.constants):
+        message = f"{atom} looks back at all steps: none is ever over, a long run grows without end"
+        bound = f"{step}-T < 60" if shown == "_" else f"{step}-{shown} < 60"
+        return place.fault("history", message, f"bound it, like {bound}, or hand on what is needed from step to step")
+    if not step and place.signature in survey.opened:
         message = f"a rule of base looks at {atom} of all cycles: none is ever over, a long run grows without end"
         return place.fault("history", message, "move the rule to cumulative(t), and write the step for the cycle")
-    if name in longest_look_back(place.statement, step, survey.constants):
-        return None
-    shown = written(arguments[position])
-    message = f"{atom} looks back at all steps: none is ever over, a long run grows without end"
-    bound = f"{step}-T < 60" if shown == "_" else f"{step}-{shown} < 60"
-    return place.fault("history", message, f"bound it, like {bound}, or hand on what is needed from step to step")
+    return None
+
+
+# ---- actions, returns and ends --------------------------------------------------------------------------------------
+
+
+def other_steps(survey: Survey) -> Iterator[Fault]:
+    """Yield the actions of another step than their rule or their return, and the ends of no plan's last step."""
+    for part, statement, found in survey.statements:
+        if not part.parameter or statement.ast_type != ASTType.Rule:
+            continue
+        places = [Place(part, statement, one) for one in found if not one.signature.name.startswith(OWN)]
+        steps = [survey.steps(one).values() for one in places]
+        acts, returns = ([one for one in places if one.signature == word] for word in (ACTION, RETURN))
+        for act in acts:
+            if act.occurrence.head and survey.steps(act).get(2):
+                term = written(act.occurrence.term)
+                message = f"{term} is an action of another step than {part.parameter}, at which it is planned"
+                yield act.fault("other-step", message, f"write {part.parameter} for its cycle")
+            yield from _of_another_cycle(act, [one for one in returns if not one.occurrence.head], survey)
+        if (
+            part.name == "volatile"
+            and _is_constraint(statement)
+            and steps
+            and all(one and max(one) < 0 for one in steps)
+        ):
+            message = f"nothing of this is of step {part.parameter}: a plan's last step is not asked for"
+            yield fault_at(statement, "other-step", message, f"write {part.parameter} for the step")
+
+
+def _of_another_cycle(act: Place, returns: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+    """Yield a return of an action of the same rule that has another cycle."""
+    mine, name = survey.steps(act).get(2), str(act.occurrence.arguments[0])
+    same = [one for one in returns if str(one.occurrence.arguments[0]) == name]
+    steps = [survey.steps(one).get(2) for one in same]
+    if mine is not None and same and None not in steps and mine not in steps:
+        atoms = [written(one.occurrence.term) for one in (same[0], act)]
+        message = f"{atoms[0]} is no return of {atoms[1]}, which has another cycle"
+        yield same[0].fault("other-step", message, "an action and its return have the same cycle")
+
+
+def _is_constraint(statement: Node) -> bool:
+    return statement.head.ast_type == ASTType.Literal and statement.head.atom.ast_type == ASTType.BooleanConstant

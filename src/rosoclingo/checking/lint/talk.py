@@ -1,33 +1,32 @@
 """What a program for the core has to say and to hear: goals, actions, returns, and the statuses of goals."""
 
-import operator
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Dict, Iterator, List, Optional, Set
 
 import clingo
-from clingo.ast import ASTType, ComparisonOperator
+from clingo.ast import ASTType
 
+from rosoclingo.checking.lint.actions import Actions
 from rosoclingo.checking.lint.argument_values import STATUS, ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.first_steps import Trial
-from rosoclingo.oclingo.program.likeness import likely_value
-from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.likeness import asked, likely_value, likeness
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, parted
-from rosoclingo.oclingo.program.survey import Survey, written
+from rosoclingo.oclingo.program.survey import Survey, fault_at, written
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import ANY, is_variable
 from rosoclingo.planning.explaining.reach import HeadRule
 
 REQUEST = Signature("_request", 2)
-_COMPARISONS: Dict[ComparisonOperator, Callable[[Any, Any], Any]] = {
-    ComparisonOperator.GreaterThan: operator.gt,
-    ComparisonOperator.LessThan: operator.lt,
-    ComparisonOperator.LessEqual: operator.le,
-    ComparisonOperator.GreaterEqual: operator.ge,
-    ComparisonOperator.NotEqual: operator.ne,
-    ComparisonOperator.Equal: operator.eq,
-}
+#: What the core reads out of an answer.
+_READ = (ACTION, STATUS, Signature("_explain", 3))
+
+_SAYS = Signature("_says", 2)
+_CANCEL = "cancel"
+_ALIKE = 0.8  # likeness of the name of a request to "cancel" that it may be meant for
+
 WORDS = ("accepted", "rejected", "succeeded", "canceled", "aborted")
 """What may be said of a goal, alone or around a reason."""
 
@@ -52,40 +51,11 @@ def missing_words(survey: Survey) -> List[Fault]:
 def demanded_actions(survey: Survey, trial: Optional[Trial]) -> List[Fault]:
     """Return a fault if each of the first steps demands an action, in a program without statuses."""
     places = survey.defining.get(ACTION, ())
-    demanded = trial.demands(ACTION) if trial is not None and places and STATUS not in survey.defining else False
-    demanding = [one for one in places if not _admits_none(one.statement.head, survey)]
+    if trial is None or not places or STATUS in survey.defining or not trial.demands(ACTION):
+        return []
+    message = "each step has an action, also while no goal is open, and as there is no _status/3 no goal ever ends"
     mend = "let a rule plan actions for open goals alone, or write rules for _status(Id,succeeded,C)"
-    if demanded:
-        message = "each step has an action, also while no goal is open, and as there is no _status/3 no goal ever ends"
-        place = next(iter(demanding or places))
-        return [place.fault("restless", message, mend)]
-    if demanded is None and any(_is_choice(one.statement.head) for one in demanding):
-        message = "each step needs an action, and while no goal is open there is none: the program has no answer then"
-        place = next(one for one in demanding if _is_choice(one.statement.head))
-        return [place.fault("restless", message, mend)]
-    return []
-
-
-def _is_choice(head: Node) -> bool:
-    return head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate)
-
-
-def _admits_none(head: Node, survey: Survey) -> bool:
-    """Tell whether a head is a choice that the empty set satisfies."""
-    return _is_choice(head) and not any(
-        _holds(one.comparison, evaluate(one.term, survey.constants), mirrored) is False
-        for one, mirrored in ((head.left_guard, False), (head.right_guard, True))
-        if one is not None
-    )
-
-
-def _holds(comparison: int, bound: Optional[clingo.Symbol], mirrored: bool) -> Optional[bool]:
-    """Tell whether the bound of a choice holds for the empty set, None if that is unknown."""
-    if bound is None:
-        return None
-    none = clingo.Number(0)
-    left, right = (none, bound) if mirrored else (bound, none)
-    return bool(_COMPARISONS[ComparisonOperator(comparison)](left, right))
+    return [places[0].fault("restless", message, mend)]
 
 
 def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
@@ -157,3 +127,40 @@ def _unreachable(rule: HeadRule, values: ArgumentValues) -> Optional[Fault]:
 def _at(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
     begin = parted(rule.head.term)[1][1].location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
+
+
+def hidden(survey: Survey) -> Iterator[Fault]:
+    """Yield what the core would read, but does not get, as other things are shown."""
+    shown = [one for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
+    names = {one.term.name for one in shown if one.term.ast_type == ASTType.Function}
+    for signature in _READ:
+        hides = survey.shown and signature not in survey.shown and signature.name not in names
+        if hides and signature in survey.defining:
+            message = f"{signature} is not shown, as other predicates are: the core never hears of it"
+            yield survey.defining[signature][0].fault("hidden", message, f"write #show {signature}.")
+
+
+def like_cancel(survey: Survey) -> Iterator[Fault]:
+    """Yield the requests that look like a cancellation misspelt."""
+    for place in survey.using.get(REQUEST, ()):
+        term = place.occurrence.arguments[0]
+        size = len(term.arguments) if term.ast_type == ASTType.Function else 0
+        name = term.name if size else ""
+        if name == _CANCEL and size != 1:
+            message = f"{written(term)} has {size} arguments: who takes a goal back asks for cancel(Id)"
+            yield fault_at(term, "misspelt", message, f"write {_CANCEL}(Id)")
+        elif size == 1 and name != _CANCEL and likeness(name, _CANCEL) >= _ALIKE:
+            message = f"nobody asks for {written(term)}: who takes a goal back asks for cancel(Id)"
+            yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
+
+
+def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
+    """Yield the words for actions that the program does not have."""
+    survey = program.survey
+    actions = Actions(program) if _SAYS in survey.defining else None
+    for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():
+        name = place.occurrence.arguments[0]
+        value = evaluate(name, survey.constants)
+        if value is not None and actions is not None and str(value) not in actions.parameters:
+            message = f"the program has no action {value}"
+            yield fault_at(name, "idle-words", message, likely_value(str(value), list(actions.parameters)))

@@ -86,18 +86,17 @@ class Trial:
             if one.literal in twice:
                 self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
 
-    def demands(self, signature: Signature) -> Optional[bool]:
+    def demands(self, signature: Signature) -> bool:
         """Tell whether each answer has an atom of the predicate at the last step, its last argument.
 
-        Nothing is asserted, and no plan ends here. None if there is no answer at all, False also if the search takes
-        too long.
+        Nothing is asserted, and no plan ends here. False if there is no answer at all, or the search takes too long.
         """
-        atoms = self._control.symbolic_atoms.by_signature(signature.name, signature.arity, signature.positive)
-        step = clingo.Number(self.last or 0)
-        literals = [one.literal for one in atoms if self.last is not None and one.symbol.arguments[-1] == step]
-        if self.last is None or self._has_answer([-one for one in literals]) is not False:
+        if self.last is None:
             return False
-        return {True: True, False: None, None: False}[self._has_answer([])]
+        atoms = self._control.symbolic_atoms.by_signature(signature.name, signature.arity, signature.positive)
+        step = clingo.Number(self.last)
+        absent = [-one.literal for one in atoms if one.symbol.arguments[-1] == step]
+        return self._has_answer(absent) is False and self._has_answer([]) is True
 
     def _has_answer(self, assumptions: Sequence[int]) -> Optional[bool]:
         """Tell whether there is an answer, None if the search takes too long."""

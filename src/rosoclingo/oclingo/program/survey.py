@@ -1,16 +1,17 @@
 """A program as the lint looks at it: its statements, and who defines, declares, uses and shows which predicate."""
 
 import re
-from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import Opened
+from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -113,6 +114,7 @@ class Survey:
         self.silenced: Set[Signature] = set()
         self.unvalued: Set[str] = set()
         self.shows = False
+        self._steps: Dict[int, Dict[int, int]] = {}  # by the atom's term, which the program keeps
         self.values: object = None  # what argument_values finds of it
         self.hearing: object = None  # the program's Hearing, once it exists
         for part in parts:
@@ -135,6 +137,20 @@ class Survey:
             if not one.signature.name.startswith(OWN):
                 where = self.defining if place.defines else self.declaring if place.declares else self.using
                 where.setdefault(one.signature, []).append(place)
+
+    def steps(self, place: Place) -> Dict[int, int]:
+        """Return the arguments of an atom that are the step plus a number, each with this number."""
+        key, step = id(place.occurrence.term), place.part.parameter
+        if key not in self._steps:
+            row = enumerate(place.occurrence.arguments) if step else ()
+            found = ((number, time_offset(one, step, self.constants)) for number, one in row)
+            self._steps[key] = {number: offset for number, offset in found if offset is not None}
+        return self._steps[key]
+
+    def number(self, term: Node) -> Optional[int]:
+        """Return the number that a ground term is, None for any other term."""
+        value = evaluate(term, self.constants)
+        return value.number if value is not None and value.type is clingo.SymbolType.Number else None
 
     @property
     def known(self) -> Set[Signature]:

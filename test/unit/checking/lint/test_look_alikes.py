@@ -47,7 +47,6 @@ def test_names_of_rows_are_no_slips(pair):
         "link(a,b). link(b,c). link(B,A) :- link(A,B). :- link(A,B), link(B,A), A = B.",
         "p(1). q(1). r(1). p(X) ; q(X) :- r(X). p(X) : r(X); q(X).",
         "a. not b. { b }.",
-        "r(1). #external r(2). { a(X) : r(X); b(X) : r(X) } 1 :- r(X).",
         "asleep(1). does(sleep). does(wake). can(sleep). is(asleep) :- asleep(1). :- is(X), does(X), can(X).",
         "near(C',D). near(C,D'). near(C,D) :- near(C',D), near(D,C). :- near(C,C'), near(D',C).",
     ],
