@@ -2,7 +2,10 @@
 
 from core_driver import Driver
 
-from rosoclingo.checking.verifying.confirmation import SteeredSolver
+from rosoclingo.oclingo import Literal, Statement, StreamUpdate, Volatile, commitment
+from rosoclingo.oclingo.program.action_rules import is_action_of
+from rosoclingo.planning.history import AcceptedUpdate, Plan
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 
 #: A robot goes where somebody wants it; what fails is given up. A sensor tells of closed places, which nothing heeds.
@@ -91,6 +94,36 @@ def edited(text, *pairs):
 def more(text, rules):
     """A program with further rules in its cumulative part."""
     return text.replace("#show _action_lib/3.", f"{rules}\n#show _action_lib/3.")
+
+
+class SteeredSolver(PlanSolver):
+    """A solver that takes, of several shortest plans, one that begins with the actions that are ``chosen``."""
+
+    def __init__(self, program, chosen):
+        super().__init__(program)
+        self._chosen = chosen
+
+    def update(self, update, stopped=None, dropped=None):
+        """Take ``update`` as any solver does; where its answer begins otherwise, look for one of the same length."""
+        before = self.log
+        result = super().update(update, stopped, dropped)
+        wanted, has = self._chosen.get(result.step), _actions_of(result)
+        if wanted is None or not result.answers or has == wanted:
+            return result
+        demands = [commitment(one) for one in sorted(wanted)]
+        forbidden = [Statement(None, (Literal(one, positive=True),)) for one in sorted(has - wanted)]
+        steered = StreamUpdate(
+            update.step, result.horizon - result.step, (*update.items, Volatile(), *demands, *forbidden)
+        )
+        self.restore(before)
+        other = super().update(steered, stopped, dropped)
+        found = other if other.answers else result
+        self.restore(before.with_entries(AcceptedUpdate(update, found.horizon)).adopt(Plan.from_result(found)))
+        return found
+
+
+def _actions_of(result):
+    return frozenset(filter(is_action_of(result.step), result.answers[0])) if result.answers else frozenset()
 
 
 def play(program, way, steps=20):

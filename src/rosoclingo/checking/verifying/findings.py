@@ -1,9 +1,10 @@
 """What was found wrong with a program, and the stream that shows it."""
 
-from typing import Any, Dict, FrozenSet, List, NamedTuple, Set, Tuple
+from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional, Set, Tuple
 
 from rosoclingo.checking.verifying.scope import Kind
 from rosoclingo.checking.verifying.ways import Step
+from rosoclingo.planning.explaining.questions import Stream
 
 _WORDS = {
     Kind.NO_ANSWER: "the program has no answer after this, {}: the core could only doubt what it was told",
@@ -27,6 +28,7 @@ class Finding(NamedTuple):
         cost: the events on the way.
         about: the interface that it is about, where one is.
         circular: whether it goes on so for ever, as the way ends where it was before.
+        broken: the update that has no answer, and its history.
 
     """
 
@@ -36,6 +38,7 @@ class Finding(NamedTuple):
     cost: int
     about: str = ""
     circular: bool = False
+    broken: Optional[Stream] = None
 
     @property
     def length(self) -> int:

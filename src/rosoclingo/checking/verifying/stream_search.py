@@ -229,7 +229,8 @@ class Search:
         text = "with its goals or without them"
         if broken.withheld:
             text = "be its goals cancelled or not; there would be one had they never been asked for"
-        self._suspicion.add(Finding(kind, (*node.way, step), text, node.cost + move.cost))
+        stream = broken.stream if kind is Kind.NO_ANSWER else None
+        self._suspicion.add(Finding(kind, (*node.way, step), text, node.cost + move.cost, broken=stream))
 
     def _note_forbidden(self, node: Node, core: TrialCore, solver: SharedSolver) -> None:
         cost, way = node.cost, tuple(node.way)

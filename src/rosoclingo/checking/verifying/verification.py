@@ -3,37 +3,31 @@
 import time
 from typing import Any, Callable, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 
-from rosoclingo.checking.verifying.confirmation import Confirmation, confirm
 from rosoclingo.checking.verifying.findings import Finding
 from rosoclingo.checking.verifying.likely_events import likely_repertory
 from rosoclingo.checking.verifying.moves import Repertory
 from rosoclingo.checking.verifying.scope import SECONDS, Kind, Limits, Wanted
 from rosoclingo.checking.verifying.stream_search import Progress, Search
+from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.planning.explaining.explainer import explain
+from rosoclingo.planning.explaining.why_not import WhyNot
+from rosoclingo.planning.minimal_sets import UndecidedError
 
 
 class Fault(NamedTuple):
-    """A finding, and what came of it with the solver that cores have."""
+    """A finding, and which rules forbid an answer, where there is none and that is known."""
 
     finding: Finding
-    confirmation: Confirmation
+    why: Optional[WhyNot] = None
 
     def lines(self) -> List[str]:
         """Return it for people."""
-        found = [f"{self.finding.kind.value}: {self.finding.words}"]
-        if not self.confirmation.holds:
-            found.append("(this is what the search has found; a core's own solver went another way)")
-        found += [f"  {one}" for one in self.finding.story]
-        if self.confirmation.why is not None:
-            found += [f"  {one}" for one in self.confirmation.why.text().splitlines()]
+        found = [f"{self.finding.kind.value}: {self.finding.words}", *(f"  {one}" for one in self.finding.story)]
+        if self.why is not None:
+            found += [f"  {one}" for one in self.why.text().splitlines()]
         comments = [f"% {one}" for one in (self.finding.words, *self.finding.story)]
-        stream = self.confirmation.stream if self.confirmation.holds else self.finding.stream
-        return [*found, "", *comments, *stream.splitlines()]
-
-    def to_message(self) -> Dict[str, Any]:
-        """Return it as a plain value that JSON knows."""
-        stream = self.confirmation.stream if self.confirmation.holds else self.finding.stream
-        return {**self.finding.to_message(), "stream": stream, "confirmed": self.confirmation.holds}
+        return [*found, "", *comments, *self.finding.stream.splitlines()]
 
 
 class Verdict(NamedTuple):
@@ -104,7 +98,7 @@ class Verdict(NamedTuple):
             "goals": [*map(str, one.goals)],
             "facts": [*map(str, one.facts)],
             "reasons": {name: [*map(str, values)] for name, values in one.reasons.items()},
-            "faults": [fault.to_message() for fault in self.faults],
+            "faults": [fault.finding.to_message() for fault in self.faults],
         }
 
 
@@ -127,5 +121,14 @@ def verify(
     progress = search.run()
     spent = clock() - begin
     late = clock()
-    faults = [Fault(one, confirm(program, one, limits, lambda: clock() - late >= seconds)) for one in search.findings]
+    faults = [Fault(one, _why(program, one, lambda: clock() - late >= seconds)) for one in search.findings]
     return Verdict(tuple(faults), progress, repertory, limits, spent)
+
+
+def _why(program: ReactiveProgram, finding: Finding, halt: Callable[[], bool]) -> Optional[WhyNot]:
+    if finding.broken is None:
+        return None
+    try:
+        return explain(program, finding.broken, halt)
+    except (SolverError, UndecidedError):
+        return None

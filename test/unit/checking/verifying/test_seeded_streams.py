@@ -86,7 +86,6 @@ def test_a_fault_is_found_on_the_shortest_way(name):
     first = next(one.finding for one in verdict.faults if one.finding.kind is kind)
     assert (first.cost, first.length) == (cost, updates)
     assert verdict.progress.proven == cost - 1, "and with fewer events there is none"
-    assert all(one.confirmation.holds for one in verdict.faults), "and so it is with the solver that cores have"
 
 
 def shows(kind, driver, finding):
@@ -108,10 +107,9 @@ def shows(kind, driver, finding):
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", SEEDS)
 def test_what_is_found_shows_on_the_real_core(name):
-    kind = SEEDS[name][1]
     program, verdict = found(name)
-    fault = next(one for one in verdict.faults if one.finding.kind is kind)
-    assert shows(kind, play(program, fault.finding.way, 8), fault.finding)
+    for one in verdict.faults:
+        assert shows(one.finding.kind, play(program, one.finding.way, 8), one.finding)
 
 
 def test_an_action_that_is_named_like_its_reason_can_fail():

@@ -51,7 +51,7 @@ def test_json(ask):
     assert code == 1
     assert (found["clean"], found["proven"], found["depth"]) == (False, 1, 2)
     (fault,) = found["faults"]
-    assert (fault["kind"], fault["events"], fault["confirmed"]) == ("no-answer", 2, True)
+    assert (fault["kind"], fault["events"]) == ("no-answer", 2)
     assert fault["stream"].startswith("#step 1 : 8.\n_request(")
 
 
