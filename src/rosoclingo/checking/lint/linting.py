@@ -6,7 +6,7 @@ from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.checking.lint.constants import words_for_numbers
 from rosoclingo.checking.lint.exchanged import exchanged, exchanged_words
 from rosoclingo.checking.lint.kinds import ERROR, KINDS, WARNING, Finding
-from rosoclingo.checking.lint.lone_names import lower_case, odd_words
+from rosoclingo.checking.lint.lone_names import odd_words
 from rosoclingo.checking.lint.other_systems import libraries, of_other_systems
 from rosoclingo.checking.lint.predicates import disjoint, never_matching, odd_rules, unfounded, unused
 from rosoclingo.checking.lint.punctuation import odd_marks
@@ -52,7 +52,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     survey, values = program.survey, ArgumentValues.of(program)
     found = [*program.faults, *program.remarks, *program.said_of_steps()]
     found += [*unused(survey), *never_matching(survey, values), *disjoint(values), *unfounded(survey, values)]
-    found += [*odd_rules(survey), *wrong_steps(survey, program.first_step), *lower_case(survey)]
+    found += [*odd_rules(survey), *wrong_steps(survey, program.first_step)]
     found += [*words_for_numbers(survey), *exchanged(survey)]
     texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
     found += [*odd_marks(texts), *of_other_systems(survey, texts), *libraries(texts)]

@@ -1,7 +1,7 @@
 """Constants and variables that stand once and look like slips of others."""
 
 from collections import Counter
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, Iterator, List, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
@@ -10,24 +10,16 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.likeness import asked, is_slip
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.program.survey import LABELS, Survey, fault_at
+from rosoclingo.oclingo.progression.terms import Signature
 
-_PLAIN = clingo.SymbolType.Function
 _DIGITS = "0123456789"
 
-Slot = Tuple[object, int]
-"""An argument's place: the predicate, or the name and number of arguments of a term, and the position."""
+_Places = List[Tuple[Node, Node]]
+"""Where a name stands: the statement, and the term."""
 
-
-_COMPARED: Slot = ("comparison", 0)
-
-
-class _Word(NamedTuple):
-    """A constant or a variable in a statement."""
-
-    text: str
-    node: Node
-    slot: Slot
+_Names = Dict[str, _Places]
 
 
 def odd_words(survey: Survey) -> List[Fault]:
@@ -35,132 +27,79 @@ def odd_words(survey: Survey) -> List[Fault]:
 
     A constant that is the name of a predicate, too, as in golog_holds(asleep,t) :- asleep(t), is none of them.
     """
-    constants, variables, compared = _Words(), _Words(), _Words()
-    known = {*survey.constants} | {one.signature.name for _, _, found in survey.statements for one in found}
-    for part, statement, found in survey.statements:
-        for one in found:
-            for word in _words(one.arguments, one.signature):
-                if word.node.ast_type == ASTType.Variable:
-                    variables.add(word)
-                elif word.text not in known and word.text != part.parameter:
-                    constants.add(word)
-        for word in _compared(statement):
-            if word.text not in known and word.text != part.parameter:
-                compared.add(word)
+    constants: _Names = {}
+    variables: _Names = {}
+    for part, statement, _ in survey.statements:
+        for name, node in _constants(statement):
+            if name != part.parameter:
+                constants.setdefault(name, []).append((statement, node))
+        for node in statement.nodes:
+            if node.ast_type == ASTType.Variable and node.name != "_":
+                variables.setdefault(node.name, []).append((statement, node))
+    predicates = {one.signature.name for _, _, found in survey.statements for one in found}
     values = [one for one in survey.constants if len(one) > 1]
-    return [*_constants(constants, compared), *_for_values(compared, constants, values), *_variables(variables)]
+    return [*_lower_case(constants), *_slips(constants, predicates, values), *_slips_of_variables(variables)]
 
 
-class _Words:
-    """Words with their places."""
-
-    def __init__(self) -> None:
-        self.count: Counter = Counter()
-        self.slots: Dict[str, Set[Slot]] = {}
-        self._first: Dict[str, _Word] = {}
-
-    def add(self, word: _Word) -> None:
-        """Take one."""
-        self.count[word.text] += 1
-        self.slots.setdefault(word.text, set()).add(word.slot)
-        self._first.setdefault(word.text, word)
-
-    def lonely(self) -> Iterator[_Word]:
-        """Yield those that stand once."""
-        for text, word in self._first.items():
-            if self.count[text] == 1 and word.node.location.begin.filename != LABELS:
-                yield word
+def _constants(statement: Node) -> Iterator[Tuple[str, Node]]:
+    """Yield the names in a statement that may be anything's."""
+    for node in statement.nodes if statement.location.begin.filename != LABELS else ():
+        symbol = node.symbol if node.ast_type == ASTType.SymbolicTerm else None
+        if symbol is not None and symbol.type is clingo.SymbolType.Function and not symbol.arguments and symbol.name:
+            yield symbol.name, node
 
 
-def _compared(statement: Node) -> Iterator[_Word]:
-    """Yield the constants in comparisons."""
-    for one in statement.nodes:
-        if one.ast_type == ASTType.Comparison:
-            for term in (one.term, *(guard.term for guard in one.guards)):
-                yield from (word for word in _words_in(term, _COMPARED) if word.node.ast_type != ASTType.Variable)
+def _lower_case(constants: _Names) -> Iterator[Fault]:
+    """Yield the names that may be variables of the only rule in which they stand."""
+    for name, places in constants.items():
+        variable, statement = name[:1].upper() + name[1:], places[0][0]
+        alone = statement.ast_type == ASTType.Rule and all(one is statement for one, _ in places)
+        if alone and variable in names_in(statement):
+            message = f"{name} is a name that stands nowhere else, and the rule has a variable {variable}"
+            yield from (fault_at(node, "lower-case", message, asked(variable)) for _, node in places)
 
 
-def _constants(words: _Words, compared: _Words) -> Iterator[Fault]:
-    """Yield the constants in atoms that stand once; those that are compared, too, do not."""
-    for word in words.lonely():
-        near = [one for one in words.count if is_slip(word.text, one) and _may_be_meant(word, one, words)]
-        meant = max(near, key=lambda one: words.count[one], default=None)
-        if meant is not None and word.text not in compared.count:
-            yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
-
-
-def _for_values(compared: _Words, words: _Words, values: Sequence[str]) -> Iterator[Fault]:
-    """Yield those that are compared once, and may be one of the names to which a ``#const`` gives ``values``."""
-    for word in compared.lonely():
-        meant = next((one for one in values if is_slip(word.text, one)), None)
-        if meant is not None and word.text not in words.count:
-            yield fault_at(word.node, "misspelt", f"{word.text} stands nowhere else", asked(meant))
-
-
-def _may_be_meant(word: _Word, other: str, words: _Words) -> bool:
-    """Tell whether another word stands more often, or lacks where this one stands and is of a longer row."""
-    if words.count[other] > 1:
-        return True
-    rows = Counter(one.rstrip(_DIGITS) for one in words.count)
-    lacks = word.slot not in words.slots[other]
-    return lacks and rows[word.text.rstrip(_DIGITS)] <= rows[other.rstrip(_DIGITS)]
-
-
-def _variables(words: _Words) -> Iterator[Fault]:
-    for word in words.lonely():
-        near = [
-            other
-            for other, count in words.count.items()
-            if count > 2 and word.slot in words.slots[other] and _is_slip_of_variable(word.text, other)
-        ]
+def _slips(constants: _Names, predicates: Set[str], values: List[str]) -> Iterator[Fault]:
+    """Yield the constants that may be others, or those of a longer row, or names of ``#const`` that have ``values``."""
+    rows = Counter(name.rstrip(_DIGITS) for name in constants)
+    known = constants.keys() - predicates
+    for name, places in constants.items():
+        if len(places) > 1 or name not in known or name in values:
+            continue
+        near = [one for one in values if is_slip(name, one)]
+        for one in (other for other in known - set(values) if is_slip(name, other)):
+            longer = rows[one.rstrip(_DIGITS)] >= rows[name.rstrip(_DIGITS)] and _are_apart(places, constants[one])
+            if len(constants[one]) > 1 or longer:
+                near.append(one)
         if near:
-            meant = max(near, key=lambda one: words.count[one])
-            yield fault_at(word.node, "misspelt", f"the variable {word.text} stands nowhere else", asked(meant))
+            meant = max(sorted(near), key=lambda one: len(constants.get(one, ())))
+            yield fault_at(places[0][1], "misspelt", f"{name} stands nowhere else", asked(meant))
+
+
+def _are_apart(one: _Places, other: _Places) -> bool:
+    """Tell whether two names are arguments of predicates, and never the same one."""
+    mine, its = set(_arguments(one)), set(_arguments(other))
+    return bool(mine and its) and not mine & its
+
+
+def _arguments(places: _Places) -> Iterator[Tuple[Signature, int]]:
+    for statement, node in places:
+        for atom in occurrences(statement):
+            for number, argument in enumerate(atom.arguments):
+                if any(one is node for one in argument.nodes):
+                    yield atom.signature, number
+
+
+def _slips_of_variables(variables: _Names) -> Iterator[Fault]:
+    often = [name for name, places in variables.items() if len(places) > 2]
+    for name, places in variables.items():
+        near = [one for one in often if len(places) == 1 and _is_slip_of_variable(name, one)]
+        meant = max(near, key=lambda one: len(variables[one]), default=None)
+        if meant is not None:
+            yield fault_at(places[0][1], "misspelt", f"the variable {name} stands nowhere else", asked(meant))
 
 
 def _is_slip_of_variable(text: str, other: str) -> bool:
     if text.lower() == other.lower():
         return text != other and len(text) > 1
     return is_slip(text, other, shortest=2)
-
-
-def _words(arguments: Iterable[Node], owner: object) -> Iterator[_Word]:
-    """Yield the constants and variables that are arguments of an atom, or in terms that are."""
-    for position, argument in enumerate(arguments):
-        yield from _words_in(argument, (owner, position))
-
-
-def _words_in(argument: Node, slot: Slot) -> Iterator[_Word]:
-    kind = argument.ast_type
-    if kind == ASTType.Variable:
-        if argument.name != "_":
-            yield _Word(argument.name, argument, slot)
-    elif kind == ASTType.SymbolicTerm:
-        symbol = argument.symbol
-        if symbol.type is _PLAIN and not symbol.arguments and symbol.name:
-            yield _Word(symbol.name, argument, slot)
-    elif kind == ASTType.Function:
-        yield from _words(argument.arguments, (argument.name, len(argument.arguments)))
-    elif kind == ASTType.Pool:
-        for one in argument.arguments:
-            yield from _words_in(one, slot)
-
-
-def lower_case(survey: Survey) -> Iterator[Fault]:
-    """Yield the names that may be variables of their rules, written small."""
-    named = [(statement, list(_constants_in(statement))) for _, statement, _ in survey.statements]
-    count = Counter(word for _, words in named for word, _ in words)
-    for statement, words in named:
-        own = Counter(word for word, _ in words)
-        for word, node in words:
-            if count[word] == own[word] and f"{word[:1].upper()}{word[1:]}" in set(names_in(statement)):
-                variable = f"{word[:1].upper()}{word[1:]}"
-                message = f"{word} is a name that stands nowhere else, and the rule has a variable {variable}"
-                yield fault_at(node, "lower-case", message, asked(variable))
-
-
-def _constants_in(statement: Node) -> Iterator[Tuple[str, Node]]:
-    """Yield the names in a rule that may be anything's."""
-    for node in statement.nodes if statement.ast_type == ASTType.Rule else ():
-        if node.ast_type == ASTType.SymbolicTerm and node.symbol.type is clingo.SymbolType.Function:
-            yield str(node.symbol), node
