@@ -1,211 +1,154 @@
-"""What an interface has begun and answered in a run of the core, kept in a file that outlives it.  No ROS.
+"""The actions that an interface has begun and answered in a run of the core, in a database that outlives the node.
 
-A line (:mod:`rosoclingo.common.durable`) for each thing that happened, written before anybody else can see it:
-`{"action": "_action_lib(pickup,1,3)", "goal": ID}` for a goal that is sent, `{"action": ..., "facts": [...]}` for an
-answer. Each run of the core has a file of its own.
+No ROS. Each change is on the disk before anybody else can see it: before its goal is sent, before its answer goes out.
 """
 
 import contextlib
 import hashlib
+import json
 import os
 import re
-from collections import OrderedDict
+import sqlite3
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional, Set, Tuple
 
-from rosoclingo.common import durable
+KEPT = 1000  # limit of remembered answers, the latest ones; actions under way are always remembered
+RUNS = 5  # number of former runs that stay in the database, the latest ones
+RETRY = 2.0  # seconds of wall time between two attempts to write, after a write has failed
 
-KEPT = 1000  # answers that are remembered, the last ones; what is under way is remembered whatever it takes
-RUNS = 5  # files of former runs that stay, the last ones
-
-RETRY = 2.0  # seconds of wall time after which a file that could not be written is tried again
-
-_SLACK = 4 * KEPT  # lines beyond those needed with which a file is written anew
+_TABLE = "CREATE TABLE IF NOT EXISTS action (run TEXT, action TEXT, goal TEXT, facts TEXT, PRIMARY KEY (run, action))"
+_FORGET_RUNS = """
+    DELETE FROM action WHERE run != ? AND run NOT IN
+        (SELECT run FROM action GROUP BY run ORDER BY max(rowid) DESC LIMIT ?)"""
 
 
 class Record(NamedTuple):
-    """What is known of an action that was begun: the id of its last goal; its answer's facts, None without one."""
+    """An action that was begun: the id of its last goal, and the facts of its answer, None without one."""
 
     goal: str
     facts: Optional[Tuple[str, ...]] = None
 
 
 class ActionMemory:
-    """The actions of the present run. ``folder`` holds the files, None for none; ``owner`` names whose they are.
+    """The actions of the present run. ``folder`` has the database, None for none; ``owner`` identifies the interface.
 
-    A disk that cannot be written stops nothing: ``trouble`` says what is wrong, and all is tried again with each
-    further line, and by ``tend``.
+    A disk that cannot be written stops nothing: ``trouble`` reports it, and each later change, and ``tend``, tries to
+    write everything that the database lacks.
     """
 
     def __init__(self, folder: Optional[Path], owner: str) -> None:
-        self._folder, self._owner = folder, owner
-        self._records: OrderedDict[str, Record] = OrderedDict()
-        self._file: Optional[int] = None
-        self._lines = self._answered = 0
+        words = re.sub(r"[^A-Za-z0-9]+", "_", owner).strip("_")[:80]
+        digest = hashlib.sha256(owner.encode(errors="surrogateescape")).hexdigest()[:8]
+        self.path = None if folder is None else folder / f"{words}-{digest}.db"
+        self.run: Optional[str] = None
+        self._records: Dict[str, Record] = {}  # in the order of their last change
+        self._unsaved: Set[str] = set()  # actions whose last change is not in the database
+        self._db: Optional[sqlite3.Connection] = None
         self._damage = self._failure = ""
         self._retry_at = 0.0
-        self.run: Optional[str] = None
 
     @property
     def trouble(self) -> str:
-        """What is wrong with the file, for people; empty where nothing is."""
+        """What is wrong with the database, for people; empty if nothing is."""
         return self._failure or self._damage
 
     def begin_run(self, run: str) -> bool:
-        """Know what the file of this run knows, and forget any other; False if it is the present one already."""
+        """Load the actions of this run in place of another one's; return False if it is the present run already."""
         if run == self.run:
             return False
-        self.close()
         self.run, self._damage, self._failure = run, "", ""
         self._records.clear()
-        self._lines = self._answered = 0
-        self._read()
+        self._unsaved.clear()
+        try:
+            self._load()
+        except (OSError, sqlite3.Error) as error:
+            self._damage = f"cannot read {self.path}: {error}: what was begun before is not known"
+            self._set_aside(error)
         return True
 
     def recall(self, action: str) -> Optional[Record]:
-        """What is known of an action (the atom's text); None if it was not begun in this run."""
+        """Return what is known of an action (the atom's text); None if it was not begun in this run."""
         return self._records.get(action)
 
     def note_begun(self, action: str, goal: str) -> None:
         """Record that a goal is about to be sent for an action."""
-        self._take(action, Record(goal))
-        self._write({"action": action, "goal": goal})
+        self._note(action, Record(goal))
 
     def note_answered(self, action: str, facts: Tuple[str, ...]) -> None:
         """Record an answer that is about to be given."""
         known = self._records.get(action)
-        self._take(action, Record(known.goal if known else "", facts))
-        self._write({"action": action, "facts": list(facts)})
+        self._note(action, Record(known.goal if known else "", facts))
 
     def tend(self, wall: float) -> None:
-        """Now and then write what could not be written; to be called often, with steady time in seconds."""
+        """Retry a failed write now and then; to be called often, with steady time in seconds."""
         if self._failure and wall >= self._retry_at:
             self._retry_at = wall + RETRY
-            self._rewrite()
+            self._save()
 
     def close(self) -> None:
-        """Close the file."""
-        if self._file is not None:
-            os.close(self._file)
-        self._file = None
+        """Close the database."""
+        if self._db is not None:
+            self._db.close()
+        self._db = None
 
-    def _take(self, action: str, record: Record) -> None:
-        known = self._records.pop(action, None)
-        self._answered += (record.facts is not None) - (known is not None and known.facts is not None)
+    def _note(self, action: str, record: Record) -> None:
+        self._keep(action, record)
+        self._save()
+
+    def _keep(self, action: str, record: Record) -> None:
+        self._records.pop(action, None)
         self._records[action] = record
-        if self._answered > KEPT:
-            oldest = next(action for action, record in self._records.items() if record.facts is not None)
+        answered = [one for one, known in self._records.items() if known.facts is not None]
+        for oldest in answered[:-KEPT]:
             del self._records[oldest]
-            self._answered -= 1
+        self._unsaved.update((action, *answered[:-KEPT]))
 
-    # ---- the file -------------------------------------------------------------------------------------------------
+    def _load(self) -> None:
+        if self.path is None or not self.path.exists():
+            return
+        with self._connected(self.path) as db:
+            db.execute(_FORGET_RUNS, (self.run, RUNS))
+            rows = db.execute("SELECT action, goal, facts FROM action WHERE run = ? ORDER BY rowid", (self.run,))
+            for action, goal, facts in rows:
+                self._keep(action, Record(goal, None if facts is None else tuple(json.loads(facts))))
+        self._unsaved.clear()
 
-    @property
-    def path(self) -> Optional[Path]:
-        """The file of the present run; None where there is none."""
-        if self._folder is None or self.run is None:
-            return None
-        return self._folder / f"{self._stem}{_digest(self.run)}.jsonl"
-
-    @property
-    def _stem(self) -> str:
-        words = re.sub(r"[^A-Za-z0-9]+", "_", self._owner).strip("_")[:80]
-        return f"{words}-{_digest(self._owner)[:8]}-"
-
-    def _read(self) -> None:
-        path = self.path
+    def _save(self) -> None:
+        """Write each change that the database lacks, and wait for the disk."""
+        if self.path is None or self.run is None:
+            return
+        changed = [(one, record) for one, record in self._records.items() if one in self._unsaved]
+        rows = [(self.run, one, goal, None if facts is None else json.dumps(facts)) for one, (goal, facts) in changed]
+        gone = [(self.run, one) for one in self._unsaved - self._records.keys()]
         try:
-            data = path.read_bytes() if path is not None else b""
-        except FileNotFoundError:
-            return
-        except OSError as error:
-            self._damage = f"cannot read {path}: {error.strerror}: what was begun before is not known"
-            return
-        *lines, unfinished = data.split(b"\n")  # the last is one that was never finished, or empty
-        damaged = [number for number, line in enumerate(lines, 1) if not self._take_line(line)]
-        if damaged:
-            self._damage = f"{path}, line {damaged[0]}: is damaged, and left out"
-        if lines and (damaged or unfinished):
-            self._rewrite()
-        elif lines and path is not None:
-            with contextlib.suppress(OSError):  # then the next line finds no file, and writes one anew
-                self._file, self._lines = os.open(path, os.O_WRONLY | os.O_APPEND), len(lines)
-
-    def _take_line(self, line: bytes) -> bool:
-        value = _decoded(line)
-        if value is None:
-            return False
-        known = self._records.get(value["action"])
-        if "goal" in value:
-            self._take(value["action"], Record(value["goal"]))
+            with self._connected(self.path) as db:
+                db.executemany("REPLACE INTO action VALUES (?, ?, ?, ?)", rows)
+                db.executemany("DELETE FROM action WHERE run = ? AND action = ?", gone)
+        except (OSError, sqlite3.Error) as error:
+            mend = "goes on, but what is begun now is not known after a crash"
+            self._failure = f"cannot write {self.path}: {error}: {mend}"
+            self._set_aside(error)
         else:
-            self._take(value["action"], Record(known.goal if known else "", tuple(value["facts"])))
-        return True
+            self._unsaved.clear()
+            self._failure = ""
 
-    def _write(self, value: Dict[str, Any]) -> None:
-        if self.path is None:
-            return
-        if self._file is None or self._lines > len(self._records) + _SLACK:
-            self._rewrite()  # with all that is known, this too
-            return
-        try:
-            durable.write(self._file, durable.sealed(value))
-        except OSError as error:
-            self._fail(error)
-        else:
-            self._lines += 1
-
-    def _rewrite(self) -> None:
-        """Write all that is known into a new file, which takes the old one's place at once."""
-        self.close()
-        path = self.path
-        if path is None:
-            return
-        lines = [line for action, record in self._records.items() for line in _lines(action, record)]
-        try:
+    def _connected(self, path: Path) -> sqlite3.Connection:
+        """Return the open database; raises OSError, sqlite3.Error."""
+        if self._db is None:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._forget_runs(path)
-            self._file = durable.replace(path, b"".join(lines))
-        except OSError as error:
-            self._fail(error)
-        else:
-            self._lines, self._failure = len(lines), ""
+            self._db = sqlite3.connect(str(path))
+            for statement in ("PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL", _TABLE):
+                self._db.execute(statement)
+        return self._db
 
-    def _fail(self, error: OSError) -> None:
+    def _set_aside(self, error: Exception) -> None:
+        """After an error that means a damaged database, rename it, so that the next write begins a new one."""
+        damaged = isinstance(error, sqlite3.DatabaseError) and not isinstance(error, sqlite3.OperationalError)
+        if self.path is None or not damaged:
+            return
         self.close()
-        self._failure = (
-            f"cannot write {self.path}: {error.strerror}: goes on, but what is begun now is not known after a crash"
-        )
-
-    def _forget_runs(self, path: Path) -> None:
-        """Remove the files of this owner's former runs, but for the last ones."""
-        former = [one for one in path.parent.glob(f"{self._stem}*.jsonl") if one != path]
-        for old in sorted(former, key=_age)[:-RUNS]:
-            with contextlib.suppress(OSError):
-                old.unlink()
-
-
-def _lines(action: str, record: Record) -> List[bytes]:
-    begun = [durable.sealed({"action": action, "goal": record.goal})] if record.goal else []
-    facts = record.facts
-    return begun if facts is None else [*begun, durable.sealed({"action": action, "facts": list(facts)})]
-
-
-def _decoded(line: bytes) -> Optional[Dict[str, Any]]:
-    """What a line says; None if it is not as it was written."""
-    value = durable.opened(line)
-    if value is None:
-        return None
-    known = isinstance(value.get("action"), str)
-    return value if known and (isinstance(value.get("goal"), str) or isinstance(value.get("facts"), list)) else None
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode(errors="surrogateescape")).hexdigest()[:16]
-
-
-def _age(path: Path) -> float:
-    try:
-        return path.stat().st_mtime
-    except OSError:
-        return 0.0
+        self._unsaved.update(self._records)
+        with contextlib.suppress(OSError):
+            os.replace(self.path, f"{self.path}.damaged")
+            for rest in ("-wal", "-shm"):
+                Path(f"{self.path}{rest}").unlink()

@@ -76,6 +76,7 @@ class Interfaces(World):
             self.said.append(list(known.facts))
         elif known is None or known.goal not in self._servers:  # killed before the server heard of it
             goal = f"goal {len(self._servers) + 1}"
+            self._fate.pass_instant()
             self._memory.note_begun(str(action.atom), goal)
             self._fate.pass_instant()
             self._send(goal, action)
@@ -111,6 +112,7 @@ class Interfaces(World):
         _, value = self._servers[known.goal]
         if value is not None:
             facts = (f"_return({action.interface},{value},{action.cycle})",)
+            self._fate.pass_instant()
             self._memory.note_answered(str(action.atom), facts)
             self._fate.pass_instant()
             self.said.append(list(facts))
