@@ -27,7 +27,7 @@ class PooledCore:
     """A pure core whose solver works in processes of its own."""
 
     def __init__(self, program, plan_time, settings=None):
-        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         watches = {"watch": self.watch, "watch_joining": self.watch_joining}
         self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), **watches)
 

@@ -42,7 +42,7 @@ class Run:
     """A core with its solver's process."""
 
     def __init__(self, program, plan_time, prepares):
-        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         self.process.start()
         self.core = Core(program, self.process.solver, lambda event: None, CoreSettings())
         self.core.start()

@@ -70,7 +70,7 @@ class Run:
     """A core that is given goals, each action of which is answered at once; an own process has its solver."""
 
     def __init__(self, program, goal, failures):
-        self.process = WorkerPool(program, shortest=True, oclingo_strings=False)
+        self.process = WorkerPool(program, shortest=True)
         self.process.start()
         self.teller = Teller()
         self.core = Core(program, self.process.solver, self.teller, CoreSettings())

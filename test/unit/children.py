@@ -38,7 +38,7 @@ def preparing_process(program):
     """A process for many tests that prepares at once, looks for shorter plans briefly, and is not replaced."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(worker, "GROWTH", 2**60)  # none is replaced for its size
-        with WorkerPool(program, shortest=True, oclingo_strings=False, plan_time=0.02, standby=True) as one:
+        with WorkerPool(program, shortest=True, plan_time=0.02, standby=True) as one:
             yield one
 
 

@@ -31,7 +31,6 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.program.signatures import statement_edges
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.strings import holds_string_apart
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
@@ -316,9 +315,7 @@ class Grounding:
         """Return whether the program does not mention ``atom``, so that any update can define it."""
         signature, program = signature_of(atom), self.program
         is_mentioned = signature in program.signatures or signature in program.open_signatures
-        if is_mentioned and not holds_string_apart(atom):
-            return False
-        return not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
+        return not is_mentioned and not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
 
     # ---- Inspection --------------------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tu
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import DatedActions
-from rosoclingo.oclingo.program.update_reader import Reader
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate, Withdraw
 from rosoclingo.oclingo.solving.results import SolveResult
@@ -156,12 +156,12 @@ class History:
 
     # ---- Contents ----------------------------------------------------------------------------------------------------
 
-    def snapshot(self, reader: Reader) -> Snapshot:
+    def snapshot(self, program: ReactiveProgram) -> Snapshot:
         """Return the snapshot of this history; it is cached in each history on the way."""
-        snapshot = Snapshot.initial(reader.program)
+        snapshot = Snapshot.initial(program)
         for history in self._path(lambda one: one._snapshot is not None):
             if history._snapshot is None:
-                history._snapshot = fold(snapshot, history.entry, reader)
+                history._snapshot = fold(snapshot, history.entry, program)
             snapshot = history._snapshot
         return snapshot
 
@@ -288,10 +288,10 @@ class History:
         return self.length > max(limit, snapshot.size // 100)
 
 
-def fold(snapshot: Snapshot, entry: Optional[Entry], reader: Reader) -> Snapshot:
+def fold(snapshot: Snapshot, entry: Optional[Entry], program: ReactiveProgram) -> Snapshot:
     """Return the snapshot after one more entry."""
     if isinstance(entry, AcceptedUpdate):
-        return snapshot.with_update(entry.update, reader).with_horizon(entry.horizon, reader.program)
+        return snapshot.with_update(entry.update, program).with_horizon(entry.horizon, program)
     return snapshot_from_message(entry.message) if isinstance(entry, Checkpoint) else snapshot
 
 

@@ -7,7 +7,7 @@ import clingo
 
 from rosoclingo.oclingo.program.action_rules import FAILED, RETURN
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import Reader, closed_cycles, with_their_failures
+from rosoclingo.oclingo.program.update_reader import closed_cycles, with_failures, with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import (
@@ -184,12 +184,12 @@ class Snapshot:
 
     # ---- Changes -----------------------------------------------------------------------------------------------------
 
-    def with_update(self, update: Optional[StreamUpdate], reader: Reader) -> "Snapshot":
+    def with_update(self, update: Optional[StreamUpdate], program: ReactiveProgram) -> "Snapshot":
         """Return the snapshot after ``update``, with a horizon of at least its step."""
         if update is None:
             return replace(self, number=self.number + 1, warnings=())  # they are reported once
-        program, number = reader.program, self.number + 1
-        update = reader.read(update, self.permanent)
+        number = self.number + 1
+        update = with_failures(program, update, self.permanent)
         start = Snapshot.initial(program) if Anew() in update.items else self
         start = start._close_cycles(update, program).without_facts(update.withdrawn)
         step, bound = start.step, start.bound

@@ -11,7 +11,7 @@ import clingo
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import Reader, is_predictable
+from rosoclingo.oclingo.program.update_reader import is_predictable
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
@@ -60,7 +60,6 @@ class PlanSolver(PlanningSolver):
         program: ReactiveProgram,
         models: int = 1,
         horizon_limit: Optional[int] = None,
-        oclingo_strings: bool = False,
         log_limit: int = LONG,
         plan_time: Optional[float] = None,
         clock: Clock = CLOCK,
@@ -72,7 +71,6 @@ class PlanSolver(PlanningSolver):
             program: the reactive logic program.
             models: the number of answers to compute for an update, 0 for all.
             horizon_limit: the last step to ground.
-            oclingo_strings: read strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
             log_limit: the number of updates after which a checkpoint follows a search; higher for large snapshots.
             plan_time: the time limit for shortest plans, in seconds of processor time; after it the best plan so far,
                 or the first one that is found, is the answer. None for no limit.
@@ -85,8 +83,7 @@ class PlanSolver(PlanningSolver):
         self.models = models
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
         self._plan_time, self._clock = plan_time, clock
-        self._reader = Reader(program, oclingo_strings)
-        self._predicts = models == 1 and program.tells_plainly and not oclingo_strings
+        self._predicts = models == 1 and program.tells_plainly
         self._hint, self._idles = 0, idles  # a likely horizon: that of the last answer
         self._searched: Optional[_Cached] = None  # the last search, by the key of its history
         self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts
@@ -97,7 +94,7 @@ class PlanSolver(PlanningSolver):
     @property
     def snapshot(self) -> Snapshot:
         """The snapshot of the history."""
-        return self.log.snapshot(self._reader)
+        return self.log.snapshot(self.program)
 
     def solve(self, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None) -> SolveResult:
         """Search without an update (before the first one: at horizon 1)."""
@@ -121,7 +118,7 @@ class PlanSolver(PlanningSolver):
     def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stop], dropped: Optional[Stop]) -> SolveResult:
         halt, before = stopped or _never, self.snapshot
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        asking = self._asking(before.with_update(update, self._reader), halt, dropped)
+        asking = self._asking(before.with_update(update, self.program), halt, dropped)
         self._searched, self._under_way = None, lambda: asking.horizon
         start, began = time.perf_counter(), time.process_time()
         strategy: Strategy[SearchResult]
@@ -298,7 +295,7 @@ class PlanSolver(PlanningSolver):
         key = self.log.key, unbounded, assumable
         probed, self._probed = self._probed, None  # dropped if an error occurs
         if probed is None or probed.key != key or probed.asking.block == 1:
-            snapshot = self.snapshot.with_least_horizon().with_update(unbounded, self._reader)
+            snapshot = self.snapshot.with_least_horizon().with_update(unbounded, self.program)
             probed = _Cached(key, self._asking(replace(snapshot, bound=None), halt, dropped, assumable))
         asking = probed.asking
         last = asking.last(None if update.bound is None else asking.step + update.bound)

@@ -1,13 +1,12 @@
 """Snapshots and symbols as plain values for JSON."""
 
-from typing import Any, Callable, Dict, FrozenSet, Iterable, List, Sequence, Tuple, Union
+from typing import Any, Dict, FrozenSet, Iterable, List, Sequence, Tuple, Union
 
 import clingo
 
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime, Term
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.progression.strings import MARK, from_marked, marked
-from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, SnapshotItem, TimedStatement
 
 Message = Dict[str, Any]
@@ -15,8 +14,7 @@ Message = Dict[str, Any]
 
 def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
     """Return ``symbols`` as a text, separated by commas."""
-    texts = ((str(one), one) for one in symbols)
-    return ",".join(str(marked(one)) if '"' in text else text for text, one in texts)
+    return ",".join(map(str, symbols))
 
 
 def symbol_list(text: str) -> List[clingo.Symbol]:
@@ -24,8 +22,7 @@ def symbol_list(text: str) -> List[clingo.Symbol]:
 
     One call of clingo parses all of them as a tuple, which takes half the time of separate calls.
     """
-    symbols = clingo.parse_term(f"({text},)").arguments if text else []
-    return [from_marked(one) for one in symbols] if MARK in text else symbols
+    return clingo.parse_term(f"({text},)").arguments if text else []
 
 
 def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
@@ -68,7 +65,7 @@ def _items_to_message(items: Sequence[SnapshotItem]) -> Message:
     entries = [one for one in items if isinstance(one, TimedStatement)]
     lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
     return {
-        "statements": _statements_to_text(one.statement for one in entries),
+        "statements": "\n".join(str(one.statement) for one in entries),
         "updates": [one.update for one in entries],
         "lifetimes": [one for one in lifetimes if one[1] != FOREVER],
         "others": [
@@ -95,20 +92,8 @@ def _other_to_values(one: Union[ForgottenSteps, ClosedHeads]) -> List[Any]:
     return [symbols_to_text(one.spared), [one.first, one.last]]
 
 
-def _statements_to_text(statements: Iterable[Statement]) -> str:
-    texts = ((str(one), one) for one in statements)
-    return "\n".join(str(_mapped(one, marked)) if '"' in text else text for text, one in texts)
-
-
 def _statements_from_text(text: str) -> List[Statement]:
-    items = parse_update(f"{text}\n#endstep.").items
-    statements = [item for item in items if isinstance(item, Statement)]
-    return [_mapped(one, from_marked) for one in statements] if MARK in text else statements
-
-
-def _mapped(statement: Statement, change: Callable[[clingo.Symbol], clingo.Symbol]) -> Statement:
-    head = None if statement.head is None else change(statement.head)
-    return Statement(head, tuple(Literal(change(one.atom), one.positive) for one in statement.body))
+    return [item for item in parse_update(f"{text}\n#endstep.").items if isinstance(item, Statement)]
 
 
 def _lifetime_to_value(lifetime: Lifetime) -> Any:

@@ -10,7 +10,6 @@ from mailbot_world import ENCODINGS, fewest_steps, neighbours
 
 from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, fact, parse_atom
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.snapshot import Snapshot
@@ -117,7 +116,7 @@ def claimed(program, requests):
     """How many steps the program says that a plan takes at least, with a grounding of one step that was searched."""
     told = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
     update = StreamUpdate(1, None, tuple(map(fact, told)))
-    snapshot = Snapshot.initial(program).with_update(update, Reader(program, oclingo_strings=False))
+    snapshot = Snapshot.initial(program).with_update(update, program)
     found = []
     for one in (snapshot, replace(snapshot, step=2)):
         grounding = Grounding(program, one, 1)

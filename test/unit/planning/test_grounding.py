@@ -8,7 +8,6 @@ from stream_logs import cut
 from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, parse_update
-from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.grounding import Grounding, pieces
 from rosoclingo.planning.question import UNKNOWN, Question
@@ -23,7 +22,7 @@ STEPS = "#cumulative t. #external e(t). c(t) :- e(t). #volatile t."
 
 
 def snapshot_of(program, update):
-    return Snapshot.initial(program).with_update(parse_update(f"#step 1. {update} #endstep."), Reader(program, False))
+    return Snapshot.initial(program).with_update(parse_update(f"#step 1. {update} #endstep."), program)
 
 
 def grounding_of(text, horizon=1, update="", **options):

@@ -208,7 +208,6 @@ def test_returns_are_predicted_that_change_no_answer(rule, returns, certain):
     [
         (WALK, {}, "", [1, 2, 3]),
         (WALK, {"models": 0}, "", []),
-        (WALK, {"oclingo_strings": True}, "", []),
         (WALK, {}, "#volatile. :- not at(1,1).", []),
         (WALK, {}, "odd(1) :- _return(go,1,1).", [2, 3]),
         (WALK.replace("#external _return/3.", "#external _return(go,2,t)."), {}, "", [2]),

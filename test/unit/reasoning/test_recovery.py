@@ -139,7 +139,7 @@ def test_what_was_withheld_is_no_reason_either_where_time_is_over():
 @pytest.mark.slow
 def test_the_same_in_a_solver_process():
     program = ReactiveProgram.from_text(rooms(words=WORDS))
-    with WorkerPool(program, shortest=True, oclingo_strings=False) as process:
+    with WorkerPool(program, shortest=True) as process:
         driver = Driver(program=program, solver=lambda _program: process.solver())
         driver.goal("a", "reach(hall,1)").goal("b", "reach(den,2)").facts("_return(enter,blocked,1)").finish()
     assert driver.message("a").endswith("hall is unreachable since the way to hall was blocked in cycle 1")
@@ -203,7 +203,7 @@ def test_against_every_subset(instance):
 def test_a_state_without_a_failed_action(make):
     """Without its return and itself a failed action was not tried: the plan is as if nothing had happened."""
     program = ReactiveProgram.from_text(ERRANDS)
-    with WorkerPool(program, shortest=True, oclingo_strings=False) as process:
+    with WorkerPool(program, shortest=True) as process:
         solver = process.solver() if make == "process" else PlanSolver(program)
         solver.update(StreamUpdate(1, 5, (fact(parse_atom("_request(do(walk,1),2)")),)))
         action, answer = parse_term("_action_lib(walk,1,1)"), parse_term("_return(walk,failed,1)")

@@ -223,7 +223,7 @@ class Killer:
 @pytest.mark.parametrize("seed", range(3))
 def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
     draw = Random(seed)
-    process = WorkerPool(PROGRAM, shortest=True, oclingo_strings=False, standby=True)
+    process = WorkerPool(PROGRAM, shortest=True, standby=True)
     process.start()
 
     watch = Killer(process, draw)

@@ -11,7 +11,6 @@ import clingo
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import Reader
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement, StreamUpdate
@@ -88,7 +87,6 @@ class Streams:
     ) -> None:
         """Take facts that may come, of cycle 1 where they have one. ``halt`` ends any search, by StoppedError."""
         self.program = program
-        self.reader = Reader(program)
         self.choices, self.searches = Choices(), 0
         self._known: Set[clingo.Symbol] = {retimed(one, 1) for one in known}
         self._readers, self._halt = readers, halt
@@ -236,7 +234,7 @@ class SharedSolver(PlanningSolver):
     @property
     def snapshot(self) -> Snapshot:
         """What is in force after the whole history."""
-        return self.log.snapshot(self._streams.reader)
+        return self.log.snapshot(self._streams.program)
 
     def solve(self, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
         """Search without an update."""
@@ -261,7 +259,7 @@ class SharedSolver(PlanningSolver):
 
     def _after(self, update: StreamUpdate) -> Snapshot:
         """Return the snapshot with an update; raises SolverError for rules."""
-        snapshot = self.snapshot.with_update(update, self._streams.reader)
+        snapshot = self.snapshot.with_update(update, self._streams.program)
         strange = next((one for one in snapshot.statements if one.body and not one.is_commitment), None)
         if strange is not None:
             raise SolverError(f"only facts and executed actions can be fed here, not {strange}")

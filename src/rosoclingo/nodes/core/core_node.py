@@ -148,7 +148,7 @@ class CoreNode:
         for warning in odd:
             rospy.logwarn("%s: %s", rospy.get_name(), warning)
         plan_time = self._parameters.time_to_shorten
-        self._solvers = WorkerPool(program, shortest=True, plan_time=plan_time, oclingo_strings=False, standby=True)
+        self._solvers = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         found = find_journal(self._parameters, program)
         self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time)
         self._core = KeptCore(

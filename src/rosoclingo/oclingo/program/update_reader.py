@@ -9,35 +9,31 @@ but would be ground for every value that may come; ``_failed/3`` comes when some
 before. If nothing was committed for the cycle, it comes with each return: the rule above still tells.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Set
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action, is_action_of
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.strings import strings_apart
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Item, Over, Statement, StreamUpdate
 
 
-@dataclass(frozen=True)
-class Reader:
-    """How updates are read.
-
-    Attributes:
-        program: the reactive logic program.
-        oclingo_strings: take strings as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
-
-    """
-
-    program: ReactiveProgram
-    oclingo_strings: bool = False
-
-    def read(self, update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
-        """Return the update as the program is to see it; ``before`` holds for ever before it."""
-        update = strings_apart(update) if self.oclingo_strings else update
-        return _with_failures(update, before) if FAILED in self.program.open_signatures else update
+def with_failures(program: ReactiveProgram, update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
+    """Return the update as ``program`` is to see it; ``before`` are the statements that hold for ever before it."""
+    if FAILED not in program.open_signatures:
+        return update
+    told = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
+    failed = told - _successes(update, before) if told else told
+    if not failed:
+        return update
+    items: List[Item] = []
+    for item in update.items:
+        items.append(item)
+        if isinstance(item, Statement) and item.head in failed and not item.body:
+            items.append(Statement(_failure_of(item.head)))
+    return replace(update, items=tuple(items))
 
 
 def closed_cycles(update: StreamUpdate, first: int, step: int) -> Dict[int, FrozenSet[clingo.Symbol]]:
@@ -69,20 +65,6 @@ def is_predictable(update: StreamUpdate, before: Iterable[Statement]) -> bool:
 def with_their_failures(facts: FrozenSet[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
     """Return ``facts`` and the ``_failed`` facts of the returns among them."""
     return facts | {_failure_of(fact) for fact in facts if signature_of(fact) == RETURN}
-
-
-def _with_failures(update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
-    """Return ``update`` with each failure behind its return, given the statements that hold for ever ``before`` it."""
-    told = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
-    failed = told - _successes(update, before) if told else told
-    if not failed:
-        return update
-    items: List[Item] = []
-    for item in update.items:
-        items.append(item)
-        if isinstance(item, Statement) and item.head in failed and not item.body:
-            items.append(Statement(_failure_of(item.head)))
-    return replace(update, items=tuple(items))
 
 
 def _failure_of(answer: clingo.Symbol) -> clingo.Symbol:

@@ -3,7 +3,10 @@
 Raises nothing but :class:`ProgressionError`, with line and column of the text that was given.
 """
 
+from dataclasses import replace
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+
+import clingo
 
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.progression.terms import TokenStream, read_atom, read_number, read_term
@@ -54,8 +57,19 @@ def iterate_placed(text: str) -> Iterator[PlacedUpdate]:
     """Yield the updates of ``text`` as :func:`iterate_updates` does, with the places of their items."""
     tokens = TokenStream(text)
     while tokens.next.kind != "end":
-        reader = _UpdateReader(tokens)
-        yield PlacedUpdate(reader.read(), tuple(reader.places))
+        yield _UpdateReader(tokens).read()
+
+
+def strings_apart(update: StreamUpdate) -> StreamUpdate:
+    """Return ``update`` with a constant for each string, spelled like the string with its quotes.
+
+    So oClingo read them (``golden.json``'s case *bodies*): the constant prints like the string, but no string of the
+    program equals it.
+    """
+    text = str(update)
+    if '"' not in text:
+        return update
+    return replace(_UpdateReader(TokenStream(text, strings_apart=True)).read().update, warnings=update.warnings)
 
 
 class _UpdateReader:
@@ -66,23 +80,24 @@ class _UpdateReader:
         self._step: Optional[int] = None
         self._bound: Optional[int] = None
         self._items: List[Item] = []
-        self.places: List[Tuple[int, int]] = []
+        self._places: List[Tuple[int, int]] = []
         self._warnings: List[str] = []
 
-    def read(self) -> StreamUpdate:
+    def read(self) -> PlacedUpdate:
         """Return the next update; raises ProgressionError."""
         while True:
             if self._tokens.next.kind != "directive":
                 if self._tokens.next.kind == "end":
                     self._tokens.fail("update without end: expected a statement or '#endstep.'")
-                self._place()
+                self._note_place()
                 self._items.append(_read_statement(self._tokens))
             elif self._read_directive():
-                return StreamUpdate(self._step, self._bound, tuple(self._items), tuple(self._warnings))
+                update = StreamUpdate(self._step, self._bound, tuple(self._items), tuple(self._warnings))
+                return PlacedUpdate(update, tuple(self._places))
 
-    def _place(self) -> None:
+    def _note_place(self) -> None:
         """Note where an item begins."""
-        self.places.append((self._tokens.next.line, self._tokens.next.column))
+        self._places.append(self._tokens.place(self._tokens.next.offset))
 
     def _read_directive(self) -> bool:
         """Read a directive and tell whether it ends the update."""
@@ -90,7 +105,7 @@ class _UpdateReader:
         if name == "#step":
             self._read_step()
         elif name in _DIRECTIVES:
-            self._place()
+            self._note_place()
             self._tokens.take()
             self._items.append(_DIRECTIVES[name](self._tokens))
         elif name == "#endstep":
@@ -102,18 +117,14 @@ class _UpdateReader:
         return name in ("#endstep", "#stop")
 
     def _read_step(self) -> None:
-        token = self._tokens.take()
+        line, _ = self._tokens.place(self._tokens.take().offset)
         step = read_number(self._tokens, "the step")
         bound = read_number(self._tokens, "the bound") if self._tokens.accept(":") else None
         if self._step is None:
             self._step, self._bound = step, bound
         else:
-            text = f"New '#step {step}.' without prior '#endstep.' encountered in line {token.line}. Ignoring...."
+            text = f"New '#step {step}.' without prior '#endstep.' encountered in line {line}. Ignoring...."
             self._warnings.append(text)
-
-
-def _read_volatile(tokens: TokenStream) -> Volatile:
-    return Volatile(read_number(tokens, "the window") if tokens.accept(":") else None)
 
 
 def _read_range(tokens: TokenStream) -> Tuple[int, int]:
@@ -121,46 +132,34 @@ def _read_range(tokens: TokenStream) -> Tuple[int, int]:
     return first, read_number(tokens, "the last step") if tokens.accept("..") else first
 
 
-def _read_assert(tokens: TokenStream) -> Assert:
-    tokens.expect(":", "and a term behind #assert")
-    return Assert(read_term(tokens))
-
-
-def _read_retract(tokens: TokenStream) -> Retract:
-    tokens.expect(":", "and a term behind #retract")
-    return Retract(read_term(tokens))
+def _read_name(tokens: TokenStream, directive: str) -> clingo.Symbol:
+    tokens.expect(":", f"and a term behind {directive}")
+    return read_term(tokens)
 
 
 _DIRECTIVES: Dict[str, Callable[[TokenStream], Item]] = {
     "#cumulative": lambda tokens: Cumulative(),
-    "#volatile": _read_volatile,
+    "#volatile": lambda tokens: Volatile(read_number(tokens, "the window") if tokens.accept(":") else None),
     "#forget": lambda tokens: Forget(*_read_range(tokens)),
     "#closed": lambda tokens: Closed(*_read_range(tokens)),
     "#over": lambda tokens: Over(read_number(tokens, "a step")),
     "#withdraw": lambda tokens: Withdraw(read_atom(tokens)),
     "#anew": lambda tokens: Anew(),
-    "#assert": _read_assert,
-    "#retract": _read_retract,
+    "#assert": lambda tokens: Assert(_read_name(tokens, "#assert")),
+    "#retract": lambda tokens: Retract(_read_name(tokens, "#retract")),
     "#stop": lambda tokens: Stop(),
 }
 
 
 def _read_statement(tokens: TokenStream) -> Statement:
     head = None if tokens.at(":-") else read_atom(tokens)
-    body: Tuple[Literal, ...] = ()
-    if tokens.accept(":-"):
-        body = _read_body(tokens)
-    tokens.expect(".", "to end the statement")
-    return Statement(head, body)
-
-
-def _read_body(tokens: TokenStream) -> Tuple[Literal, ...]:
-    if tokens.at("."):
-        return ()
-    body = [_read_literal(tokens)]
-    while tokens.accept(","):
+    body: List[Literal] = []
+    if tokens.accept(":-") and not tokens.at("."):
         body.append(_read_literal(tokens))
-    return tuple(body)
+        while tokens.accept(","):
+            body.append(_read_literal(tokens))
+    tokens.expect(".", "to end the statement")
+    return Statement(head, tuple(body))
 
 
 def _read_literal(tokens: TokenStream) -> Literal:

@@ -7,8 +7,8 @@ reads statements and directives of them. The grammar of terms is oClingo's: iden
 """
 
 import re
-from dataclasses import dataclass, field
-from typing import Iterator, List, NamedTuple, NoReturn, Optional, Tuple, Union
+from bisect import bisect_right
+from typing import List, NamedTuple, NoReturn, Tuple
 
 import clingo
 
@@ -17,6 +17,7 @@ from rosoclingo.oclingo.errors import ProgressionError
 MAX_DEPTH = 256
 """Deepest nesting of terms that is read; far beyond any use, and safe for the recursion in clingo."""
 
+_SHOWN = 60  # characters of a token that a message shows
 _LOWEST, _HIGHEST = -(2**31), 2**31 - 1
 _LIMITS = {"#inf": clingo.Infimum, "#sup": clingo.Supremum}
 _TOKEN = re.compile(
@@ -34,7 +35,7 @@ _TOKEN = re.compile(
 _VARIABLE = re.compile(r"[_']*[A-Z][A-Za-z0-9_']*|_")
 _ODD_STRING = re.compile(r'"(?:[^"\\\n]|\\["\\n])*"')
 _BLOCK_EDGE = re.compile(r"%\*|\*%")
-_ESCAPES = {"\\n": "\n", '\\"': '"', "\\\\": "\\"}
+_ESCAPE = re.compile(r"\\(.)")
 
 
 class Signature(NamedTuple):
@@ -54,25 +55,11 @@ def signature_of(atom: clingo.Symbol) -> Signature:
 
 
 class Token(NamedTuple):
-    """A token: its kind (``string``, ``number``, ``name``, ``directive``, ``symbol`` or ``end``), text and place."""
+    """A token: its kind (``string``, ``number``, ``name``, ``directive``, ``symbol`` or ``end``), text and offset."""
 
     kind: str
     text: str
-    line: int
-    column: int
-
-
-class _Place:
-    """Turns offsets, asked for in rising order, into lines and columns (both from 1)."""
-
-    def __init__(self, text: str) -> None:
-        self._text, self._line, self._start, self._seen = text, 1, 0, 0
-
-    def __call__(self, offset: int) -> Tuple[int, int]:
-        self._line += self._text.count("\n", self._seen, offset)
-        self._start = self._text.rfind("\n", 0, offset) + 1
-        self._seen = offset
-        return self._line, offset - self._start + 1
+    offset: int
 
 
 def _end_of_block(text: str, start: int) -> int:
@@ -106,38 +93,49 @@ def _of_variable(name: str, with_arguments: bool) -> str:
     return f'{name} is a variable, since it begins with a capital letter: write a value, such as {small} or "{name}"'
 
 
-def scan(text: str) -> Iterator[Token]:
-    """Yield the tokens of ``text``, an ``end`` token last; raise :class:`ProgressionError` at what is none."""
-    place, offset = _Place(text), 0
-    while offset < len(text):
-        match = _TOKEN.match(text, offset)
-        if match is None:
-            raise ProgressionError(*place(offset), _complaint(text, offset))
-        kind = str(match.lastgroup)
-        if kind == "block":
-            end = _end_of_block(text, offset)
-            if end < 0:
-                raise ProgressionError(*place(offset), "comment without end; close it with *%")
-            offset = end
-            continue
-        if kind != "space":
-            yield Token(kind, match.group(), *place(offset))
-        offset = match.end()
-    yield Token("end", "", *place(len(text)))
-
-
 class TokenStream:
-    """The tokens of a text, read one by one with one token of look-ahead."""
+    """The tokens of a text, read one by one with one token of look-ahead.
 
-    def __init__(self, text: str) -> None:
-        self._tokens = scan(text)
-        self.next = next(self._tokens)
+    Attributes:
+        next: the next token, of kind ``end`` behind the last one. Text that is no token raises ProgressionError.
+        strings_apart: whether strings become constants, see :func:`.parser.strings_apart`.
+
+    """
+
+    def __init__(self, text: str, strings_apart: bool = False) -> None:
+        self._text, self.strings_apart = text, strings_apart
+        self._offset = 0
+        self._lines: List[int] = []  # offsets at which lines begin, once a place is asked for
+        self.next = self._scan()
+
+    def _scan(self) -> Token:
+        while self._offset < len(self._text):
+            match, start = _TOKEN.match(self._text, self._offset), self._offset
+            if match is None:
+                raise self.error(start, _complaint(self._text, start))
+            self._offset = match.end()
+            if match.lastgroup == "block":
+                self._offset = _end_of_block(self._text, start)
+                if self._offset < 0:
+                    raise self.error(start, "comment without end; close it with *%")
+            elif match.lastgroup != "space":
+                return Token(str(match.lastgroup), match.group(), start)
+        return Token("end", "", len(self._text))
+
+    def place(self, offset: int) -> Tuple[int, int]:
+        """Return the line and column, from 1, of an offset in the text."""
+        if not self._lines:
+            self._lines = [0, *(one.end() for one in re.finditer("\n", self._text))]
+        line = bisect_right(self._lines, offset)
+        return line, offset - self._lines[line - 1] + 1
+
+    def error(self, offset: int, message: str) -> ProgressionError:
+        """Return the error to raise about the text at ``offset``."""
+        return ProgressionError(*self.place(offset), message)
 
     def take(self) -> Token:
         """Return the next token and move on (the ``end`` token stays)."""
-        token = self.next
-        if token.kind != "end":
-            self.next = next(self._tokens)
+        token, self.next = self.next, self._scan()
         return token
 
     def at(self, *texts: str) -> bool:
@@ -159,13 +157,10 @@ class TokenStream:
 
     def fail(self, message: str) -> NoReturn:
         """Raise :class:`ProgressionError` at the next token."""
-        found = "found the end" if self.next.kind == "end" else f"found {shorten(self.next.text)}"
-        raise ProgressionError(self.next.line, self.next.column, f"{message}, {found}")
-
-
-def shorten(text: str, limit: int = 60) -> str:
-    """Return ``text`` quoted for a message, cut to about ``limit`` characters."""
-    return repr(text) if len(text) <= limit else repr(text[:limit]) + "..."
+        text = self.next.text
+        quoted = repr(text) if len(text) <= _SHOWN else repr(text[:_SHOWN]) + "..."
+        found = "found the end" if self.next.kind == "end" else f"found {quoted}"
+        raise self.error(self.next.offset, f"{message}, {found}")
 
 
 def parse_term(text: str) -> clingo.Symbol:
@@ -197,111 +192,69 @@ def read_atom(tokens: TokenStream) -> clingo.Symbol:
     if tokens.next.kind != "name" or tokens.at("not"):
         tokens.fail("expected an atom: a name in lower case, like p or p(1)")
     name = tokens.take().text
-    return _read_compound(tokens, _Compound(name, positive)) if tokens.accept("(") else _function(name, [], positive)
-
-
-def read_term(tokens: TokenStream) -> clingo.Symbol:
-    """Read a term from ``tokens``."""
-    value = _read_simple(tokens)
-    return _read_compound(tokens, value) if isinstance(value, _Compound) else value
+    return clingo.Function(name, _read_arguments(tokens, 1)[0] if tokens.at("(") else [], positive)
 
 
 def read_number(tokens: TokenStream, what: str) -> int:
     """Read a number without sign; ``what`` names it in the error."""
     if tokens.next.kind != "number":
         tokens.fail(f"expected {what}, a number")
-    return _number(tokens.take(), 1)
+    return _read_number(tokens, 1)
 
 
-@dataclass
-class _Compound:
-    """A function, or a tuple where it has no name, whose arguments are being read."""
-
-    name: str
-    positive: bool = True
-    arguments: List[clingo.Symbol] = field(default_factory=list)
-    comma: bool = False
-
-    def value(self) -> clingo.Symbol:
-        """Return the symbol; a term in brackets is no tuple without a comma."""
-        if not self.name and len(self.arguments) == 1 and not self.comma:
-            return self.arguments[0]
-        return _function(self.name, self.arguments, self.positive)
-
-
-def _function(name: str, arguments: List[clingo.Symbol], positive: bool = True) -> clingo.Symbol:
-    return clingo.Function(name, arguments, positive)
-
-
-def _read_simple(tokens: TokenStream) -> Union[clingo.Symbol, _Compound]:
-    """Read a term as far as the bracket that begins its arguments, if it has any."""
-    if tokens.next.kind == "string":
-        return clingo.String(_unescape(tokens.take().text[1:-1]))
+def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
+    """Read a term from ``tokens``; it stands inside ``depth`` others."""
+    first = tokens.next
+    if first.kind == "string":
+        text = tokens.take().text
+        return clingo.Function(text) if tokens.strings_apart else clingo.String(_unescape(text[1:-1]))
     if tokens.at(*_LIMITS):
         return _LIMITS[tokens.take().text]
     positive = not tokens.accept("-")
     if tokens.next.kind == "number":
-        return clingo.Number(_number(tokens.take(), 1 if positive else -1))
-    if tokens.next.kind == "name" and not tokens.at("not"):
-        name = tokens.take().text
-        return _Compound(name, positive) if tokens.accept("(") else _function(name, [], positive)
-    if not positive:
+        return clingo.Number(_read_number(tokens, 1 if positive else -1))
+    name = tokens.take().text if tokens.next.kind == "name" and not tokens.at("not") else ""
+    if not name and not positive:
         tokens.fail("expected a number or a name behind '-'")
-    if not tokens.accept("("):
+    if not name and not tokens.at("("):
         tokens.fail('expected a term: a name in lower case, an integer, a "string", f(terms) or a tuple')
-    return _Compound("")
-
-
-def _read_compound(tokens: TokenStream, outermost: _Compound) -> clingo.Symbol:
-    """Read the arguments of ``outermost`` and its end, without recursion in depth."""
-    stack = [outermost]
-    while True:
-        value: Optional[clingo.Symbol] = None
-        inner = stack[-1]
-        if not (tokens.at(")") and not inner.name and (inner.comma or not inner.arguments)):
-            place = tokens.next
-            read = _read_simple(tokens)
-            if isinstance(read, _Compound):
-                _check_depth(len(stack), place)
-                stack.append(read)
-                continue
-            value = read
-        while True:
-            if value is not None:
-                stack[-1].arguments.append(value)
-            if not tokens.accept(")"):
-                break
-            value = stack.pop().value()
-            if not stack:
-                return value
-        tokens.expect(",", "or ')' behind an argument")
-        stack[-1].comma = True
-
-
-def _check_depth(depth: int, token: Token) -> None:
+    if not tokens.at("("):
+        return clingo.Function(name, [], positive)
     if depth >= MAX_DEPTH:
-        raise ProgressionError(token.line, token.column, f"term nested deeper than {MAX_DEPTH} levels")
+        raise tokens.error(first.offset, f"term nested deeper than {MAX_DEPTH} levels")
+    arguments, comma = _read_arguments(tokens, depth + 1, is_tuple=not name)
+    if not name and len(arguments) == 1 and not comma:
+        return arguments[0]  # in brackets
+    return clingo.Function(name, arguments, positive)
 
 
-def _number(token: Token, sign: int) -> int:
+def _read_arguments(tokens: TokenStream, depth: int, is_tuple: bool = False) -> Tuple[List[clingo.Symbol], bool]:
+    """Read arguments in brackets; tell whether there was a comma. A tuple can be empty or end with a comma."""
+    tokens.take()
+    arguments, comma = [], False
+    while not (is_tuple and tokens.at(")")):
+        arguments.append(read_term(tokens, depth))
+        if tokens.at(")"):
+            break
+        tokens.expect(",", "or ')' behind an argument")
+        comma = True
+    tokens.take()
+    return arguments, comma
+
+
+def _read_number(tokens: TokenStream, sign: int) -> int:
+    token = tokens.take()
     # the length is looked at first: int() refuses or labours on texts of thousands of digits
     value = sign * int(token.text) if len(token.text.lstrip("0")) <= 10 else None
     if value is None or not _LOWEST <= value <= _HIGHEST:
         text = token.text if len(token.text) <= 20 else token.text[:20] + "..."
         limits = f"numbers go from {_LOWEST} to {_HIGHEST}"
-        raise ProgressionError(token.line, token.column, f"number {text} does not fit in 32 bits; {limits}")
+        raise tokens.error(token.offset, f"number {text} does not fit in 32 bits; {limits}")
     return value
 
 
 def _unescape(text: str) -> str:
-    if "\\" not in text:
-        return text
-    parts, index = [], 0
-    while index < len(text):
-        pair = text[index : index + 2]
-        parts.append(_ESCAPES.get(pair, text[index]))
-        index += 2 if pair in _ESCAPES else 1
-    return "".join(parts)
+    return _ESCAPE.sub(lambda match: "\n" if match.group(1) == "n" else match.group(1), text)
 
 
 def _expect_end(tokens: TokenStream) -> None:

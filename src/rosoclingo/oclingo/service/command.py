@@ -165,7 +165,7 @@ def main(arguments: Optional[Sequence[str]], make_workers: Callable[..., Workers
         program = ReactiveProgram([_source(file) for file in files], constants)
         for text in program.warnings:
             _say(f"warning: {text}")
-        ways = {"shortest": options.shortest, "oclingo_strings": not options.shortest, "plan_time": options.plan_time}
+        ways = {"shortest": options.shortest, "plan_time": options.plan_time}
         with make_workers(program, models=models, horizon_limit=options.imax, fork=True, **ways) as process:
             process.start()
             return _run(process.solver(), options)

@@ -10,7 +10,8 @@ from typing import Callable, List, Optional, Tuple
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import Reader
+from rosoclingo.oclingo.program.update_reader import with_failures
+from rosoclingo.oclingo.progression.parser import strings_apart
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.reactive_grounding import Answers, ReactiveGrounding
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult, refusal
@@ -37,7 +38,6 @@ class ReactiveSolver:
         program: ReactiveProgram,
         models: int = 1,
         horizon_limit: Optional[int] = None,
-        oclingo_strings: bool = True,
     ) -> None:
         """Make a solver.
 
@@ -45,13 +45,11 @@ class ReactiveSolver:
             program: the reactive logic program.
             models: how many answers to compute for an update, 0 for all.
             horizon_limit: no step beyond it is grounded.
-            oclingo_strings: take strings in updates as oClingo did, see :mod:`~rosoclingo.oclingo.progression.strings`.
 
         """
         self.program = program
         self.models = models
         self._limit = horizon_limit
-        self._reader = Reader(program, oclingo_strings)
         self.state = StreamState(forgets_done=program.first_step - 1)
         self._grounding: Optional[ReactiveGrounding] = None  # fits the state
         self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
@@ -121,7 +119,7 @@ class ReactiveSolver:
         return found[0]
 
     def _read(self, update: Optional[StreamUpdate]) -> Optional[StreamUpdate]:
-        return None if update is None else self._reader.read(update, self.state.permanent)
+        return None if update is None else with_failures(self.program, strings_apart(update), self.state.permanent)
 
     def _begin(self, dropped: Optional[Stopped]) -> Transaction:
         return Transaction(self.program, self.state.copy(), self._grounding, self._limit, dropped or (lambda: False))

@@ -26,14 +26,12 @@ class Stream(NamedTuple):
         log: the history.
         update: the update that follows it.
         steps: the greatest number of steps of a plan.
-        oclingo_strings: as for :class:`~rosoclingo.planning.solver.PlanSolver`.
 
     """
 
     log: History
     update: StreamUpdate
     steps: int
-    oclingo_strings: bool = False
 
 
 def stream_to_message(stream: Stream) -> Message:
@@ -59,7 +57,7 @@ class Questions:
     def __init__(self, program: RelaxedProgram, stream: Stream, idles: bool, halt: Stop) -> None:
         """Prepare to ask; ``idles``: whether answers can be extended by idle steps. ``halt`` stops a question."""
         self._stream, self._idles, self._halt = stream, idles, halt
-        self._solver = PlanSolver(program, oclingo_strings=stream.oclingo_strings, idles=idles)
+        self._solver = PlanSolver(program, idles=idles)
         self._solver.restore(stream.log)
         before, update = self._solver.snapshot, stream.update
         self.step = before.step if update.step is None else update.step

@@ -4,7 +4,7 @@ import pytest
 from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.program.update_reader import Reader, is_predictable, with_their_failures
+from rosoclingo.oclingo.program.update_reader import is_predictable, with_failures, with_their_failures
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Volatile, Withdraw
 
 PROGRAM = """
@@ -44,8 +44,7 @@ def test_reader_takes_the_parameter_for_success(value, found, order):
     ],
 )
 def test_reader_adds_a_failure_behind_its_return(text, read):
-    reader = Reader(ReactiveProgram.from_text(PROGRAM), False)
-    found = reader.read(parse_update(f"#step 2 : 5. {text} #endstep."), ())
+    found = with_failures(ReactiveProgram.from_text(PROGRAM), parse_update(f"#step 2 : 5. {text} #endstep."), ())
     assert found == parse_update(f"#step 2 : 5. {read or text} #endstep.")
 
 

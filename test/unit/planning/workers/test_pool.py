@@ -44,7 +44,7 @@ EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,
 IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X * t == 19999 * t.\n"
 
 PATIENT = {"patience": 600.0, "grace": 600.0}
-PLANS = {"shortest": True, "oclingo_strings": False}
+PLANS = {"shortest": True}
 
 
 @pytest.fixture(scope="module")
