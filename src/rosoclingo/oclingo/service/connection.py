@@ -27,14 +27,18 @@ class Client:
         """Greet the client at the other end of ``connection``."""
         connection.setblocking(False)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.connection = connection
+        self._connection = connection
         self.hung_up = False
-        self._gone = False
+        self._gone = self._leaving = False
         self._inbox = Inbox()
         self._messages: Deque[Message] = deque()
-        self._current: Iterator[Request] = iter(())
+        self._requests = self._parse()
         self._next: Optional[Request] = None
         self._outbox = bytearray(GREETING)
+
+    def fileno(self) -> int:
+        """Return the file descriptor of the connection."""
+        return self._connection.fileno()
 
     @property
     def reads(self) -> bool:
@@ -49,31 +53,31 @@ class Client:
     @property
     def waits(self) -> bool:
         """Whether it has asked for something, and reads what it is sent."""
-        return self._peek() is not None and len(self._outbox) < OUTBOX_LIMIT
+        return self._request is not None and len(self._outbox) < OUTBOX_LIMIT
 
     @property
     def done(self) -> bool:
         """Whether nothing is left to do for it."""
-        return self.hung_up and not self.writes and self._peek() is None
+        return self.hung_up and not self.writes and self._request is None
 
     def take(self) -> Request:
         """Return what it asks for next; only while :attr:`waits`."""
-        request = self._peek()
+        request, self._next = self._request, None
         assert request is not None
-        self._next = None
         return request
 
     def read(self) -> None:
         """Read what there is."""
         try:
-            data = self.connection.recv(_CHUNK)
+            data = self._connection.recv(_CHUNK)
         except BlockingIOError:
             return
         except OSError:
             self._lose()
             return
         self.hung_up = not data
-        self._messages.extend(self._inbox.feed(data))
+        if not self._leaving:
+            self._messages.extend(self._inbox.feed(data))
 
     def send(self, data: bytes) -> None:
         """Send ``data`` as soon as the client takes it; to one that has gone, nothing is sent."""
@@ -81,41 +85,40 @@ class Client:
             self._outbox += data
 
     def write(self) -> None:
-        """Send what the connection takes."""
+        """Send what the connection takes; end it behind the last data for a client that leaves."""
         try:
-            sent = self.connection.send(memoryview(self._outbox)[:OUTBOX_LIMIT])
+            del self._outbox[: self._connection.send(memoryview(self._outbox)[:OUTBOX_LIMIT])]
+            if self._leaving and not self._outbox:
+                self._connection.shutdown(socket.SHUT_WR)
         except BlockingIOError:
             return
         except OSError:
             self._lose()
-            return
-        del self._outbox[:sent]
 
-    def discard(self) -> None:
-        """Read what there is and forget it."""
-        self.read()
+    def leave(self) -> None:
+        """Ignore what the client asks for, and tell it once all is sent that nothing more will come."""
+        self._leaving, self._next = True, None
         self._messages.clear()
-
-    def end_output(self) -> None:
-        """Tell the client that nothing more will come."""
-        try:
-            self.connection.shutdown(socket.SHUT_WR)
-        except OSError:
-            self._lose()
+        self._requests = self._parse()
+        self.write()
 
     def close(self) -> None:
         """Close the connection."""
-        self.connection.close()
+        self._connection.close()
 
-    def _peek(self) -> Optional[Request]:
-        """Return the next request; messages are parsed when their turn comes."""
-        while self._next is None:
-            self._next = next(self._current, None)
-            if self._next is None:
-                if not self._messages:
-                    return None
-                self._current = requests(self._messages.popleft())
+    @property
+    def _request(self) -> Optional[Request]:
+        """The next request, None if there is none yet."""
+        if self._next is None:
+            self._next = next(self._requests)
         return self._next
+
+    def _parse(self) -> Iterator[Optional[Request]]:
+        """Yield the requests, each parsed when its turn comes; None as long as there is none."""
+        while True:
+            while not self._messages:
+                yield None
+            yield from requests(self._messages.popleft())
 
     def _lose(self) -> None:
         """Note that the connection is broken; complete messages that have come are still done."""

@@ -4,11 +4,11 @@ The solver looks at the stop request every few hundredths of a second; that is w
 works. Clients are served in turn, one update each; all see the one stream that results.
 """
 
-import selectors
+import select
 import socket
 import time
 from contextlib import suppress
-from typing import Callable, Dict, List, Optional
+from typing import Callable, List, Optional, Union
 
 from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
@@ -63,8 +63,6 @@ class Service:
         self._time_limit = time_limit
         self._clock = clock
         self._clients: List[Client] = []
-        self._selector = selectors.DefaultSelector()
-        self._events: Dict[socket.socket, int] = {}
         self._stopped = False
         self._bounded = False
         self._served: Optional[Client] = None
@@ -83,59 +81,33 @@ class Service:
             for client in self._clients:
                 client.close()
             self._listener.close()
-            self._selector.close()
 
     def _next_client(self) -> Optional[Client]:
         """Return a client that waits and put it last, so that each has its turn."""
-        for client in self._clients:
-            if client.waits:
-                self._clients.remove(client)
-                self._clients.append(client)
-                return client
-        return None
+        client = next((one for one in self._clients if one.waits), None)
+        if client is not None:
+            self._clients.remove(client)
+            self._clients.append(client)
+        return client
 
     def _pump(self, timeout: Optional[float]) -> None:
-        """Read and write what can be, accept who comes, close what is done; wait up to ``timeout`` for any of it."""
-        for client in list(self._clients):
-            if client.done and client is not self._served:
-                self._drop(client)
+        """Read and write what can be, accept a client, close what is done; wait up to ``timeout`` for any of it."""
+        for client in [one for one in self._clients if one.done and one is not self._served]:
+            self._clients.remove(client)
+            client.close()
+        reading: List[Union[Client, socket.socket]] = [one for one in self._clients if one.reads]
+        if not self._stopped and len(self._clients) < CLIENT_LIMIT:
+            reading.append(self._listener)
+        writing = [one for one in self._clients if one.writes]
+        readable, writable, _ = select.select(reading, writing, [], timeout if reading or writing else 0)
+        for one in readable:
+            if isinstance(one, Client):
+                one.read()
             else:
-                self._watch_client(client, client.reads)
-        self._watch(self._listener, selectors.EVENT_READ if len(self._clients) < CLIENT_LIMIT else 0, None)
-        for key, events in self._selector.select(timeout):
-            if key.data is None:
-                self._accept()
-                continue
-            if events & selectors.EVENT_READ:
-                key.data.read()
-            if events & selectors.EVENT_WRITE:
-                key.data.write()
-
-    def _watch_client(self, client: Client, reads: bool) -> None:
-        events = selectors.EVENT_READ * reads | selectors.EVENT_WRITE * client.writes
-        self._watch(client.connection, events, client)
-
-    def _watch(self, connection: socket.socket, events: int, client: Optional[Client]) -> None:
-        before = self._events.get(connection, 0)
-        if events == before:
-            return
-        self._events[connection] = events
-        if not events:
-            self._selector.unregister(connection)
-        elif before:
-            self._selector.modify(connection, events, client)
-        else:
-            self._selector.register(connection, events, client)
-
-    def _accept(self) -> None:
-        with suppress(OSError):  # it may have gone by now
-            self._clients.append(Client(self._listener.accept()[0]))
-
-    def _drop(self, client: Client) -> None:
-        self._watch(client.connection, 0, client)
-        del self._events[client.connection]
-        self._clients.remove(client)
-        client.close()
+                with suppress(OSError):  # the client can have gone by now
+                    self._clients.append(Client(one.accept()[0]))
+        for client in writable:
+            client.write()
 
     def _serve(self, client: Client) -> None:
         """Do what ``client`` asks for next."""
@@ -180,24 +152,12 @@ class Service:
 
     def _say_farewell(self) -> None:
         """Send what is left, and wait for the clients to hang up, so that nothing sent is lost on the way."""
-        self._watch(self._listener, 0, None)
         self._listener.close()
+        for client in self._clients:
+            client.leave()
         deadline = self._clock() + _FAREWELL
-        ended: List[Client] = []
         while self._clients and self._clock() < deadline:
-            for client in list(self._clients):
-                if not client.writes and client not in ended:
-                    client.end_output()
-                    ended.append(client)
-                if client.hung_up and not client.writes:
-                    self._drop(client)
-                else:
-                    self._watch_client(client, not client.hung_up)
-            for key, events in self._selector.select(0.1) if self._clients else ():
-                if events & selectors.EVENT_READ:
-                    key.data.discard()
-                if events & selectors.EVENT_WRITE:
-                    key.data.write()
+            self._pump(0.1)
 
 
 class SearchWatch:

@@ -1,6 +1,5 @@
 """Playing updates to a solver: from a stream file, or from somebody who types them."""
 
-import re
 import signal
 import sys
 import time
@@ -17,8 +16,6 @@ from rosoclingo.oclingo.service.protocol import Request
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
-_MAY_END = re.compile(r"#(end|stop)")
-_ENDS = re.compile(r"#(end|stop)[^.]*\.")
 _PROMPT, _PROMPT_MORE = "oclingo> ", "    ...> "
 
 Output = Union[TextOutput, JsonOutput]
@@ -28,14 +25,14 @@ class Assembler:
     """Assembles updates from lines, each as soon as it is complete."""
 
     def __init__(self) -> None:
-        self._pending: List[str] = []
-        self._before = 0
+        self._pending = ""
+        self._before = 0  # lines of earlier updates
         self._may_end = False
 
     @property
     def pending(self) -> bool:
         """Whether an update has begun and is not complete."""
-        return any(line.strip() for line in self._pending)
+        return bool(self._pending.strip())
 
     def feed(self, line: str) -> List[Request]:
         """Take a line and return the updates that are complete by now.
@@ -43,10 +40,9 @@ class Assembler:
         Where there is a fault, it comes last, its line counted from the first line of all; what is pending behind it
         is forgotten.
         """
-        self._pending.append(line)
-        self._may_end = self._may_end or _MAY_END.search(line) is not None
-        ends = self._may_end and "." in line and _ENDS.search("".join(self._pending))
-        return self._parse(last=False) if ends else []
+        self._pending += line
+        self._may_end = self._may_end or "#end" in line or "#stop" in line
+        return self._parse(last=False) if self._may_end and "." in line else []
 
     def finish(self) -> List[Request]:
         """Return what is left at the end of the text; an update without end is a fault."""
@@ -54,12 +50,11 @@ class Assembler:
 
     def forget(self) -> None:
         """Forget what is pending."""
-        self._before += len(self._pending)
-        self._pending.clear()
-        self._may_end = False
+        self._before += self._pending.count("\n")
+        self._pending, self._may_end = "", False
 
     def _parse(self, last: bool) -> List[Request]:
-        text = "".join(self._pending)
+        text = self._pending
         found: List[Request] = []
         try:
             found.extend(iterate_updates(text))

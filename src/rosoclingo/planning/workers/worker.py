@@ -3,12 +3,10 @@
 import os
 import signal
 import socket
-import subprocess
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple, NoReturn, Optional, Tuple, Union
+from typing import NamedTuple, NoReturn, Optional, Tuple
 
 from rosoclingo.oclingo.errors import DroppedError, Fault, NotReadyError, ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -17,7 +15,7 @@ from rosoclingo.planning.history import History, entry_from_message, entry_to_li
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.channel import Channel
-from rosoclingo.planning.workers.forking import ForkedProcess, fork_worker
+from rosoclingo.planning.workers.process import WorkerProcess
 
 POLL = 0.002
 """Seconds of wall time between two calls of a stop function."""
@@ -29,22 +27,8 @@ Patience = Tuple[float, float]
 """Seconds of wall time after a stop until a command is dropped, and until the worker is killed."""
 
 
-Process = Union["subprocess.Popen[bytes]", ForkedProcess]
-
-
 class WorkerLostError(Exception):
     """The worker process has ended; the text says how."""
-
-
-def _new_process(connection: socket.socket) -> "Process":
-    """Start a process that executes the commands that come by ``connection``; raises OSError."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "rosoclingo.planning.workers.worker_main", str(connection.fileno())],
-        stdin=subprocess.PIPE,  # closed when this process ends
-        pass_fds=[connection.fileno()],
-        start_new_session=True,
-        env=dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path))),
-    )
 
 
 class Search(NamedTuple):
@@ -68,8 +52,6 @@ class Search(NamedTuple):
 class Worker:
     """A process with a program that executes one command at a time.
 
-    It runs in a session of its own, so that Ctrl-C in the terminal does not reach it, and ends with its parent.
-
     Attributes:
         is_ready: whether it has loaded the program.
         reached: the last grounded step of the running search, as last reported.
@@ -81,13 +63,13 @@ class Worker:
     def __init__(self, load: Message, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
         """Start a process and send it the command ``load``; raises WorkerLostError.
 
-        With a ``program`` the process is a fork of this one, see :class:`ForkedProcess`; otherwise ``load`` brings it.
+        With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`; otherwise ``load`` brings it.
         """
         self._patience = patience
         ours, theirs = socket.socketpair()
         with theirs:
             try:
-                self._process = _new_process(theirs) if program is None else fork_worker(theirs, program)
+                self._process = WorkerProcess(theirs, program)
             except OSError as error:
                 ours.close()
                 raise WorkerLostError(f"cannot start a solver process: {error}") from None
@@ -111,7 +93,7 @@ class Worker:
     @property
     def alive(self) -> bool:
         """Whether the process still runs."""
-        return self._process.poll() is None
+        return self._process.exit_code is None
 
     @property
     def memory(self) -> int:
@@ -138,10 +120,7 @@ class Worker:
     def kill(self) -> None:
         """Kill the process and close the connection."""
         self._process.kill()
-        self._process.wait()
         self._channel.close()
-        if self._process.stdin is not None:
-            self._process.stdin.close()
 
     # ---- Commands ----------------------------------------------------------------------------------------------------
 
@@ -253,6 +232,6 @@ class Worker:
 
     def _raise_lost(self) -> NoReturn:
         self.kill()
-        code = self._process.wait()
+        code = self._process.kill()
         how = f"with exit code {code}" if code >= 0 else f"by signal {signal.Signals(-code).name}"
         raise WorkerLostError(f"the solver process ended {how}")

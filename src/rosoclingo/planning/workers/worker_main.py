@@ -1,8 +1,7 @@
 """The main program of a worker process.
 
-Started as ``python3 -m rosoclingo.planning.workers.worker_main SOCKET``, where SOCKET is the number of a file
-descriptor. The standard input only serves as a lifeline: when the parent ends, it is closed, and the kernel ends this
-process by SIGIO, even while it is grounding.
+:mod:`~rosoclingo.planning.workers.process` starts it. The standard input only serves as a lifeline: when the parent
+ends, it is closed, and the kernel ends this process by SIGIO, even while it is grounding.
 """
 
 import fcntl
@@ -11,7 +10,6 @@ import os
 import select
 import signal
 import socket
-import sys
 import time
 from contextlib import suppress
 from dataclasses import replace
@@ -26,6 +24,7 @@ from rosoclingo.planning.history import History, entry_from_message, entry_to_me
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.planning.workers.channel import Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
+from rosoclingo.planning.workers.process import CONNECTION
 from rosoclingo.planning.workers.wire import program_from_message, result_to_message
 
 if TYPE_CHECKING:
@@ -229,4 +228,4 @@ def work(connection: socket.socket, program: Optional[ReactiveProgram] = None) -
 
 
 if __name__ == "__main__":
-    work(socket.socket(fileno=int(sys.argv[1])))
+    work(socket.socket(fileno=CONNECTION))

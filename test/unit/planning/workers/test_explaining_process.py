@@ -8,7 +8,7 @@ from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.planning.workers import explanation, worker
+from rosoclingo.planning.workers import explanation, process
 from rosoclingo.planning.workers.explanation import explain_in_worker
 
 PROGRAM = ReactiveProgram.from_text(
@@ -70,6 +70,6 @@ def test_explaining_process_that_cannot_start_is_an_error(monkeypatch):
     def refused(*_arguments, **_more):
         raise OSError("no more processes")
 
-    monkeypatch.setattr(worker.subprocess, "Popen", refused)
+    monkeypatch.setattr(process.os, "posix_spawn", refused)
     with pytest.raises(SolverError, match="no more processes"):
         explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 1.0)

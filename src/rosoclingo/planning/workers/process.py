@@ -1,0 +1,105 @@
+"""Worker processes: new ones, and forks of this process."""
+
+import os
+import signal
+import socket
+import sys
+import traceback
+from contextlib import suppress
+from typing import NoReturn, Optional
+
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+
+CONNECTION = 3
+"""File descriptor of the connection in a new process."""
+
+
+class WorkerProcess:
+    """A child process that executes the commands that come by a connection.
+
+    It runs in a session of its own, so that Ctrl-C in the terminal does not reach it. Its standard input is a lifeline,
+    which closes when this process ends: that ends the child.
+
+    Attributes:
+        pid: process id.
+
+    """
+
+    def __init__(self, connection: socket.socket, program: Optional[ReactiveProgram] = None) -> None:
+        """Start a new process or, if a ``program`` is given, a fork of this process; raises OSError.
+
+        A fork starts in milliseconds, as it shares all that is loaded. This process must have no threads then: the
+        child has copies of their locks, which nobody releases.
+        """
+        lifeline, self._lifeline = os.pipe()
+        self._exit_code: Optional[int] = None
+        try:
+            self.pid = _spawn(connection, lifeline) if program is None else _fork(connection, lifeline, program)
+        except OSError:
+            os.close(self._lifeline)
+            raise
+        finally:
+            os.close(lifeline)
+
+    @property
+    def exit_code(self) -> Optional[int]:
+        """The exit code, or minus the number of the signal that ended it; None while it runs."""
+        return self._wait(os.WNOHANG)
+
+    def kill(self) -> int:
+        """Kill it unless it has ended; return the exit code."""
+        if self.exit_code is None:
+            os.kill(self.pid, signal.SIGKILL)
+        code = self._wait(0)
+        assert code is not None
+        return code
+
+    def _wait(self, options: int) -> Optional[int]:
+        if self._exit_code is None:
+            try:
+                ended, status = os.waitpid(self.pid, options)
+            except ChildProcessError:  # this process ignores SIGCHLD: nobody knows the exit code
+                ended, status = self.pid, 0
+            if ended:
+                self._exit_code = -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+                os.close(self._lifeline)
+        return self._exit_code
+
+
+def _spawn(connection: socket.socket, lifeline: int) -> int:
+    """Start a new process; return its process id."""
+    return os.posix_spawn(
+        sys.executable,
+        [sys.executable, "-m", "rosoclingo.planning.workers.worker_main"],
+        dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path))),
+        file_actions=[(os.POSIX_SPAWN_DUP2, lifeline, 0), (os.POSIX_SPAWN_DUP2, connection.fileno(), CONNECTION)],
+        setsid=True,
+    )
+
+
+def _fork(connection: socket.socket, lifeline: int, program: ReactiveProgram) -> int:
+    """Start a fork of this process that already has the program; return its process id."""
+    return os.fork() or _run_fork(connection, lifeline, program)
+
+
+def _run_fork(connection: socket.socket, lifeline: int, program: ReactiveProgram) -> NoReturn:
+    """Be the child: execute commands and end. Data that the parent has not written yet stays the parent's."""
+    code = 1
+    try:
+        from rosoclingo.planning.workers.worker_main import work  # noqa: PLC0415 other parents do not need it
+
+        os.setsid()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_DFL)
+        os.dup2(lifeline, 0)
+        for file in map(int, os.listdir("/proc/self/fd")):
+            if file > 2 and file != connection.fileno():
+                with suppress(OSError):  # that of the folder itself
+                    os.close(file)
+        with suppress(SystemExit):
+            work(connection, program)
+        code = 0
+    except BaseException:  # noqa: BLE001 the child must not go on with what the parent was doing
+        os.write(2, traceback.format_exc().encode())
+    finally:
+        os._exit(code)

@@ -1,0 +1,60 @@
+"""Workers that are forks: the same answers and the same ends as those that are new processes."""
+
+import os
+import select
+import signal
+import socket
+
+import pytest
+from children import ended, kill
+
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.planning.workers import worker_main
+from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process import WorkerProcess
+
+PROGRAM = ReactiveProgram.from_text("#cumulative t.\n#external e(t).\nc(t) :- e(t).\n")
+
+
+def test_forked_workers_answer_and_are_replaced():
+    with WorkerPool(PROGRAM, fork=True) as pool:
+        solver = pool.solver()
+        solver.update(parse_update("#step 1. e(1). #endstep."))
+        lost = pool.pid
+        kill(pool)
+        result = solver.update(parse_update("#step 2. e(2). #endstep."))
+        assert pool.pid != lost
+    assert sorted(map(str, result.answers[0])) == ["c(1)", "c(2)", "e(1)", "e(2)"]
+
+
+@pytest.mark.parametrize("program", [PROGRAM, None])
+def test_process_reports_its_exit_code(program):
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        process = WorkerProcess(theirs, program)
+        assert process.exit_code is None
+        for _ in range(2):
+            assert (process.kill(), process.exit_code) == (-signal.SIGKILL, -signal.SIGKILL)
+
+
+def test_fork_that_fails_ends_with_the_error(monkeypatch, capfd):
+    def fail(*_arguments):
+        raise ValueError("a fault of its own")
+
+    monkeypatch.setattr(worker_main, "work", fail)
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        process = WorkerProcess(theirs, PROGRAM)
+        assert ended(process.pid)
+        assert process.exit_code == 1
+    assert "ValueError: a fault of its own" in capfd.readouterr().err
+
+
+def test_forked_worker_has_no_other_open_files():
+    """Else connections that the parent closes would stay open."""
+    reader, writer = os.pipe()
+    with WorkerPool(PROGRAM, fork=True) as pool:
+        pool.start()
+        os.close(writer)
+        assert select.select([reader], [], [], 0)[0], "its writer is open in the worker"
+    os.close(reader)
