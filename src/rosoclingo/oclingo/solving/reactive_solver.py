@@ -5,13 +5,12 @@ whole, and no text from outside can end it.
 """
 
 import time
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, Iterator, Optional, Tuple
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import with_failures
-from rosoclingo.oclingo.progression.parser import strings_apart
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.reactive_grounding import Answers, ReactiveGrounding
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult, refusal
@@ -22,10 +21,15 @@ from rosoclingo.oclingo.solving.transaction import Transaction
 Stopped = Callable[[], bool]
 
 
+def _never() -> bool:
+    """The stop of a search that is not stopped."""
+    return False
+
+
 class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates, at the last step that is ground.
 
-    Not thread-safe, except for :meth:`interrupt`. Time is that of the ``stopped`` callable: it is asked every few
+    Not thread-safe. Time is that of the ``stopped`` callable: it is asked every few
     milliseconds of wall time while clingo searches, and before each step is grounded.
 
     Attributes:
@@ -53,7 +57,6 @@ class ReactiveSolver:
         self.state = StreamState(forgets_done=program.first_step - 1)
         self._grounding: Optional[ReactiveGrounding] = None  # fits the state
         self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
-        self._stop = False
 
     @property
     def horizon(self) -> int:
@@ -69,10 +72,6 @@ class ReactiveSolver:
     def step(self) -> int:
         """k, the step of the last update."""
         return self.state.step
-
-    def interrupt(self) -> None:
-        """End the running search, if there is one, with outcome INTERRUPTED; may be called from any thread."""
-        self._stop = True
 
     def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update (before the first one: at horizon 1)."""
@@ -92,43 +91,26 @@ class ReactiveSolver:
 
     def take_again(self, update: Optional[StreamUpdate], horizon: int) -> None:
         """Take what was taken before and led to ``horizon``, without a search."""
-        transaction, read = self._begin(None), self._read(update)
-
-        def take() -> None:
-            """Ground as far as the search did then."""
-            transaction.begin(read, lambda: transaction.state.horizon >= horizon)
+        with self._transaction() as transaction:
+            transaction.begin(update, lambda: transaction.state.horizon >= horizon)
             while transaction.state.horizon < horizon:
                 transaction.grow()
             list(transaction.remarks())
 
-        self._take(transaction, take)
-
     def _run(
         self, update: Optional[StreamUpdate], stopped: Optional[Stopped], dropped: Optional[Stopped]
     ) -> SolveResult:
-        self._stop = False
         check_horizon_limit(update, self.horizon, self._limit)
-        transaction, read = self._begin(dropped), self._read(update)
-        found: List[SolveResult] = []
+        with self._transaction(dropped or _never) as transaction:
+            return self._search(transaction, update, stopped or _never)
 
-        def halt() -> bool:
-            """Tell whether the search is to end."""
-            return self._stop or (stopped is not None and stopped())
-
-        self._take(transaction, lambda: found.append(self._search(transaction, read, halt)))
-        return found[0]
-
-    def _read(self, update: Optional[StreamUpdate]) -> Optional[StreamUpdate]:
-        return None if update is None else with_failures(self.program, strings_apart(update), self.state.permanent)
-
-    def _begin(self, dropped: Optional[Stopped]) -> Transaction:
-        return Transaction(self.program, self.state.copy(), self._grounding, self._limit, dropped or (lambda: False))
-
-    def _take(self, transaction: Transaction, action: Callable[[], None]) -> None:
-        """Do an ``action`` that takes the transaction; what a failure leaves of the grounding fits no state."""
+    @contextmanager
+    def _transaction(self, dropped: Stopped = _never) -> Iterator[Transaction]:
+        """A transaction that is committed unless the block fails: then the grounding fits no state and is dropped."""
+        transaction = Transaction(self.program, self.state.copy(), self._grounding, self._limit, dropped)
         self._grounding, self._under_way = None, lambda: transaction.state.horizon
         try:
-            action()
+            yield transaction
         except RuntimeError as error:
             messages = None if transaction.grounding is None else transaction.grounding.messages
             raise SolverError(refusal(error, messages, self.program)) from None
@@ -139,13 +121,13 @@ class ReactiveSolver:
         satisfiable: Optional[bool] = None
         answers: Answers = ()
         permanent = False
-        going = transaction.begin(update, halt)
+        going, last = transaction.begin(update, halt), transaction.last_horizon
         while going and not halt():
             grounding, asked = transaction.ready(), time.perf_counter()
             satisfiable, answers = grounding.search(self.models, halt)
             seconds += time.perf_counter() - asked
             permanent = satisfiable is False and grounding.conflicting
-            going = satisfiable is False and not permanent and transaction.may_grow()
+            going = satisfiable is False and not permanent and (last is None or transaction.state.horizon < last)
             if going:
                 satisfiable = None  # not known until the next horizon is searched
                 if not halt():
@@ -154,7 +136,7 @@ class ReactiveSolver:
         if satisfiable is not None:
             outcome = SolveOutcome.SATISFIABLE if satisfiable else SolveOutcome.UNSATISFIABLE
         state = transaction.state
-        horizon = max(state.horizon, transaction.last_horizon()) if permanent else state.horizon
+        horizon = max(state.horizon, last or state.horizon) if permanent else state.horizon
         spent = {"solve": seconds, "ground": time.perf_counter() - start - seconds}
         spent["needed"] = time.process_time() - began
         warnings: Tuple[str, ...] = (*transaction.warnings, *transaction.remarks())

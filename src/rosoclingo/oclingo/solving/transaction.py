@@ -12,8 +12,9 @@ import clingo
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Dependencies, statement_edges
-from rosoclingo.oclingo.program.update_reader import closed_cycles
+from rosoclingo.oclingo.program.update_reader import closed_cycles, with_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
+from rosoclingo.oclingo.progression.parser import strings_apart
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import (
     Anew,
@@ -67,6 +68,7 @@ class Transaction:
         if update is None:
             complete = self._ground_to(max(self.state.horizon, self.state.step), halt)
         else:
+            update = with_failures(self.program, strings_apart(update), self.state.permanent)
             self._look_back(update)
             complete = self._take(update, halt)
         forgets, self._forgets = self._forgets, None
@@ -106,14 +108,10 @@ class Transaction:
             self.grounding = self._build()
         return self.grounding
 
-    def may_grow(self) -> bool:
-        """Whether the bound and the limit of the horizon allow another step."""
-        return self.last_horizon(self.state.horizon + 1) > self.state.horizon
-
-    def last_horizon(self, most: Optional[int] = None) -> int:
-        """Return the least of bound, limit and ``most``; the present horizon where there is none."""
-        ends = [end for end in (self.state.bound, self._limit, most) if end is not None]
-        return min(ends, default=self.state.horizon)
+    @property
+    def last_horizon(self) -> Optional[int]:
+        """The greatest horizon to search, by the bound of the stream and the limit of the solver; None for none."""
+        return min((end for end in (self.state.bound, self._limit) if end is not None), default=None)
 
     def grow(self) -> None:
         """Ground one more step."""

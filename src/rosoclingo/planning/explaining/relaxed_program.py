@@ -69,7 +69,7 @@ class RelaxedProgram(ReactiveProgram):
     @classmethod
     def of(cls, program: ReactiveProgram) -> "RelaxedProgram":
         """Return ``program`` with relaxed constraints."""
-        return cls(program.sources, {name: str(value) for name, value in program.constants.items()})
+        return cls(program.texts, {name: str(value) for name, value in program.constants.items()}, whole=True)
 
     def without(self, facts: AbstractSet[int]) -> "RelaxedProgram":
         """Return the program without some facts, given by their numbers."""

@@ -3,8 +3,6 @@
 Symbols are sent as text, see :mod:`~rosoclingo.planning.text`.
 """
 
-from pathlib import Path
-
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
@@ -13,14 +11,14 @@ from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 
 def program_to_message(program: ReactiveProgram) -> Message:
     """Return ``program`` for :func:`program_from_message`."""
-    sources = [[one.name, one.text, None if one.folder is None else str(one.folder)] for one in program.sources]
+    sources = [[one.name, one.text] for one in program.texts]
     return {"sources": sources, "constants": {name: str(value) for name, value in program.constants.items()}}
 
 
 def program_from_message(message: Message) -> ReactiveProgram:
-    """Return the program of :func:`program_to_message`; raises ProgramError."""
-    sources = [Source(name, text, folder and Path(folder)) for name, text, folder in message["sources"]]
-    return ReactiveProgram(sources, message["constants"])
+    """Return the program of :func:`program_to_message`; no file is read."""
+    sources = [Source(name, text) for name, text in message["sources"]]
+    return ReactiveProgram(sources, message["constants"], whole=True)
 
 
 def result_to_message(result: SolveResult) -> Message:

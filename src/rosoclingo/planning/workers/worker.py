@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple, NoReturn, Optional, Tuple
 
-from rosoclingo.oclingo.errors import DroppedError, Fault, NotReadyError, ProgramError, SolverError
+from rosoclingo.oclingo.errors import DroppedError, NotReadyError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.planning.history import History, entry_from_message, entry_to_line
@@ -146,7 +146,7 @@ class Worker:
         self.search = self._reply = None
 
     def wait_until_ready(self, stopped: Optional[Stop]) -> None:
-        """Wait until the program is loaded; raises NotReadyError after a stop, and ProgramError."""
+        """Wait until the program is loaded; raises NotReadyError after a stop."""
         while not self.is_ready:
             if not self._receive(POLL) and stopped is not None and stopped():
                 raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
@@ -226,8 +226,6 @@ class Worker:
             self._reply = message
         self._open -= "more" not in message
         self.is_ready = True
-        if "faults" in message:
-            raise ProgramError([Fault(**one) for one in message["faults"]])
         return True
 
     def _raise_lost(self) -> NoReturn:

@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Union
 
-from rosoclingo.oclingo.errors import DroppedError, ProgramError, SolverError
+from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
@@ -92,10 +92,7 @@ class WorkerMain:
     # ---- Commands ----------------------------------------------------------------------------------------------------
 
     def _load(self, command: Message) -> Message:
-        try:
-            self._program = program = self._given or program_from_message(command["program"])
-        except ProgramError as error:
-            return {"faults": [vars(one) for one in error.faults]}
+        self._program = program = self._given or program_from_message(command["program"])
         self._histories.clear()
         self._solver = new_solver(program, dict(command["options"]))
         return {}

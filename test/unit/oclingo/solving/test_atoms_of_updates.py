@@ -321,10 +321,10 @@ def test_a_solver_begins_at_the_first_step():
     assert (solver.step, solver.horizon) == (1, 1)
 
 
-def test_an_interrupt_ends_the_search(external):
+def test_a_stop_ends_the_search(external):
     assert play(external, "#step 1.").outcome is SolveOutcome.SATISFIABLE
     update = parse_update("#step 9. #endstep.")
-    assert external.update(update, lambda: external.interrupt()).outcome is SolveOutcome.INTERRUPTED
+    assert external.update(update, lambda: True).outcome is SolveOutcome.INTERRUPTED
     assert external.solve().outcome is SolveOutcome.SATISFIABLE, "the next one begins anew"
 
 

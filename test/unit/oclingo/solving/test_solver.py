@@ -180,12 +180,6 @@ def test_statistics_lie_within_the_time_that_has_passed(kind):
         assert seconds["solve"] + seconds["ground"] <= time.perf_counter() - began
 
 
-def test_interrupt_without_a_search_changes_nothing():
-    solver = solver_of("a. #cumulative t. #volatile t.")
-    solver.interrupt()
-    assert solver.solve().outcome is SolveOutcome.SATISFIABLE
-
-
 def test_least_costs_come_alone():
     solver = solver_of(
         "1 { a ; b ; c }. #minimize { 2,a : a ; 1,b : b ; 1,c : c }. #cumulative t. #volatile t.", models=0

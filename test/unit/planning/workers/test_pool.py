@@ -17,7 +17,6 @@ from shipped import shipped
 
 from rosoclingo.oclingo import (
     DroppedError,
-    ProgramError,
     ReactiveProgram,
     ReactiveSolver,
     SolveOutcome,
@@ -138,13 +137,13 @@ def test_remarks_of_clingo_are_reported_once():
 # ---- The life of workers ---------------------------------------------------------------------------------------------
 
 
-def test_pool_reports_faults_that_only_workers_see(tmp_path):
+def test_workers_need_no_file_of_the_program(tmp_path):
     file = tmp_path / "part.lp"
     file.write_text("#program base.\na.\n", encoding="utf-8")
     program = ReactiveProgram.from_text(f'#include "{file}".\n' + ECHO)
     file.unlink()
-    with WorkerPool(program) as pool, pytest.raises(ProgramError, match=r"part\.lp"):
-        pool.start()
+    with WorkerPool(program) as pool:
+        assert answers(pool.solver().solve()) == [["a"]]
 
 
 def test_closed_pool_refuses_all_questions():
