@@ -4,7 +4,7 @@ import os
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import Position
@@ -56,7 +56,7 @@ def read_sources(
 
     With ``whole`` all that they include is among them. Raises ProgramError with all the faults of all files.
     """
-    collector = Collector(whole)
+    collector = Collector(sources if whole else ())
     for source in sources:
         collector.add(source)
     collector.translate()
@@ -79,24 +79,26 @@ def read_sources(
 class Collector:
     """Follows includes, each file once; the files of a program are translated together.
 
-    With ``whole`` what is included is among what is added.
+    Files are read; but if all texts of a program are given, an included one is that of its name among them.
     """
 
-    def __init__(self, whole: bool = False) -> None:
-        self._whole = whole
-        self._numbers: Dict[Path, Optional[int]] = {}  # None for a file that cannot be read
+    def __init__(self, given: Sequence[Source] = ()) -> None:
+        self._given = {os.path.normpath(one.name): one for one in given}
+        self._numbers: Dict[Path, int] = {}
+        self._unreadable: Set[Path] = set()
         self._documents: Dict[int, Document] = {}  # of sources in a language of their own
-        self._includes: List[List[Tuple[Include, Optional[int]]]] = []  # of each source, and which one each is
+        self._includes: List[List[Optional[int]]] = []  # of each source, which ones it includes; None if not there
         self.sources: List[Source] = []
         self.translations: List[Optional[Translation]] = []  # of each source, where it is in a language of its own
         self.texts: List[str] = []  # of each source, in clingo's language or gringo 3's
         self.faults: List[Fault] = []
 
-    def add(self, source: Source) -> None:
-        """Take a source and all that it includes."""
+    def add(self, source: Source) -> int:
+        """Take a source and all that it includes, unless it was included or named before; return its number."""
+        number = self._numbers.setdefault(Path(source.name).resolve(), len(self.sources))
+        if number < len(self.sources) and self.sources[number].text == source.text:
+            return number
         language, number = language_of(source.name), len(self.sources)
-        if not self._whole and self._is_known(source, number):
-            return
         if language is not None:
             self._documents[number] = language.read(source.text, source.name)
             includes = self._documents[number].includes
@@ -107,37 +109,36 @@ class Collector:
         self.translations.append(None)
         self._includes.append([])
         for one in includes:
-            self._includes[number].append((one, None if self._whole else self._include(source, one)))
+            included = self._find(source, one)
+            self._includes[number].append(None if included is None else self.add(included))
+        return number
 
-    def _is_known(self, source: Source, number: int) -> bool:
-        """Whether this is a file that was included, or named, before; else it is the one of this ``number``."""
-        known = self._numbers.setdefault(Path(source.name).resolve(), number)
-        return known is not None and known != number and self.sources[known].text == source.text
-
-    def _include(self, source: Source, wanted: Include) -> Optional[int]:
-        path = found_file(source, wanted.name)
+    def _find(self, source: Source, wanted: Include) -> Optional[Source]:
+        """Return the file that a source includes, None if it is not there or cannot be read."""
+        if self._given:
+            beside = os.path.join(os.path.dirname(source.name), wanted.name)
+            found = (self._given.get(os.path.normpath(name)) for name in (beside, wanted.name))
+            return next((one for one in found if one is not None), None)
+        folders = [folder for folder in (source.folder, Path()) if folder is not None]
+        path = next((folder / wanted.name for folder in folders if (folder / wanted.name).is_file()), None)
         if path is None:
-            self.faults.append(missing_file(source, wanted))
-            return None
-        key = path.resolve()
-        if key not in self._numbers:
+            mend = f"looked in {' and '.join(dict.fromkeys(str(folder.resolve()) for folder in folders))}"
+            message = f"included file {wanted.name!r} is not there"
+            self.faults.append(Fault(source.name, wanted.line, wanted.column, message, mend))
+        elif path.resolve() not in self._unreadable:
             try:
-                included = Source.from_file(path)
+                return Source.from_file(path)
             except ProgramError as error:
                 self.faults.extend(error.faults)
-                self._numbers[key] = None
-            else:
-                self.add(included)
-        return self._numbers[key]
+                self._unreadable.add(path.resolve())
+        return None
 
     def translate(self) -> None:
         """Translate what is in languages of their own."""
         languages = {number: language_of(one.name) for number, one in self._documents.items()}
         for language in filter(None, dict.fromkeys(languages.values())):
             numbers = [number for number, other in languages.items() if other is language]
-            included = [
-                [self._brought(self._target(one, *way), numbers) for way in self._includes[one]] for one in numbers
-            ]
+            included = [[self._brought(other, numbers) for other in self._includes[one]] for one in numbers]
             try:
                 documents = [self._documents[number] for number in numbers]
                 for number, one in zip(numbers, translate_documents(language, documents, included)):
@@ -146,17 +147,6 @@ class Collector:
                 self.faults.extend(error.faults)
                 for number in numbers:
                     self.texts[number] = ""
-
-    def _target(self, number: int, wanted: Include, found: Optional[int]) -> Optional[int]:
-        """Return which source another one includes, None where it is not there."""
-        if not self._whole:
-            return found
-        beside = os.path.join(os.path.dirname(self.sources[number].name), wanted.name)
-        names = [os.path.normpath(one.name) for one in self.sources]
-        for name in map(os.path.normpath, (beside, wanted.name)):
-            if name in names:
-                return names.index(name)
-        return None
 
     def _brought(self, number: Optional[int], wanted: Sequence[int]) -> List[int]:
         """Return the places among the ``wanted`` sources of those that an include brings in."""
@@ -167,23 +157,9 @@ class Collector:
             if one in wanted:
                 found.append(wanted.index(one))
             elif one is not None:
-                following = [self._target(one, *way) for way in self._includes[one]]
-                waiting += [other for other in following if other not in seen]
-                seen.update(following)
+                waiting += [other for other in self._includes[one] if other not in seen]
+                seen.update(self._includes[one])
         return sorted(found)
-
-
-def found_file(source: Source, name: str) -> Optional[Path]:
-    """Return the path of a file that a source includes, None where it is not there."""
-    folders = [folder for folder in (source.folder, Path()) if folder is not None]
-    return next((folder / name for folder in folders if (folder / name).is_file()), None)
-
-
-def missing_file(source: Source, wanted: Include) -> Fault:
-    """Return that an included file is not there."""
-    folders = dict.fromkeys(str(folder.resolve()) for folder in (source.folder, Path()) if folder is not None)
-    mend = f"looked in {' and '.join(folders)}"
-    return Fault(source.name, wanted.line, wanted.column, f"included file {wanted.name!r} is not there", mend)
 
 
 def _parse(
