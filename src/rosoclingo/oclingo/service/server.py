@@ -8,13 +8,13 @@ import select
 import socket
 import time
 from contextlib import suppress
-from typing import Callable, List, Optional, Union
+from typing import List, Optional, Union
 
-from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
+from rosoclingo.oclingo.errors import ProgressionError, SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service import protocol
 from rosoclingo.oclingo.service.connection import Client
-from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.results import SolveOutcome
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
 GRACE = 0.5
@@ -42,26 +42,18 @@ def listen(host: str, port: int) -> socket.socket:
 class Service:
     """Answers clients until one of them sends ``#stop.``"""
 
-    def __init__(
-        self,
-        solver: StreamSolver,
-        listener: socket.socket,
-        time_limit: Optional[float] = None,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, solver: StreamSolver, listener: socket.socket, time_limit: Optional[float] = None) -> None:
         """Make a service of ``solver``.
 
         Args:
             solver: the solver that all clients share.
             listener: socket that listens; the service closes it.
             time_limit: seconds after which a search is ended, None for no limit.
-            clock: returns seconds; all times are its own.
 
         """
         self._solver = solver
         self._listener = listener
         self._time_limit = time_limit
-        self._clock = clock
         self._clients: List[Client] = []
         self._stopped = False
         self._bounded = False
@@ -124,9 +116,14 @@ class Service:
 
     def _solve(self, client: Client, update: StreamUpdate) -> None:
         bounded = self._bounded if update.step is None else update.bound is not None
-        search = SearchWatch(self._clock(), bounded, self._time_limit)
+        search = SearchWatch(time.monotonic(), bounded, self._time_limit)
+
+        def stopped() -> bool:
+            self._pump(0)
+            return search.must_end(time.monotonic(), any(one.waits for one in self._clients), client.hung_up)
+
         try:
-            result = self._search(client, update, search)
+            result = self._solver.update(update, stopped)
         except SolverError as error:
             why = f" ({search.ended_by})" if search.ended_by else ""
             client.send(protocol.error(f"{error}{why}"))
@@ -139,24 +136,13 @@ class Service:
         for data in protocol.reply(result):
             client.send(data)
 
-    def _search(self, client: Client, update: StreamUpdate, search: "SearchWatch") -> SolveResult:
-        def stopped() -> bool:
-            self._pump(0)
-            return search.must_end(self._clock(), any(one.waits for one in self._clients), client.hung_up)
-
-        while True:
-            try:
-                return self._solver.update(update, stopped)
-            except NotReadyError:
-                search.begin(self._clock())
-
     def _say_farewell(self) -> None:
         """Send what is left, and wait for the clients to hang up, so that nothing sent is lost on the way."""
         self._listener.close()
         for client in self._clients:
             client.leave()
-        deadline = self._clock() + _FAREWELL
-        while self._clients and self._clock() < deadline:
+        deadline = time.monotonic() + _FAREWELL
+        while self._clients and time.monotonic() < deadline:
             self._pump(0.1)
 
 
@@ -169,13 +155,8 @@ class SearchWatch:
     """
 
     def __init__(self, start: float, bounded: bool, time_limit: Optional[float]) -> None:
-        self._time_limit = time_limit
+        self._start, self._time_limit = start, time_limit
         self._grace = GRACE_BOUNDED if bounded else GRACE
-        self.begin(start)
-
-    def begin(self, start: float) -> None:
-        """Start the time limit at ``start``."""
-        self._start = start
         self.ended_by = ""
 
     def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Iterable, Iterator, List, Optional, Union
 
-from rosoclingo.oclingo.errors import NotReadyError, ProgressionError, SolverError
+from rosoclingo.oclingo.errors import ProgressionError, SolverError
 from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
@@ -158,12 +158,7 @@ class Session:
         step = self._solver.step if update.step is None else update.step
         what = f"update of step {step}" + ("" if update.bound is None else f", up to step {step + update.bound}")
         try:
-            while True:
-                try:
-                    return self._solver.update(update, partial(self._must_end, time.monotonic(), what))
-                except NotReadyError:
-                    if self._interrupted:
-                        raise
+            return self._solver.update(update, partial(self._must_end, time.monotonic(), what))
         finally:
             if self._progress is not None:
                 self._progress.over()

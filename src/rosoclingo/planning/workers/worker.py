@@ -63,7 +63,8 @@ class Worker:
     def __init__(self, load: Message, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
         """Start a process and send it the command ``load``; raises WorkerLostError.
 
-        With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`; otherwise ``load`` brings it.
+        With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`, and is waited for, as it is
+        ready at once. Otherwise ``load`` brings the program.
         """
         self._patience = patience
         ours, theirs = socket.socketpair()
@@ -82,6 +83,8 @@ class Worker:
         self.log: Optional[History] = None
         self._start: Optional[History] = None  # the history before the last command
         self.begin(load)
+        if program is not None:
+            self.wait_until_ready(None)
 
     # ---- The process -------------------------------------------------------------------------------------------------
 

@@ -1,27 +1,11 @@
 """The wire protocol without sockets."""
 
 import clingo
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ProgressionError, SolveOutcome, SolveResult, StreamUpdate
 from rosoclingo.oclingo.service import protocol
-
-WRONG = [
-    ("#step 1. e(X). #endstep.", "1:12: X is a variable"),
-    ("#step 1.\ne(1)\n#endstep.", "3:1: expected '.'"),
-    ("#step 1. e(1).", "1:15: update without end"),
-    ("", "1:1: a message without an update"),
-    (" % nothing\n", "1:1: a message without an update"),
-    ("#step 99999999999. #endstep.", "1:7: number 99999999999 does not fit in 32 bits"),
-    ("#step 1. e(2147483648). #endstep.", "1:12: number 2147483648 does not fit in 32 bits"),
-    ("#step 1. e(" + "f(" * 1000 + "1" + ")" * 1000 + "). #endstep.", "1:522: term nested deeper than 256 levels"),
-    ('#step 1. e("). #endstep.', "1:12: string without end"),
-    ("#step 1. #walk. #endstep.", "1:10: unknown directive"),
-    ("%* #endstep.", "1:1: comment without end"),
-]
-
 
 def result(outcome, *answers, horizon=3, warnings=()):
     symbols = tuple(frozenset(map(clingo.parse_term, answer)) for answer in answers)
@@ -55,13 +39,6 @@ def test_warnings_come_before_the_answers_each_on_one_line():
 
 def test_errors_are_one_line_and_followed_by_input():
     assert protocol.error("1:2: a\nb\0c") == b"Error: 1:2: a; b c\0Input:\n\0"
-
-
-@pytest.mark.parametrize(("text", "message"), WRONG, ids=[message for _, message in WRONG])
-def test_a_wrong_update_is_an_error_with_its_place(text, message):
-    (request,) = protocol.requests(text)
-    assert isinstance(request, ProgressionError)
-    assert str(request).startswith(message)
 
 
 def test_updates_before_a_wrong_one_are_taken_the_rest_of_the_message_is_not():

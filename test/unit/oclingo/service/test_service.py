@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from service_helpers import TIMEOUT, running
 
-from rosoclingo.oclingo import NotReadyError, ReactiveProgram, ReactiveSolver
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.oclingo.service import connection as service_client
 from rosoclingo.oclingo.service import protocol
 from rosoclingo.oclingo.service import server as service
@@ -312,28 +312,6 @@ def test_service_over_a_solver_in_this_process():
         Service(ReactiveSolver(ReactiveProgram.from_text(ECHO)), listener).run()
         data = connection.recv(4096)
     assert data.startswith(protocol.GREETING)
-    assert data.endswith(b"End of Step.\n\0")
-
-
-def test_time_does_not_count_while_the_solver_is_made_ready():
-    class Late(ReactiveSolver):
-        waits = 0
-
-        def update(self, update, stopped=None):
-            self.waits += 1
-            if self.waits < 4:
-                while not stopped():
-                    pass
-                raise NotReadyError("not ready")
-            return super().update(update)
-
-    listener = listen("127.0.0.1", 0)
-    with socket.create_connection(listener.getsockname()) as connection:
-        connection.sendall(b"#step 1. e(1). #endstep.\0#stop.\0")
-        connection.shutdown(socket.SHUT_WR)
-        Service(Late(ReactiveProgram.from_text(ECHO)), listener, time_limit=0.01).run()
-        data = b"".join(iter(lambda: connection.recv(4096), b""))
-    assert b"Error" not in data
     assert data.endswith(b"End of Step.\n\0")
 
 
