@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import ProgressionError, SolveOutcome, SolveResult, StreamUpdate
 from rosoclingo.oclingo.service import protocol
 
+
 def result(outcome, *answers, horizon=3, warnings=()):
     symbols = tuple(frozenset(map(clingo.parse_term, answer)) for answer in answers)
     return SolveResult(outcome, symbols, horizon, 1, warnings)
