@@ -10,7 +10,7 @@ import importlib
 import re
 from pathlib import PurePath
 from types import ModuleType
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, NamedTuple, Optional, Tuple
 
 PLACE = "rosoclingo.languages"
 """The package whose modules translate, each the files that end on its name."""
@@ -56,11 +56,3 @@ def language_of(name: str) -> Optional[ModuleType]:
         if error.name in (PLACE, PLACE + ending):
             return None
         raise
-
-
-def translate_documents(
-    language: ModuleType, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]
-) -> List[Translation]:
-    """Return the translations of all documents of a language; raises ProgramError with all their faults."""
-    found: List[Translation] = language.translate_files(documents, included)
-    return found

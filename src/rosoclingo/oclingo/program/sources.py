@@ -15,7 +15,7 @@ from rosoclingo.oclingo.gringo3.lexer import Token, statements, tokens
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
 from rosoclingo.oclingo.program.endings import ended_before
-from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of, translate_documents
+from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.progression.terms import parse_term
 
@@ -141,7 +141,7 @@ class Collector:
             included = [[self._brought(other, numbers) for other in self._includes[one]] for one in numbers]
             try:
                 documents = [self._documents[number] for number in numbers]
-                for number, one in zip(numbers, translate_documents(language, documents, included)):
+                for number, one in zip(numbers, language.translate_files(documents, included)):
                     self.translations[number], self.texts[number] = one, one.text
             except ProgramError as error:
                 self.faults.extend(error.faults)
