@@ -17,7 +17,7 @@ from rosoclingo.oclingo.program.constants import given_values
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directive_values import constant_values, number_of
 from rosoclingo.oclingo.program.directives import Directives
-from rosoclingo.oclingo.program.domains import Domain, domains, may_see_later
+from rosoclingo.oclingo.program.domains import may_see_later
 from rosoclingo.oclingo.program.first_steps import Trial, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, Patterns
@@ -48,7 +48,6 @@ class ReactiveProgram:
         signatures: all predicates that the program mentions.
         advises: whether ``#heuristic`` statements tell the solver where to look first.
         shows: the predicates of ``#show p/n.``
-        domains: what the rules of a step could use of open signatures, where they tell.
         return_rules: rules that tell what returns bear on; None where they can't.
         faults: why it cannot be used; there are some where it is ``lenient`` alone.
         remarks: what is odd but usable.
@@ -171,7 +170,7 @@ class ReactiveProgram:
                 builder.add(part.header.ast)
                 for statement in part.statements:
                     builder.add(statement.ast)
-        for opened in (*self._open_parts.values(), *(domain[:3] for domain in self.domains.values())):
+        for opened in self._open_parts.values():
             control.add(*opened)
         for asking in self.return_rules.texts if foresees and self.return_rules is not None else ():
             control.add(*asking)
@@ -269,7 +268,6 @@ class ReactiveProgram:
             for signature in sorted(self.open_signatures)
             for fact in (False, True)
         }
-        self.domains: Dict[Signature, Domain] = {}
         self.return_rules: Optional[ReturnRules] = None
         self.optimizes = self.advises = False
         self.shows: Set[Signature] = set()
@@ -306,8 +304,6 @@ class ReactiveProgram:
                     table.setdefault(one.signature, Patterns()).append(pattern)
                 if not one.head or one.signature in self.open_signatures:
                     self._patterns.setdefault(one.signature, Patterns()).append(pattern)
-        free = self.open_signatures - self.head_signatures - self._declarations.keys()
-        self.domains = domains(self.parts, free, self._values)
         self.return_rules = return_rules(self.parts, self._values)
 
     def _control(self, messages: Messages) -> clingo.Control:

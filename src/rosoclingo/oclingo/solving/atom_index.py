@@ -1,12 +1,12 @@
 """The atoms of one control, sorted by step."""
 
-from typing import Collection, Dict, FrozenSet, Iterable, Iterator, List, Mapping, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, Set, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import BEYOND
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import Signature
 
 
 class AtomIndex:
@@ -48,11 +48,10 @@ class ExternalIndex(AtomIndex):
         control: clingo.Control,
         program: ReactiveProgram,
         blocks: Mapping[int, range],
-        opened: Collection[Signature] = (),
     ) -> None:
-        """Take the ``blocks`` of steps ground at once, by the first of each; what is ``opened`` belongs to no step."""
+        """Take the ``blocks`` of steps ground at once, by the first of each."""
         super().__init__(control, program.external_signatures - {BEYOND})
-        self._program, self._blocks, self._opened = program, blocks, opened
+        self._program, self._blocks = program, blocks
         self.declared: Dict[int, int] = {}
         self.stepless: Set[clingo.Symbol] = set()
         self._unsorted: Dict[int, List[clingo.Symbol]] = {}  # by the first steps of their blocks
@@ -73,7 +72,7 @@ class ExternalIndex(AtomIndex):
     def between(self, first: int, last: int, base: bool) -> List[clingo.Symbol]:
         """Return what steps first..last declare, with what ``base`` declares, which counts as 1, or without."""
         for atom, literal in self.fresh():
-            if literal in self.declared and atom not in self.stepless and not self._is_opened(atom):
+            if literal in self.declared and atom not in self.stepless:
                 self._unsorted.setdefault(self.declared[literal], []).append(atom)
                 if literal in self._of_base:
                     self._base_atoms.add(atom)
@@ -81,9 +80,6 @@ class ExternalIndex(AtomIndex):
             self._sort(step, self._unsorted.pop(step))
         found = [atom for step, atoms in self._atoms.items() if first <= step <= last for atom in atoms]
         return found if base else [atom for atom in found if atom not in self._base_atoms]
-
-    def _is_opened(self, atom: clingo.Symbol) -> bool:
-        return bool(self._opened) and signature_of(atom) in self._opened
 
     def _sort(self, step: int, atoms: Iterable[clingo.Symbol]) -> None:
         """Sort the atoms of the block that begins with ``step``."""

@@ -4,7 +4,6 @@ It knows nothing of streams: the solver tells it what to ground, define, release
 again at any time from the solver's state.
 """
 
-from functools import cached_property
 from typing import Callable, Container, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -25,9 +24,6 @@ Answers = Tuple[FrozenSet[clingo.Symbol], ...]
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
-
-DOMAIN_LIMIT = 100
-"""Atoms of an open signature that are declared with each step, at most; beyond it regrounding is cheaper."""
 
 BLOCK = 64
 """Steps that are ground at once during regrounding."""
@@ -58,7 +54,7 @@ class ReactiveGrounding:
         self._session = BackendSession(self._control)
         self._observer, self._heads = Externals(), Heads()
         self._blocks: Dict[int, range] = {}  # by their first step
-        self._externals = ExternalIndex(self._control, program, self._blocks, program.domains)
+        self._externals = ExternalIndex(self._control, program, self._blocks)
         self.atoms = AtomTable(self._control, self._session, self._externals.declared, self._heads.externals)
         self._actions = ActionIndex(self._control, self._session)
         for observer in (self._observer, self._heads) if program.defines_externals else (self._observer,):
@@ -91,10 +87,9 @@ class ReactiveGrounding:
     def ground_to(self, last: int) -> None:
         """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
         steps = range(self.horizon + 1, last + 1)
-        names = ("cumulative", "volatile", *self._domain_parts)
         self.horizon = last
         self._blocks[steps[0]] = steps
-        self._ground([(part, [clingo.Number(step)]) for step in steps for part in names], steps[0])
+        self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps[0])
         for step in steps:
             self._windows += [(self.program.guard(one, step), step, step + one - 1) for one in self.program.windows]
         self._hidden.update(guard for guard, *_ in self._windows)
@@ -103,12 +98,6 @@ class ReactiveGrounding:
             self._control.assign_external(guard, first <= last <= end)
         self._windows = [one for one in self._windows if one[2] >= last]
         self.atoms.resolve_absent()
-
-    @cached_property
-    def _domain_parts(self) -> List[str]:
-        """The parts that declare what else a step could use of open signatures; to be asked for once base is ground."""
-        known = self.program.domains.values()
-        return [domain.part for domain in known if domain.size(self._control) <= DOMAIN_LIMIT]
 
     def add(self, statement: Statement, lifetime: Lifetime) -> None:
         """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""

@@ -5,7 +5,7 @@ the grounding fits the state it is changed in place; where a change can't be mad
 grounded step could see, a loop over several steps) it is dropped and rebuilt.
 """
 
-from typing import Callable, Dict, FrozenSet, Iterator, List, Optional, Set
+from typing import Callable, FrozenSet, Iterator, List, Optional
 
 import clingo
 
@@ -57,7 +57,6 @@ class Transaction:
         self.program, self.state, self.grounding = program, state, grounding
         self._limit, self._dropped = limit, dropped
         self.warnings: List[str] = []
-        self._given: Set[clingo.Symbol] = set()  # facts of this update that the grounding knows already
         self._dependencies: Optional[Dependencies] = None  # between atoms, including this update
         self._update = StreamUpdate()
         self._forgets: Optional[List[Forget]] = None  # applied after the update's statements
@@ -120,19 +119,17 @@ class Transaction:
     def _open_heads(self, update: StreamUpdate) -> None:
         """Make new atoms of open signatures known; what has been grounded and could have seen one is given up."""
         known = set(self.state.open_atoms)
-        fresh: Dict[clingo.Symbol, bool] = {}
-        for section, statement in update.sections():
-            head = statement.head
-            if head is not None and head not in known and self.program.is_open_signature(head):
-                fresh[head] = fresh.get(head, False) or (not statement.body and isinstance(section, Cumulative))
+        heads = dict.fromkeys(statement.head for _, statement in update.sections())
+        fresh = [
+            head for head in heads if head is not None and head not in known and self.program.is_open_signature(head)
+        ]
         self.state.open_atoms.extend(fresh)
         if self.grounding is not None:
             new = [atom for atom in fresh if not self.grounding.atoms.knows(atom)]
             if self.program.may_see(new, self.program.first_step, self.grounding.horizon):
                 self.grounding = None
             elif new:
-                self._given = {atom for atom in new if fresh[atom]}
-                self.grounding.declare(new, self._given)
+                self.grounding.declare(new)
 
     def _ground_to(self, horizon: int, halt: Callable[[], bool]) -> bool:
         grounding = self._standing()
@@ -192,10 +189,7 @@ class Transaction:
         if (isinstance(lifetime, int) and lifetime < self.state.horizon) or statement.is_tautology:
             return  # its window has passed, or it says nothing, and does not define its head
         grounding, head = self._standing(), statement.head
-        if head in self._given:
-            if not statement.body and lifetime == FOREVER:  # it is stronger than the others with this head
-                self.state.permanent.append(statement)
-        elif head is None or grounding.atoms.is_open(head):
+        if head is None or grounding.atoms.is_open(head):
             self._put(statement, lifetime)
         elif self._is_new(head, grounding):
             self._put(statement, lifetime)
