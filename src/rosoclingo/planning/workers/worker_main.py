@@ -36,9 +36,6 @@ NICENESS = 10
 REPORTING = 0.5
 """Seconds of wall time between two progress reports of a search."""
 
-CACHED = 100
-"""Greatest number of cached histories."""
-
 
 def new_solver(program: ReactiveProgram, options: Message) -> "Union[PlanSolver, LoggedSolver]":
     """Return a solver with the ``options`` of :class:`WorkerPool`."""
@@ -53,14 +50,13 @@ def new_solver(program: ReactiveProgram, options: Message) -> "Union[PlanSolver,
 class WorkerMain:
     """Executes commands one after the other and replies to each.
 
-    Its only state is caches: histories with their snapshots, and the solver's groundings.
+    Its only state is caches: the history of the last command, and the solver's groundings.
     """
 
     def __init__(self, channel: Channel, program: Optional[ReactiveProgram] = None) -> None:
         """Use ``program``, or the one that the command ``load`` brings."""
         self._channel = channel
         self._given = program
-        self._histories: Dict[str, History] = {}  # text -> history; the solver's groundings refer to these objects
         self._reported = time.monotonic()
         self._handlers: Dict[str, Callable[[Message], Message]] = {
             "load": self._load,
@@ -82,8 +78,9 @@ class WorkerMain:
     def _reply_to(self, command: Message) -> Message:
         self._reported = time.monotonic()
         if "history" in command:
-            self._solver.restore(self._history(command["history"], command["continues"]))
-            self._cache(self._solver.log)
+            before = self._solver.log if command["continues"] else History()
+            entries = map(entry_from_message, map(json.loads, command["history"].splitlines()))
+            self._solver.restore(before.with_entries(*entries))
         try:
             return self._handlers[command["do"]](command)
         except SolverError as error:
@@ -93,7 +90,6 @@ class WorkerMain:
 
     def _load(self, command: Message) -> Message:
         self._program = program = self._given or program_from_message(command["program"])
-        self._histories.clear()
         self._solver = new_solver(program, dict(command["options"]))
         return {}
 
@@ -151,28 +147,6 @@ class WorkerMain:
         assert not isinstance(self._solver, LoggedSolver)
         return self._solver
 
-    # ---- Histories ---------------------------------------------------------------------------------------------------
-
-    def _history(self, text: str, continues: bool) -> History:
-        """Return the history of a text, which extends the last history or else the longest cached one."""
-        lines, rest = text.splitlines(keepends=True), []
-        if continues:
-            return self._solver.log.with_entries(*(entry_from_message(json.loads(line)) for line in lines))
-        while lines and "".join(lines) not in self._histories:
-            rest.append(lines.pop())
-        log = self._histories.get("".join(lines)) or History()
-        return log.with_entries(*(entry_from_message(json.loads(line)) for line in reversed(rest)))
-
-    def _cache(self, log: History) -> None:
-        """Cache a history, and evict the least recently used one; histories without checkpoints are too long."""
-        if isinstance(self._solver, LoggedSolver):
-            return
-        text = log.text()
-        self._histories.pop(text, None)
-        self._histories[text] = log
-        if len(self._histories) > CACHED:
-            del self._histories[next(iter(self._histories))]
-
     # ---- The parent --------------------------------------------------------------------------------------------------
 
     def _answer(self, result: SolveResult, start: History) -> Message:
@@ -186,7 +160,6 @@ class WorkerMain:
 
     def _entries_since(self, start: History) -> Message:
         """Return the part of a reply with the entries that follow ``start``."""
-        self._cache(self._solver.log)
         return {"entries": [*map(entry_to_message, self._solver.log.entries_after(start) or ())]}
 
     def _is_interrupted(self) -> bool:
