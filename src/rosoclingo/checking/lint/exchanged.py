@@ -8,9 +8,9 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, written
+from rosoclingo.oclingo.progression.terms import Signature
 
 _KIND = "exchanged"
 _TIMELESS = "_says"
@@ -21,7 +21,7 @@ def exchanged(survey: Survey) -> List[Fault]:
     """Return the atoms whose variables stand the other way round in all others."""
     found: List[Fault] = []
     for signature in dict.fromkeys([*survey.defining, *survey.using]):
-        atoms = [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]
+        atoms = _places(signature, survey)
         if signature.arity > 1 and len(atoms) > _ALIKE:
             found += _of_predicate(atoms)
     return found
@@ -29,39 +29,24 @@ def exchanged(survey: Survey) -> List[Fault]:
 
 def exchanged_words(survey: Survey) -> Iterator[Fault]:
     """Yield the keywords whose cycle is not their last argument, or whose action is not their first."""
-    actions = _actions(survey)
+    acts = [place for one in (ACTION, RETURN) for place in _places(one, survey)]
+    first, second = (Counter(str(one.occurrence.arguments[n]) for one in acts) for n in (0, 1))
     for name, signature in KEYWORDS.items():
-        for place in [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]:
-            arguments = place.occurrence.arguments
-            if name != _TIMELESS and _has_its_cycle_elsewhere(place, arguments, survey):
-                message = f"{written(place.occurrence.term)} has its cycle elsewhere than as the last argument"
+        for place in _places(signature, survey):
+            arguments, term = place.occurrence.arguments, written(place.occurrence.term)
+            steps = survey.steps(place)
+            if name != _TIMELESS and steps and signature.arity - 1 not in steps:
+                message = f"{term} has its cycle elsewhere than as the last argument"
                 yield place.fault(_KIND, message, f"write the cycle as argument {signature.arity}")
-            elif signature in (ACTION, RETURN) and _has_its_action_second(arguments, actions):
-                message = f"{written(place.occurrence.term)} has the action {arguments[1]} as its second argument"
-                yield fault_at(arguments[1], _KIND, message, "write the action as argument 1")
+            elif signature in (ACTION, RETURN) and arguments[0].ast_type == ASTType.Variable:
+                action = str(arguments[1])
+                if arguments[1].ast_type == ASTType.SymbolicTerm and first[action] >= second[action]:
+                    message = f"{term} has the action {action} as its second argument"
+                    yield fault_at(arguments[1], _KIND, message, "write the action as argument 1")
 
 
-def _has_its_cycle_elsewhere(place: Place, arguments: Sequence[Node], survey: Survey) -> bool:
-    step = place.part.parameter
-    found = [time_offset(one, step, survey.constants) is not None for one in arguments] if step else []
-    return any(found[:-1]) and not found[-1]
-
-
-def _actions(survey: Survey) -> List[Counter]:
-    """Return how often each constant is the first, and the second, argument of an action or a return."""
-    found: List[Counter] = [Counter(), Counter()]
-    for signature in (ACTION, RETURN):
-        for place in [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]:
-            for count, argument in zip(found, place.occurrence.arguments):
-                if argument.ast_type == ASTType.SymbolicTerm:
-                    count[str(argument)] += 1
-    return found
-
-
-def _has_its_action_second(arguments: Sequence[Node], actions: Sequence[Counter]) -> bool:
-    name = str(arguments[1])
-    swapped = arguments[0].ast_type == ASTType.Variable and arguments[1].ast_type == ASTType.SymbolicTerm
-    return swapped and actions[0][name] >= actions[1][name]
+def _places(signature: Signature, survey: Survey) -> List[Place]:
+    return [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]
 
 
 # ---- variables ------------------------------------------------------------------------------------------------------

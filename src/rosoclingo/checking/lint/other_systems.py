@@ -1,16 +1,15 @@
 """Statements of clingo's incmode, telingo and other drivers with no meaning here, or another one."""
 
 import re
-from typing import Iterable, Iterator, List, Tuple
+from typing import Iterable, Iterator, Tuple
 
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
 from rosoclingo.oclingo.program.domains import mentions
-from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.survey import Survey, fault_at, written
 from rosoclingo.oclingo.program.undefined import QUERY
 
 _INCMODE, _PASSIVE = "incmode", "not-interpreted"
@@ -61,18 +60,14 @@ def _queries(survey: Survey) -> Iterator[Fault]:
     """Yield the declared external ``query(t)`` of incmode if rules look at it."""
     if QUERY in survey.defining or QUERY in survey.opened:
         return
-    steps = [one for one in survey.declaring.get(QUERY, ()) if _is_of_step(one, survey)]
-    asked = [one for one in survey.using.get(QUERY, ()) if _is_of_step(one, survey)]
-    for place in steps[:1] if asked else ():
+    declared, asked = (
+        [one for one in places if survey.steps(one).get(0) == 0]
+        for places in (survey.declaring.get(QUERY, ()), survey.using.get(QUERY, ()))
+    )
+    for place in declared[:1] if asked else ():
         atom = written(place.occurrence.term)
         message = f"{atom} is never true: only clingo's incmode sets it at a plan's last step"
         yield place.fault(_INCMODE, message, f"write the rules into volatile({place.part.parameter}) without {atom}")
-
-
-def _is_of_step(place: Place, survey: Survey) -> bool:
-    arguments: List[Node] = place.occurrence.arguments
-    step = place.part.parameter
-    return bool(step) and time_offset(arguments[0], step, survey.constants) == 0
 
 
 def _is_used(definition: Node, survey: Survey) -> bool:

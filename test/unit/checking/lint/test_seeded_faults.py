@@ -15,42 +15,22 @@ RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/s
 SEEDS = [
     # names that look misspelt, in bodies, in heads, in #show and #external
     ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "is open/2 meant?"),
-    ("mailbot", RULES, "_moves(t)       :- _act", "@_movs(t)       :- _act", "misspelt", "is _moves/1 meant?"),
-    ("mailbot", "mailbot.lp", "order(Id,From,To,t)", "@oder(Id,From,To,t)", "misspelt", "is order/4 meant?"),
-    ("mailbot", "mailbot.lp", "place(L)        :-", "@plaice(L)        :-", "misspelt", "is place/1 meant?"),
-    ("mailbot", "office.lp", "start(office1).", "@strat(office1).", "misspelt", "is start/1 meant?"),
     ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "is _seen/3 meant?"),
-    ("paper", "paper.lp", "bound(Id,To,t)        :-", "@bond(Id,To,t)        :-", "misspelt", "is bound/3 meant?"),
-    ("paper", "paper.lp", "not moved(t)", "not @move(t)", "undefined", "is moved/1 meant?"),
     ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "is _request/2 meant?"),
     ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "is watered/2 meant?"),
     ("garden", "garden.lp", "#show _explain/3.", "@#show _explian/3.", "undefined", "is _explain/3 meant?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- @cal(F,t).", "undefined", "is call/2 meant?"),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @v(t-1).", "undefined", "write a rule or an #external for it"),
-    ("bodies", "bodies.lp", "e(X,t) : v(X)", "e(X,t) : @value(X)", "undefined", "value/1"),
     # numbers of arguments
     ("paper", "paper.lp", "at(L,t-1), not moved(t)", "@at(t-1), not moved(t)", "undefined", "is at/2 meant?"),
     ("garden", "garden.lp", "done(A,P,t)     :-", "@done(P,t)     :-", "misspelt", "is done/3 meant?"),
-    ("lift", "lift.lp", "at(0,0).", "@at(0,0,0).", "misspelt", "is at/2 meant?"),
-    ("bound", "bound.lp", "not c(t)", "not @c(t,1)", "undefined", "is c/1 meant?"),
     # what nothing looks at
     ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "leave it out"),
     ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
-    ("mailbot", "office.lp", "start(office1).", "start(office1).\n@lamp(office1).", "unused", "#show lamp/1."),
     # values that nothing gives
     ("mailbot", FAULTS, "tells(A,missing,R), _action_lib", "tells(A,@mising,R), _action_lib", "no-match", "is missing"),
-    (
-        "mailbot",
-        STATUSES,
-        "_told = 20",
-        "_told = 20.\n:- place(@offce1).\n#const _more = 20",
-        "no-match",
-        "is office1 meant?",
-    ),
     ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "is tap meant?"),
     ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "is fill meant?"),
-    ("paper", "paper.lp", "done(pickup,Id,t)", "done(@pick_up,Id,t)", "no-match", "is pickup meant?"),
-    ("house", "home.lp", "start(hallway).", "start(hallway).\n:- room(@kitchn).", "no-match", "is kitchen meant?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
     # rules that need one another, and bodies that never hold
     ("bound", "bound.lp", "c(t) :- e(t).", "@c(t) :- d(t).\nd(t) :- c(t).", "unfounded", "its rules need d/1"),
@@ -58,14 +38,6 @@ SEEDS = [
     ("garden", "garden.lp", "V != P.\nfailed(t)", "@V != V.\nfailed(t)", "contradiction", "V != V never holds"),
     # steps
     ("garden", "garden.lp", "asked(t)      :-", "@asked        :-", "no-step", "like asked(t)"),
-    (
-        "mailbot",
-        FAULTS,
-        "failed(A,t)     :- _fail",
-        "@_broken(A) :- _failure(A,R,t).\nfailed(A,t) :- _fail",
-        "no-step",
-        "(A,t)",
-    ),
     (
         "lift",
         "lift.lp",
@@ -82,14 +54,6 @@ SEEDS = [
         "no-step",
         "of the steps t and t+1",
     ),
-    (
-        "volatile_query",
-        "volatile_query.lp",
-        "s(t).",
-        "@s :- a(t).\n{ a(t) }.",
-        "redefinition",
-        "s is defined by the rules of two steps",
-    ),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "@w(t+1) :- w(t).", "redefinition", "give the head the step"),
     ("bound", "bound.lp", "c(t) :- e(t).", "c(t) :- @e(t+1).", "late-external", "write #external e(t+1)."),
     (
@@ -102,16 +66,11 @@ SEEDS = [
     ),
     ("back", "back.lp", "#volatile t.", "", "missing-part", "the program has no volatile part"),
     ("garden", "garden.lp", "at(L,t)      :- at(L,t-1)", "@at(L,t)      :- at(L,t)", "tautology", "another step meant"),
-    ("house", "house.lp", "sighted(t) :- sighted(t-1).", "@sighted(t) :- sighted(t).", "tautology", "sighted(t)"),
     ("paper", "paper.lp", "_return(A,V,t), V != P", "_return(A,V,t), @V = P", "same-variables", "or V != P"),
-    ("mailbot", "delivery/rules.lp", "L != From.", "@L = From.", "same-variables", "write L in the place of From"),
     ("garden", "garden.lp", "thirsty(P,t-1), not wat", "@thirsty(P,t+1), not wat", "look-ahead", "thirsty(P,t+1)"),
-    ("template", "@NAME@.lp", "not moved(t).", "not @moved(t+1).", "look-ahead", "a later step"),
     ("paper", "paper.lp", "at(L,t)         :- done", "@at(t,L)         :- done", "exchanged", "as argument 2"),
     ("garden", "garden.lp", "at(home,0).", "@at(home,1).", "first-step", "whose own rules define it"),
-    ("mailbot", "office.lp", "start(office1).", "start(office1).\n@at(office1,2).", "first-step", "of step 2"),
     ("garden", "garden.lp", "at(home,0).", "at(home,0).\nbegun :- @busy(t).", "look-ahead", "never true"),
-    ("garden", "garden.lp", "at(home,0).", "at(home,0).\n:- @_action_lib(fill,P,C).", "look-ahead", "never true"),
     (
         "garden",
         "garden.lp",
@@ -120,7 +79,6 @@ SEEDS = [
         "past-volatile",
         "move the rules of dry/2 to #program cumulative(t).",
     ),
-    ("lift", "lift.lp", ":- open(F,t).", "left(t) :- open(F,t).\n:- left(t), not @left(t-2).", "past-volatile", "gone"),
     # looks back
     (
         "garden",
@@ -142,25 +100,19 @@ SEEDS = [
     ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
     # names and arguments in the place of others
     ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "is P meant?"),
-    ("template", "@NAME@.lp", "V != P.", "V != @p.", "lower-case", "is P meant?"),
     ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "is V meant?"),
     ("garden", "garden.lp", "done(water,P,t).", "done(P,@water,t).", "no-match", "with water as argument 2"),
     # marks that make another statement of it
-    ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,office2)@,", "mark", "is a dot meant?"),
     ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "is a dot meant?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "is ':-' meant?"),
     ("paper", "paper.lp", "at(L,t-1), not moved(t).", "at(L,t-1)@. not moved(t).", "mark", "is a comma meant?"),
     ("battery", "battery.lp", "t) : asked(W,I,t), W", "t); @asked(W,I,t), W", "syntax", "unexpected"),
     ("paper", "paper.lp", "cancel(Id),t).\nwaiting", "cancel(Id),t)@,\nwaiting", "syntax", "a comma stands where a"),
-    ("paper", "paper.lp", "at(office1,0).", "at(office1,0)@,", "syntax", "a comma stands where a statement ends"),
     ("garden", "garden.lp", "failed(t)       :- failed(A,P,V,t).", "failed(t) :- failed(A,P,V,t)@", "syntax", "a dot"),
     # constants and variables that stand once
-    ("mailbot", "office.lp", "office(office4).", "office(@offcie4).", "misspelt", "is office4 meant?"),
     ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,@offcie2).", "misspelt", "is office2"),
-    ("mailbot", "office.lp", "office(office4).", "@ofice(office4).", "misspelt", "is office/1 meant?"),
     ("house", "home.lp", "door(kitchen,living_room).", "door(kitchen,@livingroom).", "misspelt", "is living_room"),
     ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "is home meant?"),
-    ("template", "@NAME@.lp", "_return(move_base,V,t), V", "_return(@move_bsae,V,t), V", "misspelt", "is move_base"),
     ("paper", "paper.lp", "aboard(Id,From,To,t), cancelled", "aboard(Id,From,@Too,t), cancelled", "misspelt", "is To"),
     ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "_request(@cancel(me,Id),t).\nc", "misspelt", "cancel(Id)"),
     # arguments the other way round, steps that do not belong together
@@ -188,7 +140,6 @@ SEEDS = [
     # what the core and a program say to one another
     ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
     ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never hears of it"),
-    ("mailbot", RULES, "#show _action_lib/3.\n", "", "hidden", "_action_lib/3 is not shown"),
     (
         "garden",
         "garden.lp",
@@ -198,7 +149,6 @@ SEEDS = [
         "is cancel(...)",
     ),
     ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "is move_base meant?"),
-    ("house", RULES, "_says(deliver,", "_says(@delivr,", "idle-words", "is deliver meant?"),
     (
         "template",
         "@NAME@.lp",
@@ -215,18 +165,8 @@ SEEDS = [
         "keyword-arity",
         "_request(Goal,C)",
     ),
-    (
-        "garden",
-        "garden.lp",
-        "_status(P,accepted,t)      :-",
-        "@_status(P,accepted)      :-",
-        "keyword-arity",
-        "_status(Id,",
-    ),
-    ("mailbot", RULES, '_says(pickup,"picks up {}")', '@_says("picks up {}")', "keyword-arity", "_says(Action,Text)"),
     ("two_arms", "two_arms.lp", "#external _request/2.", "", "no-request", "write #external _request/2."),
     ("paper", "paper.lp", "#external _return/3.", "", "no-return", "write #external _return/3."),
-    ("mailbot", RULES, "#external _return/3.", "", "no-return", "write #external _return/3."),
     (
         "two_arms",
         "two_arms.lp",
@@ -243,7 +183,6 @@ SEEDS = [
         "status-word",
         "is canceled meant?",
     ),
-    ("mailbot", STATUSES, "_status(Id,accepted,t)", "_status(Id,@acepted,t)", "status-word", "is accepted meant?"),
     (
         "mailbot",
         STATUSES,
@@ -315,14 +254,10 @@ SEEDS = [
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
     ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
     ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "is tries meant?"),
-    ("mailbot", FAULTS, "(blocked;unr", "(@blokced;unr", "misspelt", "is blocked meant?"),
     ("mailbot", "office.lp", "start(office1)", "start(hall)", "no-match", "no L fits both start(L) and place(L)"),
-    ("mailbot", "delivery/search.lp", "t-T < _window.", "t-T < @_windw+0.", "no-number", "is _window meant?"),
     ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
-    ("mailbot", RULES, "#const capacity = 3.", "#const capacity = three.", "undefined-operation", "(K*three)"),
     ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
     ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
-    ("lift", "lift.lp", "at(0,0).", "at(0,0)@\n", "syntax", "a dot is missing"),
     ("paper", "paper.lp", "#program base.", "@#program bse.", "unknown-part", "base, cumulative(t) and volatile(t)"),
     ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "is history meant?"),
 ]
