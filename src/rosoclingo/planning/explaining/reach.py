@@ -6,7 +6,6 @@ remaining rules have a small grounding, and clingo derives their atoms. So an at
 answer, for any number of steps.
 """
 
-from collections import Counter
 from itertools import islice, product
 from math import prod
 from typing import (
@@ -152,6 +151,7 @@ class Reach:
         used = {one.signature for rule in self.rules for one in rule.body} | survey.using.keys()
         self.free: Set[Signature] = set() if known is not None else {*survey.opened, *(used - survey.known)}
         self._growing = _growing(self.rules)
+        self._exact: Dict[int, Set[str]] = {}
         self._open = self._open_arguments()
         self.known = [one for one in known or () if not one.name.startswith(OWN)]
         lines = [f"{{ {self._without_steps(one)} }}." for one in self.known]
@@ -214,7 +214,7 @@ class Reach:
             body = tuple(self._condition(one, step) for one in symbols if one.ast_type != ASTType.Pool)
             compared = [one for one in atoms if one.ast_type == ASTType.Comparison]
             comparisons = tuple(found for one in compared for found in self._comparisons(one, step))
-            yield _projected(HeadRule(statement, step, head, body, comparisons))
+            yield HeadRule(statement, step, head, body, comparisons)
 
     def _condition(self, term: Node, step: str) -> Condition:
         return Condition(term, parted(term)[0], self.patterns(term, step))
@@ -229,14 +229,24 @@ class Reach:
     # -- which arguments can be anything, or have parts that can
 
     def _open_arguments(self) -> Set[Argument]:
+        """Find the arguments that can be anything, and on the way the exact variables of each rule."""
         found = {(one, number) for one in self.free for number in range(one.arity)}
-        before = -1
-        while before != len(found):
-            before = len(found)
-            for number, rule in enumerate(self.rules):
-                exact = _exact(rule, found) - self._growing.get(number, set())
-                rows = (enumerate(one.arguments) for one in rule.head.patterns)
-                found |= {(rule.head.signature, n) for row in rows for n, one in row if not names_of(one) <= exact}
+        users: Dict[Signature, Set[int]] = {}
+        for number, rule in enumerate(self.rules):
+            for condition in rule.body:
+                users.setdefault(condition.signature, set()).add(number)
+        waiting = dict.fromkeys(range(len(self.rules)))
+        while waiting:
+            number = next(iter(waiting))
+            del waiting[number]
+            rule = self.rules[number]
+            self._exact[number] = _exact(rule, found)
+            exact = self._exact[number] - self._growing.get(number, set())
+            rows = (enumerate(one.arguments) for one in rule.head.patterns)
+            new = {(rule.head.signature, n) for row in rows for n, one in row if not names_of(one) <= exact} - found
+            if new:
+                found |= new
+                waiting.update(dict.fromkeys(users.get(rule.head.signature, ())))
         return found
 
     def _without_steps(self, atom: clingo.Symbol) -> clingo.Symbol:
@@ -251,7 +261,7 @@ class Reach:
 
     def _texts(self, rule: HeadRule, number: int, numbered: bool) -> Iterator[str]:
         """Yield the rule in clingo's language, in each of the ways in which its atoms can be true."""
-        exact = _exact(rule, self._open)
+        exact = self._exact[number]
         kept = set(exact)
         ways = [self._ways(one, kept) for one in rule.body if one.signature not in self.free]
         tests = [
@@ -283,26 +293,6 @@ class Reach:
             ]
             found += [clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)]
         return found
-
-
-def _projected(rule: HeadRule) -> HeadRule:
-    """Return a rule with any term in the body for variables that occur once."""
-    sides = (side for one in rule.comparisons for side in (one.left, one.right))
-    terms = [one for patterns in (rule.head.patterns, *(one.patterns for one in rule.body), *sides) for one in patterns]
-    count = Counter(name for term in terms for name in _variables(term))
-    values = {name: clingo.Function(name) for name, number in count.items() if number > 1}
-    if len(values) == len(count):
-        return rule
-    body = (one._replace(patterns=tuple(filled(pattern, values) for pattern in one.patterns)) for one in rule.body)
-    return rule._replace(body=tuple(body))
-
-
-def _variables(term: clingo.Symbol) -> Iterator[str]:
-    """Yield the variables of a pattern, each as often as it occurs."""
-    if is_variable(term):
-        yield term.name
-    for one in arguments_in(term):
-        yield from _variables(one)
 
 
 def _exact(rule: HeadRule, opened: Set[Argument]) -> Set[str]:
