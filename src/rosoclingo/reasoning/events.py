@@ -147,12 +147,11 @@ class GoalProgress(Event):
 class Problem(Event):
     """Something that should not be; ``message`` says what, where and what was done about it.
 
-    ``origin`` names its interface, empty for none. It stands for ``times`` such problems.
+    ``origin`` names its interface, empty for none.
     """
 
     message: str
     origin: str = ""
-    times: int = 1
 
 
 Observer = Callable[[Event], None]

@@ -52,7 +52,7 @@ class LogThrottle:
 
     def take(self, problem: Problem, now: float) -> str:
         """Return the line for a problem at ``now`` (seconds of a clock that only goes forward), empty for none."""
-        self.count += problem.times
+        self.count += 1
         self.latest = shortened(f"cycle {problem.cycle}: {problem.message}", TOLD)
         self._forget(now)
         origin, text = self._origin(problem.origin), shortened(problem.message, TOLD)
@@ -62,10 +62,8 @@ class LogThrottle:
         kind = self._buckets.get(key, _Bucket(now))
         is_new = text not in kind.said and len(kind.said) < FEW and len(every.said) < MANY
         bucket = every if text not in kind.said and len(every.said) >= MANY else kind
-        unsaid = problem.times - is_new
-        if unsaid:
-            bucket.unsaid, bucket.latest = bucket.unsaid + unsaid, self.latest
         if not is_new:
+            bucket.unsaid, bucket.latest = bucket.unsaid + 1, self.latest
             return ""
         self._buckets[key] = kind
         for one in (kind, every):

@@ -231,15 +231,6 @@ class ExecutionMonitor:
         if len(facts) > MOST_FACTS:
             self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
-    def ignore(self, origin: str, text: str, why: str, times: int) -> None:
-        """Report ``times`` facts as ignored, the last of which is ``text``; an empty ``why`` follows from it."""
-        if not text:
-            self._tell(Problem(self._cycle(), why, origin, times))
-            return
-        with self._guarded(origin, text, times):
-            self._check(_read(text))
-            raise FactError(why)
-
     def expire(self, now: float, limit: float) -> None:
         """Count actions that have not returned within ``limit`` seconds as failed; 0 waits for ever."""
         if self._dispatch is None or limit <= 0:
@@ -287,13 +278,13 @@ class ExecutionMonitor:
         self._known = {symbol_of(text): None for text in keys_of(record, "known")}
 
     @contextmanager
-    def _guarded(self, origin: str, text: str, times: int = 1) -> Iterator[None]:
-        """Report a fault of the fact ``text`` as a problem, for ``times`` such facts."""
+    def _guarded(self, origin: str, text: str) -> Iterator[None]:
+        """Report a fault of the fact ``text`` as a problem."""
         try:
             yield
         except (ProgressionError, KeywordError, ReturnError, FactError) as error:
             message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
-            self._tell(Problem(self._cycle(), message, origin, times))
+            self._tell(Problem(self._cycle(), message, origin))
 
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
         """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""

@@ -151,15 +151,6 @@ def test_a_long_problem_is_told_by_its_beginning_and_its_end():
     assert "it makes no sense (" in line
 
 
-def test_log_throttle_counts_a_problem_for_many():
-    throttle = LogThrottle()
-    assert throttle.take(Problem(1, "'_unheard(7)' is ignored", "eye", 300), 0.0)
-    assert not throttle.take(Problem(2, "'_unheard(9)' is ignored", "eye", 20), 1.0)
-    assert throttle.count == 320
-    (line,) = throttle.counted(QUIET)
-    assert line.startswith("319 more of this kind in a minute, the last: cycle 2: '_unheard(9)'")
-
-
 def test_log_throttle_tells_a_bounded_number_of_interfaces_apart():
     throttle = LogThrottle()
     lines = [throttle.take(Problem(1, "'x(' is ignored", f"eye{'x' * number}"), 0.0) for number in range(3000)]

@@ -204,23 +204,3 @@ def test_facts_that_wait_are_bounded_by_their_text_as_well(monkeypatch):
     driver.succeed()
     driver.core.receive("eye", ["_seen(y)"])
     assert len(driver.problems) == 2, "there is room again"
-
-
-@pytest.mark.parametrize(
-    ("text", "why", "message"),
-    [
-        ("garbage((", "", "'garbage((' from 'eye' is ignored: 1:10: "),
-        ("reading(1)", "", "'reading(1)' from 'eye' is ignored: the program declares no external reading/1"),
-        ("_seen(1)", "too much waits", "'_seen(1)' from 'eye' is ignored: too much waits"),
-        ("", "of 7 facts", "of 7 facts"),
-    ],
-)
-def test_ignored_facts_are_reported_with_their_number(text, why, message):
-    feeder, told = InputFeeder(), []
-    program = ReactiveProgram.from_text("#external _seen/1. #external _return/3.")
-    monitor = ExecutionMonitor(program, feeder, Clock(), told.append, lambda: 3)
-    monitor.ignore("eye", text, why, 40)
-    (problem,) = told
-    assert problem.message.startswith(message)
-    assert (problem.cycle, problem.origin, problem.times) == (3, "eye", 40)
-    assert not feeder.waiting

@@ -169,7 +169,7 @@ class CoreNode:
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
-        self._facts = FactIntake(program, self._core, self._register, self._worker)
+        self._facts = FactIntake(self._core, self._register, self._worker)
         self._health = CoreHealth(self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
             UpdateSent: self._topics.update_sent,
@@ -308,7 +308,6 @@ class CoreNode:
 
     def _tick(self) -> None:
         """Tell what has changed; often, also while a search goes on."""
-        self._health.dropped(self._core.cycle, self._server.take_dropped())
         self._health.tick()
         self._handles.tick()
 

@@ -7,11 +7,10 @@ import rospy
 
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
-from rosoclingo.nodes.core.fact_queue import FactQueue
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.nodes.core.fact_queue import FactQueue, Sent
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.keywords import RETURN
+from rosoclingo.reasoning.keywords import shortened
 
 #: Seconds of wall time for which the worker takes facts before other work.
 SLICE = 0.05
@@ -19,21 +18,17 @@ SLICE = 0.05
 #: Seconds of wall time for which an update waits for queued arrivals.
 GATHERING = 0.1
 
-#: Seconds of wall time between two reports of facts that were ignored.
-REPORTING = 0.5
-
 
 class FactIntake:
     """Queues facts until the worker takes them; the topic's callback only enqueues."""
 
-    def __init__(self, program: ReactiveProgram, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
+    def __init__(self, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
         self._core, self._register, self._worker = core, register, worker
-        self._queue = FactQueue({RETURN, *(one.name for one in program.external_signatures)})
-        self._reported, self._gathering = float("-inf"), time.monotonic()
+        self._queue, self._gathering = FactQueue(), time.monotonic()
 
     def connect(self) -> None:
         """Subscribe to facts."""
-        self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, queue_size=1000, tcp_nodelay=True)
+        self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, tcp_nodelay=True)
 
     @property
     def waiting(self) -> bool:
@@ -53,7 +48,8 @@ class FactIntake:
         return {connection.callerid_pub for connection in self._inlet.impl.connections}
 
     def _on_facts(self, message: InterfaceIO) -> None:
-        if self._queue.put(message._connection_header["callerid"], message.interface, message.facts):
+        sent = Sent(message._connection_header["callerid"], shortened(message.interface), tuple(message.facts))
+        if self._queue.put(sent):
             self._worker.put(_wake)
 
     def take(self) -> None:
@@ -66,10 +62,6 @@ class FactIntake:
             else:
                 self._register.announce(message.node, message.interface)
             message = self._queue.take() if time.monotonic() < end else None
-        if time.monotonic() - self._reported >= REPORTING:
-            self._reported = time.monotonic()
-            for one in self._queue.take_ignored():
-                self._core.ignore(*one)
 
 
 def _wake() -> None:

@@ -2,7 +2,7 @@
 
 import threading
 from collections import Counter, deque
-from typing import Any, Callable, Deque, Dict, List, NamedTuple
+from typing import Any, Callable, Deque, List, NamedTuple
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
@@ -12,8 +12,8 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
 
-#: Limits of one node's queued goals and cancels: their number, and the characters of their texts.
-MOST_ARRIVALS, MOST_TEXT = 1000, 1 << 25
+#: Limit of one node's queued goals and cancels.
+MOST_ARRIVALS = 100
 
 #: Limit of characters of a goal's id, which each status message repeats.
 LONGEST_ID = 1000
@@ -37,11 +37,10 @@ _ENDS = {
 
 
 class _Arrival(NamedTuple):
-    """A queued goal or cancel of ``node``: actionlib's function to take it, and the size of its text."""
+    """A queued goal or cancel of ``node``, and actionlib's function to take it."""
 
     take: Callable[[], None]
     node: str
-    size: int
     is_goal: bool
 
 
@@ -50,7 +49,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
 
     No status goes out while a goal is queued: for a client that has cancelled its goal, a status without that goal
     means that it is lost. ``arrived`` is called from rospy's threads and is to have the worker call
-    :meth:`take`. ``ending`` is called with each result before it goes out.
+    :meth:`take`. ``ending`` is called with each result before it goes out. The connection of a node with MOST_ARRIVALS
+    queued arrivals is not read meanwhile, so TCP slows the node down, and nothing is lost here.
     """
 
     def __init__(
@@ -59,11 +59,9 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
         self._arrived, self._ending = arrived, ending
         self._owed = self._told = False  # a deferred status; whether a result's status is out already
-        self._queue_lock = threading.Lock()  # for all below; no calls while it is held
+        self._queued = threading.Condition()  # for all below; no calls while it is held
         self._arrivals: Deque[_Arrival] = deque()
-        self._number: Dict[str, int] = Counter()  # queued arrivals, by node
-        self._text: Dict[str, int] = Counter()  # their characters
-        self._dropped: Dict[str, int] = Counter()
+        self._number: Counter[str] = Counter()  # queued arrivals, by node
         self._unkept = 0  # queued goals, and arrivals taken but not in the journal yet
         self._called = False
 
@@ -75,24 +73,23 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     def internal_goal_callback(self, goal: Any) -> None:
         """Called by rospy."""
         take = super().internal_goal_callback
-        self._put(goal.goal_id.id, _Arrival(lambda: take(goal), _node_of(goal), len(goal.goal.request), True))
+        self._put(goal.goal_id.id, _Arrival(lambda: take(goal), _node_of(goal), True))
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
         """Called by rospy."""
         take = super().internal_cancel_callback
-        self._put(goal_id.id, _Arrival(lambda: take(goal_id), _node_of(goal_id), 0, False))
+        self._put(goal_id.id, _Arrival(lambda: take(goal_id), _node_of(goal_id), False))
 
     def _put(self, key: str, arrival: _Arrival) -> None:
-        """Queue an arrival, or drop it if it exceeds a limit of its node."""
+        """Queue an arrival, as soon as its node has room for it."""
         node = arrival.node
-        with self._queue_lock:
-            too_much = self._text[node] and self._text[node] + arrival.size > MOST_TEXT
-            if too_much or self._number[node] >= MOST_ARRIVALS or len(key) > LONGEST_ID:
-                self._dropped[node] += 1
-                return
+        if len(key) > LONGEST_ID:
+            rospy.logwarn("a goal or cancel of %s is dropped: its id has more than %d characters", node, LONGEST_ID)
+            return
+        with self._queued:
+            self._queued.wait_for(lambda: self._number[node] < MOST_ARRIVALS)
             self._arrivals.append(arrival)
             self._number[node] += 1
-            self._text[node] += arrival.size
             self._unkept += arrival.is_goal
             called, self._called = self._called, True
         if not called:
@@ -100,15 +97,12 @@ class GoalServer(ActionServer):  # type: ignore[misc]
 
     def _next(self) -> List[_Arrival]:
         """Return the next arrivals to take; no status goes out until they are in the journal."""
-        with self._queue_lock:
+        with self._queued:
             taken = [self._arrivals.popleft() for _ in range(min(TURN, len(self._arrivals)))]
             self._called = bool(self._arrivals)
-            for one in taken:
-                self._number[one.node] -= 1
-                self._text[one.node] -= one.size
-                self._unkept += not one.is_goal
-                if not self._number[one.node]:
-                    del self._number[one.node], self._text[one.node]
+            self._number -= Counter(one.node for one in taken)  # those with none are left out
+            self._unkept += sum(not one.is_goal for one in taken)
+            self._queued.notify_all()
         return taken
 
     def take(self, keep: Callable[[], None]) -> None:
@@ -119,21 +113,13 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         if taken:
             self._forget_unknown()
             keep()
-        with self._queue_lock:
+        with self._queued:
             self._unkept -= len(taken)
             called = self._called
         if self._owed:
             self.publish_status()
         if called:
             self._arrived()
-
-    def take_dropped(self) -> Dict[str, int]:
-        """Return the number of goals and cancels dropped since the last call, by node."""
-        if not self._dropped:
-            return {}
-        with self._queue_lock:
-            dropped, self._dropped = self._dropped, Counter()
-        return dropped
 
     def _forget_unknown(self) -> None:
         """Remove the oldest of too many cancels for goals that have not arrived."""

@@ -1,7 +1,7 @@
 """The core's state on /diagnostics and its problems in the log."""
 
 import time
-from typing import Callable, Mapping
+from typing import Callable
 
 import rospy
 
@@ -27,12 +27,6 @@ class CoreHealth:
         line = self._health.problem(event, time.monotonic())
         if line:
             rospy.logwarn("%s", line)
-
-    def dropped(self, cycle: int, numbers: Mapping[str, int]) -> None:
-        """Report the number of dropped goals and cancels of each node."""
-        for node, number in numbers.items():
-            text = f"{number} goals or cancels of {node} are dropped: too many wait, or an id is too long"
-            self.problem(Problem(cycle, text, node, number))
 
     def tick(self) -> None:
         """Publish what has changed; to be called often."""

@@ -72,10 +72,6 @@ class KeptCore(Core):
         """The live goal of a client's handle."""
         return self._goals.by_key(key)
 
-    def ignore(self, origin: str, text: str, why: str, times: int) -> None:
-        """Report facts from the interface ``origin`` that were ignored on arrival, with the last of them."""
-        self._execution.ignore(origin, text, why, times)
-
     def leave(self, why: str) -> None:
         """End the actions under way and abort every goal, as the core ends.
 
