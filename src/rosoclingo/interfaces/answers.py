@@ -76,8 +76,8 @@ class Answer(NamedTuple):
 
 
 def answer(rules: Tuple[Rule, ...], scope: Scope) -> Answer:
-    """The answer of the first matching rule, else of DEFAULT_RETURNS; `scope.ended` must be set."""
-    ended = scope.ended if scope.ended is not None else Ended("aborted")
+    """The answer of the first matching rule, else of DEFAULT_RETURNS."""
+    ended = scope.ended
     rule = next((each for each in rules if each.matches(ended)), None)
     if rule is None:
         return Answer(default_value(ended, scope))

@@ -3,29 +3,21 @@
 Needs genpy only: messages are walked by their slots.
 """
 
-import copy
-import re
-from typing import Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping
 
 import genpy
 from clingo import Symbol, SymbolType
+from genmsg.msgs import BUILTIN_TYPES, parse_type
 
 from rosoclingo.common.labels import Label, bare_frame
-from rosoclingo.interfaces.templates import Now
+from rosoclingo.interfaces.templates import Now, texts_in
 from rosoclingo.interfaces.values import TermError, as_boolean, as_integer, as_real, as_text
-
-_INTEGERS: Dict[str, Tuple[int, int]] = {"byte": (-128, 127), "char": (0, 255)}
-for _bits in (8, 16, 32, 64):
-    _INTEGERS[f"uint{_bits}"] = (0, 2**_bits - 1)
-    _INTEGERS[f"int{_bits}"] = (-(2 ** (_bits - 1)), 2 ** (_bits - 1) - 1)
 
 _FRAMES = ("frame_id", "child_frame_id")
 
-_ARRAY = re.compile(r"(.*)\[([0-9]*)\]\Z")
-
 
 class FieldError(ValueError):
-    """A value that does not fit the field of the message; the message names the field."""
+    """Values that do not fit the fields of the message; the message names each field."""
 
 
 def fill(message: Any, values: Mapping[str, Any], now: genpy.Time, place: str = "goal") -> Any:
@@ -33,42 +25,41 @@ def fill(message: Any, values: Mapping[str, Any], now: genpy.Time, place: str = 
 
     The leading slash of a frame, as in "/map", is dropped: tf2 refuses it.
     """
-    types = field_types(message)
-    for name, value in values.items():
-        where = f"{place}.{name}"
-        if name not in types:
-            raise FieldError("{}: {} has no such field; it has {}".format(where, message._type, ", ".join(types)))
-        converted = _convert(value, types[name], getattr(message, name), now, where)
-        setattr(message, name, bare_frame(converted) if name in _FRAMES and types[name] == "string" else converted)
+    faults = list(_set_fields(message, values, now, place))
+    if faults:
+        raise FieldError("\n".join(faults))
     return message
 
 
 def field_faults(message: Any, template: Mapping[str, Any], place: str = "goal") -> List[str]:
     """What is wrong with a template whatever is filled in: fields that the type lacks, values that fit no action."""
-    types, faults = field_types(message), []
-    for name, value in template.items():
+    return list(_set_fields(message, template, genpy.Time(), place, template=True))
+
+
+def _set_fields(
+    message: Any, values: Mapping[str, Any], now: genpy.Time, place: str, template: bool = False
+) -> Iterator[str]:
+    """Set the fields and yield their faults; of a ``template`` skip values with references."""
+    types = field_types(message)
+    for name, value in values.items():
         where = f"{place}.{name}"
         if name not in types:
-            faults.append("{}: {} has no such field; it has {}".format(where, message._type, ", ".join(types)))
-        elif not isinstance(value, Mapping):
-            faults += _literal_faults(value, types[name], getattr(message, name), where)
-        elif not isinstance(getattr(message, name), genpy.Message):
-            faults.append(f"{where}: a field of type {types[name]} takes no mapping")
-        else:
-            faults += field_faults(getattr(message, name), value, where)
-    return faults
+            yield no_field(message, where)
+        elif isinstance(value, Mapping) and isinstance(getattr(message, name), genpy.Message):
+            yield from _set_fields(getattr(message, name), value, now, where, template)
+        elif not (template and any("$" in text for _, text in texts_in(value))):
+            try:
+                converted = _convert(value, types[name], now, where)
+            except FieldError as error:
+                yield str(error)
+            else:
+                frame = name in _FRAMES and types[name] == "string"
+                setattr(message, name, bare_frame(converted) if frame else converted)
 
 
-def _literal_faults(value: Any, ros_type: str, current: Any, place: str) -> List[str]:
-    """The fault of a value without references, if it does not fit its field."""
-    texts = value if isinstance(value, (list, tuple)) else [value]
-    if any(isinstance(text, (list, tuple, Mapping)) or (isinstance(text, str) and "$" in text) for text in texts):
-        return []
-    try:
-        _convert(value, ros_type, copy.deepcopy(current), genpy.Time(), place)
-    except FieldError as error:
-        return [str(error)]
-    return []
+def no_field(message: Any, place: str) -> str:
+    """Return the fault that a message type lacks the field at this place."""
+    return "{}: {} has no such field; it has {}".format(place, message._type, ", ".join(message.__slots__))
 
 
 def field_types(message: Any) -> Dict[str, str]:
@@ -76,32 +67,25 @@ def field_types(message: Any) -> Dict[str, str]:
     return dict(zip(message.__slots__, message._slot_types))
 
 
-def _convert(value: Any, ros_type: str, current: Any, now: genpy.Time, place: str) -> Any:
-    array = _ARRAY.match(ros_type)
+def _convert(value: Any, ros_type: str, now: genpy.Time, place: str) -> Any:
+    base, is_array, length = parse_type(ros_type)
+    if is_array:
+        items = _items(value)
+        if length is not None and len(items) != length:
+            raise FieldError(f"{place}: {length} values are wanted, not {len(items)}")
+        return [_convert(item, base, now, f"{place}[{index}]") for index, item in enumerate(items)]
     try:
-        if array:
-            return _convert_array(value, array.group(1), array.group(2), now, place)
-        if ros_type in _SCALARS:
-            _refuse_structure(value)
-            return _SCALARS[ros_type](value)
-        if ros_type in _INTEGERS:
-            return _integer_in(value, *_INTEGERS[ros_type])
-        if ros_type == "time":
-            return now if isinstance(value, Now) else genpy.Time.from_sec(as_real(value))
+        if ros_type == "time" and isinstance(value, Now):
+            return now
+        if ros_type in BUILTIN_TYPES:
+            return _primitive(value, ros_type)
     except TermError as error:
         raise FieldError(f"{place}: {ros_type} is wanted, but {error}") from error
     if isinstance(value, Label):
         value = _label_fields(value, ros_type, place)
     if not isinstance(value, Mapping):
         raise FieldError(f"{place}: {ros_type} cannot be filled from {as_text(value)}")
-    return fill(current, value, now, place)
-
-
-def _convert_array(value: Any, ros_type: str, length: str, now: genpy.Time, place: str) -> List[Any]:
-    items = _items(value)
-    if length and len(items) != int(length):
-        raise FieldError(f"{place}: {length} values are wanted, not {len(items)}")
-    return [_convert(item, ros_type, _empty(ros_type), now, f"{place}[{index}]") for index, item in enumerate(items)]
+    return fill(genpy.message.get_message_class(ros_type)(), value, now, place)
 
 
 def _items(value: Any) -> List[Any]:
@@ -112,20 +96,16 @@ def _items(value: Any) -> List[Any]:
     return [value]
 
 
-def _empty(ros_type: str) -> Any:
-    message_class = genpy.message.get_message_class(ros_type) if "/" in ros_type else None
-    return message_class() if message_class is not None else None
-
-
-def _refuse_structure(value: Any) -> None:
+def _primitive(value: Any, ros_type: str) -> Any:
     if isinstance(value, (Label, Now, Mapping, list)):
         raise TermError("it was given a {}".format(_KINDS.get(type(value), "list")))
-
-
-def _integer_in(value: Any, least: int, greatest: int) -> int:
+    if ros_type in _SCALARS:
+        return _SCALARS[ros_type](value)
     number = as_integer(value)
-    if not least <= number <= greatest:
-        raise TermError(f"{number} is not between {least} and {greatest}")
+    try:
+        genpy.message.check_type(ros_type, ros_type, number)
+    except genpy.SerializationError:
+        raise TermError(f"{number} is out of its range") from None
     return number
 
 
@@ -137,6 +117,7 @@ _SCALARS: Dict[str, Callable[[Any], Any]] = {
     "float32": as_real,
     "float64": as_real,
     "duration": lambda value: genpy.Duration.from_sec(as_real(value)),
+    "time": lambda value: genpy.Time.from_sec(as_real(value)),
 }
 
 

@@ -15,7 +15,7 @@ stands for any characters of an ASP string: `heard("${text}",now)`.
 """
 
 import re
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Match, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Match, NamedTuple, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -33,10 +33,6 @@ _INSIDE = re.compile(r"\$\$|\$\{([^}]*)\}|\$")
 _IN_TERM = re.compile(r"\$\$|\$\{([^}]*)\}|\\.|\"", re.DOTALL)
 _NAME_BEFORE, _NAME_BEHIND = re.compile(r"[A-Za-z0-9_'}]\Z"), re.compile(r"[A-Za-z0-9_'($]")
 _PART_OF_NAME = re.compile(r"[A-Za-z0-9_']+\Z")
-
-
-class TemplateError(ValueError):
-    """A template that no action could fill; a fault of the configuration."""
 
 
 class FillError(ValueError):
@@ -61,7 +57,7 @@ class Scope(NamedTuple):
     parameter: Symbol
     cycle: int
     labels: LabelTable = LabelTable()
-    ended: Optional[Ended] = None
+    ended: Ended = Ended("aborted")
 
 
 def evaluate(template: Any, scope: Scope) -> Any:
@@ -112,23 +108,19 @@ def faults(template: Any, names: Tuple[str, ...] = GOAL_NAMES, place: str = "") 
     """The references of a template that are malformed or not among `names`, each with its place."""
     found = []
     for where, text in texts_in(template, place):
-        try:
-            for reference in references(text):
-                _check_reference(reference, names)
-        except TemplateError as error:
-            found.append(f"{where}: {error}")
+        wrong = [fault for fault in (_reference_fault(one, names) for one in references(text)) if fault]
+        if not is_reference(text) and any(match.group(0) == "$" for match in _INSIDE.finditer(text)):
+            wrong.insert(0, f"{text!r}: write $name alone, ${{name}} inside a text, $$ for a dollar sign")
+        found += [f"{where}: {fault}" for fault in wrong[:1]]
     return found
 
 
 def references(template: str) -> List[str]:
-    """The references in one text, without dollar and braces.  Raises TemplateError."""
+    """The references in one text, without dollar and braces."""
     whole = _WHOLE.match(template)
     if whole:
         return [whole.group(1) or whole.group(2)]
-    found = list(_INSIDE.finditer(template))
-    if any(match.group(0) == "$" for match in found):
-        raise TemplateError(f"{template!r}: write $name alone, ${{name}} inside a text, $$ for a dollar sign")
-    return [match.group(1) for match in found if match.group(1) is not None]
+    return [match.group(1) for match in _INSIDE.finditer(template) if match.group(1) is not None]
 
 
 def uses_labels(template: Any) -> bool:
@@ -137,21 +129,23 @@ def uses_labels(template: Any) -> bool:
     return any(one[0] != "result" and one[-1] in LABEL_FIELDS for one in steps)
 
 
-def _check_reference(reference: str, names: Tuple[str, ...]) -> None:
+def _reference_fault(reference: str, names: Tuple[str, ...]) -> str:
+    """Return why no action could fill a reference, empty if one could."""
     head, _, tail = reference.partition(".")
     if not head.isdigit() and head not in names:
         near = likely(head, names, "$")
         known = ", ".join("$" + name for name in names)
-        raise TemplateError(f"no ${reference}{near}; known are {known}, $1, $2 ...")
+        return f"no ${reference}{near}; known are {known}, $1, $2 ..."
     if head in ("cycle", "now", "status", "text") and tail:
-        raise TemplateError(f"${head} has no .{tail}")
+        return f"${head} has no .{tail}"
     if head.isdigit() or head == "parameter":
         steps = tail.split(".") if tail else []
         wrong = [step for step in steps[:-1] if not step.isdigit()]
         wrong += [step for step in steps[-1:] if not step.isdigit() and step not in LABEL_FIELDS]
         if wrong or head == "0" or "0" in steps:
-            message = "${}: after a term come argument numbers from 1 on and at last one of {}"
-            raise TemplateError(message.format(reference, ", ".join(LABEL_FIELDS)))
+            fields = ", ".join(LABEL_FIELDS)
+            return f"${reference}: after a term come argument numbers from 1 on and at last one of {fields}"
+    return ""
 
 
 def _written(template: str, value_of: Callable[[str], Any]) -> str:
@@ -226,7 +220,7 @@ def _argument(term: Symbol, number: int, top: bool = False) -> Symbol:
 
 
 def _walk_result(steps: List[str], scope: Scope) -> Any:
-    value: Any = scope.ended.result if scope.ended is not None else None
+    value: Any = scope.ended.result
     for step in steps:
         try:
             value = value[int(step)] if step.isdigit() else getattr(value, step)
@@ -235,34 +229,11 @@ def _walk_result(steps: List[str], scope: Scope) -> Any:
     return value
 
 
-def _of_ended(field: str) -> Callable[[List[str], Scope], Any]:
-    return lambda steps, scope: getattr(scope.ended, field) if scope.ended is not None else ""
-
-
 _HEADS: Dict[str, Callable[[List[str], Scope], Any]] = {
     "parameter": lambda steps, scope: _walk_term(scope.parameter, steps, scope),
     "cycle": lambda steps, scope: scope.cycle,
     "now": lambda steps, scope: Now(),
-    "status": _of_ended("status"),
-    "text": _of_ended("text"),
+    "status": lambda steps, scope: scope.ended.status,
+    "text": lambda steps, scope: scope.ended.text,
     "result": _walk_result,
 }
-
-__all__ = [
-    "ANSWER_NAMES",
-    "GOAL_NAMES",
-    "Ended",
-    "FillError",
-    "Now",
-    "Scope",
-    "TemplateError",
-    "TermError",
-    "evaluate",
-    "faults",
-    "fill_term",
-    "is_reference",
-    "references",
-    "term_with",
-    "texts_in",
-    "uses_labels",
-]

@@ -10,7 +10,7 @@ import genpy
 from rosoclingo.interfaces.answers import Rule, pattern_of
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec
 from rosoclingo.interfaces.message_filling import field_faults, field_types
-from rosoclingo.interfaces.templates import TemplateError, references
+from rosoclingo.interfaces.templates import references
 from rosoclingo.interfaces.world_checks import check_faults
 
 
@@ -74,14 +74,6 @@ def _rule_faults(rule: Rule, result: Any, place: str) -> List[str]:
 
 def _result_fields(rule: Rule) -> Tuple[str, ...]:
     texts = [text for text in (rule.returns, *rule.facts) if isinstance(text, str)]
-    used = [reference.split(".") for text in texts for reference in _references(text)]
+    used = [reference.split(".") for text in texts for reference in references(text)]
     named = [steps[1] for steps in used if steps[0] == "result" and len(steps) > 1]
     return (*(name.split(".")[0] for name in rule.when), *named)
-
-
-def _references(text: str) -> List[str]:
-    """The references of a text; none of one that is malformed, which is told already."""
-    try:
-        return references(text)
-    except TemplateError:
-        return []

@@ -7,7 +7,7 @@ import genpy
 
 from rosoclingo.common.labels import UnknownLabelError
 from rosoclingo.interfaces.answers import equal
-from rosoclingo.interfaces.message_filling import field_types
+from rosoclingo.interfaces.message_filling import field_types, no_field
 from rosoclingo.interfaces.templates import FillError, Scope, evaluate
 from rosoclingo.interfaces.values import TermError, as_real, as_text
 
@@ -41,7 +41,7 @@ def check_faults(message: Any, wanted: Mapping[str, Any], place: str) -> List[st
         where = f"{place}.{name}"
         kind = types.get(name, "").partition("[")[0]
         if name not in types:
-            faults.append("{}: {} has no such field; it has {}".format(where, message._type, ", ".join(types)))
+            faults.append(no_field(message, where))
         elif "/" not in kind and isinstance(value, Mapping):
             faults.append(f"{where}: a field of type {types[name]} takes no mapping")
         elif "/" in kind and not isinstance(value, Mapping):

@@ -25,9 +25,10 @@ from rosoclingo.interfaces.values import read_atom, read_term
 
 LABELS = LabelTable.from_mapping({"office2": {"x": 3, "y": 4, "yaw": 1}})
 RESULT = SimpleNamespace(outcome=3, location="office4", text="Some Words", poses=[SimpleNamespace(x=7)])
+ABORTED = Ended("aborted")
 
 
-def scope(parameter="office2", ended=None):
+def scope(parameter="office2", ended=ABORTED):
     return Scope(read_term(parameter), 5, LABELS, ended)
 
 

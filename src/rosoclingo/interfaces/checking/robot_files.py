@@ -3,7 +3,7 @@
 import argparse
 import sys
 from contextlib import suppress
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional
 
 import clingo
 
@@ -26,9 +26,9 @@ from rosoclingo.interfaces.templates import (
     LABEL_FIELDS,
     FillError,
     Scope,
-    TemplateError,
     evaluate,
     references,
+    term_with,
     texts_in,
 )
 from rosoclingo.oclingo.errors import Fault, ProgressionError
@@ -186,11 +186,8 @@ def _asking(specs: Mapping[str, InterfaceSpec]) -> Dict[str, Labelled]:
 
 def _label_paths(text: str) -> Iterator[str]:
     """Yield the references of a template to the terms of which it asks for the label."""
-    try:
-        told = [one.split(".") for one in references(text)]
-    except TemplateError:
-        return  # told already
-    yield from ("$" + ".".join(one[:-1]) for one in told if len(one) > 1 and one[-1] in LABEL_FIELDS)
+    steps = [one.split(".") for one in references(text)]
+    yield from ("$" + ".".join(one[:-1]) for one in steps if len(one) > 1 and one[-1] in LABEL_FIELDS)
 
 
 def _labelled(paths: List[str]) -> Labelled:
@@ -209,20 +206,9 @@ def _labelled(paths: List[str]) -> Labelled:
 
 def _atom_of(template: str) -> Optional[clingo.Symbol]:
     """Return the atom of a fact's template, something in place of what is filled in; None where it tells no atom."""
-    text = template
-    for reference in _references(template):
-        text = text.replace("${" + reference + "}", "x")
-    try:
-        return parse_atom(text)
-    except ProgressionError:
-        return None
-
-
-def _references(template: str) -> Tuple[str, ...]:
-    try:
-        return tuple(references(template))
-    except TemplateError:
-        return ()
+    with suppress(ProgressionError):
+        return parse_atom(term_with(template, clingo.Function("x")))
+    return None
 
 
 def _type_faults(specs: Iterable[InterfaceSpec]) -> List[str]:
