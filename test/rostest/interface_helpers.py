@@ -18,7 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import comes_to
-from rosoclingo.common.greeting import Greeting, greet_first
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.registration import Registration
 
 PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on how fast the machine is, or how busy
@@ -73,13 +73,12 @@ class CoreSide:
         self._messages = queue.Queue()
         self.under_way = [InterfaceIO(interface=name, facts=[fact]) for name, fact in under_way]
         self._run = [InterfaceIO(interface="rosoclingo", facts=[f'_run("{run}")'])] if run else []
-        greeting = Greeting(lambda: [*self._run, *self.under_way])
-        self._publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, subscriber_listener=greeting, queue_size=100)
-        greet_first(self._publisher)
-        for message in [*self._run, *self.under_way]:
-            self._publisher.publish(message)  # to those who came before rospy had heard of the greeting
+        self._publisher = prompt_publisher("out_rosoclingo", InterfaceIO, greeting=self._greeting)
         self.announced = set()
         self._subscriber = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._note)
+
+    def _greeting(self):
+        return [*self._run, *self.under_way]
 
     def _note(self, message):
         if message.facts:

@@ -1,4 +1,4 @@
-"""What a node that is killed leaves for its successor: a private parameter, which outlives the process."""
+"""State that a node which is killed leaves to its successor, in a private parameter."""
 
 import threading
 from typing import Any
@@ -10,15 +10,15 @@ from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 __all__ = ["KeptState"]
 
-#: Seconds of wall time after which the parameter is looked at again: a master that was restarted has lost it.
+#: Seconds of wall time between two checks of the parameter: a master that was restarted has lost it.
 PERIOD = 2.0
 
 
 class KeptState:
     """Keeps a value in a private parameter of this node, and removes it at the end.
 
-    A thread of its own does it, as a master may take seconds to answer. What a master does not take, or has lost, is
-    tried again; the log says so once.
+    A master may take seconds to answer, so this has a thread of its own. If the master does not answer, or has lost the
+    parameter, the thread tries again; the log reports that once.
     """
 
     def __init__(self, name: str, loss: str) -> None:
@@ -28,7 +28,7 @@ class KeptState:
         self._master = api(rosgraph.get_master_uri())
         self._changed = threading.Condition()
         self._value: Any = None
-        self._wanted = self._written = 0  # how many values have come, and how many the master has taken
+        self._saved: Any = None  # the value that the master has
         self._ended = self._failing = False
         self._thread = threading.Thread(target=self._run, name="kept state", daemon=True)
         self._thread.start()
@@ -39,10 +39,9 @@ class KeptState:
         Waits until that is done or has failed, at most ``patience`` seconds of wall time.
         """
         with self._changed:
-            self._value, self._wanted = value, self._wanted + 1
-            wanted = self._wanted
+            self._value = value
             self._changed.notify_all()
-            self._changed.wait_for(lambda: self._written >= wanted or self._failing or self._ended, patience)
+            self._changed.wait_for(lambda: self._saved is self._value or self._failing or self._ended, patience)
 
     def end(self) -> None:
         """Remove the parameter: a node that ends, and was not killed, has no successor."""
@@ -52,39 +51,33 @@ class KeptState:
         self._thread.join(PERIOD)
 
     def _run(self) -> None:
-        while self._wait():
+        while True:
+            with self._changed:
+                self._changed.wait_for(self._is_due, PERIOD)
+                value, ended = self._value, self._ended
             try:
-                self._write()
+                if ended:
+                    self._master.deleteParam(self._node, self._parameter)
+                elif value is not None:
+                    self._save(value)
             except FAULTS as error:
                 self._fail(error)
-        try:
-            self._master.deleteParam(self._node, self._parameter)
-        except FAULTS:  # the master has ended as well
-            return
+            if ended:
+                return
 
-    def _wait(self) -> bool:
-        """Wait for something to do; tell whether to go on."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._ended or (self._written < self._wanted and not self._failing), PERIOD)
-            return not self._ended
+    def _is_due(self) -> bool:
+        return self._ended or (self._saved is not self._value and not self._failing)
 
-    def _write(self) -> None:
-        with self._changed:
-            value, count = self._value, self._wanted
-        if count == 0:
-            return
-        if count != self._written or not self._is_there(value):
+    def _save(self, value: Any) -> None:
+        if value is not self._saved or self._master.getParam(self._node, self._parameter)[2] != value:
             self._master.setParam(self._node, self._parameter, value)
         with self._changed:
-            self._written, self._failing = count, False
+            self._saved, self._failing = value, False
             self._changed.notify_all()
-
-    def _is_there(self, value: Any) -> bool:
-        return bool(self._master.getParam(self._node, self._parameter)[2] == value)
 
     def _fail(self, error: Exception) -> None:
         with self._changed:
-            new, self._failing = not self._failing, True
+            new, self._failing = not (self._failing or self._ended), True
             self._changed.notify_all()
         if new:
             rospy.logerr("%s: %s: the master does not answer: %s; it is tried again", self._node, self._loss, error)

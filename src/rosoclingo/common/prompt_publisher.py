@@ -8,7 +8,7 @@ when the node ends is lost.
 
 import contextlib
 import socket
-from typing import Any, List
+from typing import Any, Callable, Iterable, List, Optional
 
 import rospy
 from rospy.impl.tcpros_base import TransportTerminated
@@ -69,16 +69,42 @@ class PromptConnection(QueuedConnection):  # type: ignore[misc]
                 self._left = []
 
 
-def prompt_publisher(name: str, kind: Any, queue_size: int = 100, **more: Any) -> rospy.Publisher:
+class _Greeting(rospy.SubscribeListener):  # type: ignore[misc]
+    """Sends a newcomer, and it alone, the messages that ``messages`` returns then."""
+
+    def __init__(self, messages: Callable[[], Iterable[Any]]) -> None:
+        super().__init__()
+        self._messages = messages
+
+    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
+        """Called by rospy when a subscriber has connected."""
+        for message in self._messages():
+            publish(message)
+
+
+def prompt_publisher(
+    name: str, kind: Any, queue_size: int = 100, greeting: Optional[Callable[[], Iterable[Any]]] = None, **more: Any
+) -> rospy.Publisher:
     """Return a rospy.Publisher that sends at once; ``queue_size`` messages wait for a subscriber that is slow.
 
-    Any other publisher of the topic in this process shares its connections, and so sends at once too.
+    Each node that connects is sent the messages of ``greeting`` before any other message. Any other publisher of the
+    topic in this process shares its connections, and so sends at once too.
     """
+    if greeting is not None:
+        more["subscriber_listener"] = _Greeting(greeting)
     publisher = rospy.Publisher(name, kind, queue_size=queue_size, **more)
     impl = publisher.impl
     if "add_connection" not in vars(impl):
         add = impl.add_connection
-        impl.add_connection = lambda connection: add(PromptConnection(connection, queue_size))
+
+        def add_connection(connection: Any) -> bool:
+            """Add a connection and greet it, while no other thread publishes: rospy adds it to the listeners first."""
+            with impl.publock:
+                return bool(add(PromptConnection(connection, queue_size)))
+
+        impl.add_connection = add_connection
         impl.set_queue_size(None)  # with a size it would wrap each connection once more
         impl.set_queue_size = lambda size: None
+    for message in greeting() if greeting is not None else ():  # for those that connected before
+        publisher.publish(message)
     return publisher

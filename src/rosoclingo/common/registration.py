@@ -25,6 +25,9 @@ Entries = Set[Tuple[str, ...]]
 #: Seconds of wall time between two questions to the master.
 PERIOD = 2.0
 
+#: Number of times that the master is asked for all its entries after a change: two find a publisher that rospy missed.
+LOOKS = 4
+
 
 class Registration:
     """Asks the master whether it knows this node, and tells it the topics, services and private parameters it lacks.
@@ -42,6 +45,8 @@ class Registration:
         self._ended = threading.Event()
         self._period = period
         self._missing: List[Entries] = [set(), set(), set()]  # publications, subscriptions and services
+        self._seen: Any = None  # own entries at the last question
+        self._looks = LOOKS  # still to come
         self._lost = False
         self._unheard: Entries = set()  # topic, type and a node that publishes it, and is not connected
         self._told: Entries = set()  # those of them that rospy was told of
@@ -57,10 +62,18 @@ class Registration:
             self._ended.wait(self._period)
 
     def _ask(self) -> None:
+        """Ask for this node, and for all entries where it has changed or is not known: these are long."""
+        before, self._seen = self._seen, self._own()
+        known = self._master.lookupNode(self._name, self._name)[0] == 1
+        self._looks = self._looks - 1 if known and self._seen == before and not self._lost else LOOKS
+        if self._looks > 0:
+            self._compare()
+
+    def _compare(self) -> None:
         lists = self._master.getSystemState(self._name)[2]
         unheard_before, self._unheard = self._unheard, _unheard(dict(lists[0]))
         listed = [{name for name, nodes in entries if self._name in nodes} for entries in lists]
-        missing = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._own(), listed)]
+        missing = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._seen, listed)]
         before, self._missing = self._missing, missing
         twice = [now & then for now, then in zip(missing, before)]  # what is new rospy is about to tell the master
         if ending():  # it takes its entries back

@@ -76,11 +76,6 @@ def survey(reader: Reader) -> Dict[str, InterfaceSpec]:
     return {name: _spec(name, entry) for name, entry in entries}
 
 
-def read_spec(name: str, entry: Any) -> InterfaceSpec:
-    """One entry of an interface configuration.  Raises ConfigError listing its faults."""
-    return read_specs({name: entry})[name]
-
-
 def _spec(name: str, entry: Reader) -> InterfaceSpec:
     spec = InterfaceSpec(
         name=_term(name, entry),

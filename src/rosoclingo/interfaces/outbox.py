@@ -3,7 +3,6 @@
 from collections import deque
 from typing import Callable, Deque, NamedTuple, Optional
 
-from rosoclingo.common.greeting import Greeting
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO
 
@@ -29,8 +28,7 @@ class Outbox:
 
     def __init__(self, topic: str, interface: str) -> None:
         announcement = InterfaceIO(interface=interface)
-        self._publisher = prompt_publisher(topic, InterfaceIO, subscriber_listener=Greeting(lambda: [announcement]))
-        self._publisher.publish(announcement)  # to those that another interface of this node has met already
+        self._publisher = prompt_publisher(topic, InterfaceIO, greeting=lambda: [announcement])
         self._waiting: Deque[_Waiting] = deque()
 
     def put(self, message: InterfaceIO, reader: str, wall: float, wanted: Optional[Callable[[], bool]] = None) -> None:

@@ -208,7 +208,7 @@ class ExactlyOnce(unittest.TestCase):
             _, answer, number, goal = self.begin("arm")
             goal.set_succeeded()
             self.assertEqual(self.core.receive(), [answer.format(number)])
-            trouble = "cannot write .*: File too large"
+            trouble = "cannot write .*: disk I/O error"
             wait_for_diagnosis("rosoclingo: interface arm", lambda one: re.match(trouble, one.message), "the trouble")
         wait_for_diagnosis("rosoclingo: interface arm", lambda one: one.message == "idle", "its end")
         self.kill_node()

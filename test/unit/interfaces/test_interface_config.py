@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.action_runs import Limits
-from rosoclingo.interfaces.config import ConfigError, read_limits, read_spec, read_specs, survey
+from rosoclingo.interfaces.config import ConfigError, read_limits, read_specs, survey
 
 SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"
 TYPE = {"type": "actionlib/TestAction"}
@@ -28,7 +28,7 @@ def test_the_shipped_configuration():
 
 
 def test_what_is_left_out():
-    spec = read_spec("arm(left)", TYPE)
+    spec = read_specs({"arm(left)": TYPE})["arm(left)"]
     assert spec.name == spec.server == "arm(left)"
     assert spec.goal == {}
     assert spec.rules == ()
@@ -53,7 +53,7 @@ def test_everything_given():
             {"when": {"result": 3}},
         ],
     }
-    spec = read_spec("arm", entry)
+    spec = read_specs({"arm": entry})["arm"]
     assert spec.limits == Limits(3.0, 0.5, 2)
     assert spec.retry_on == ("failed",)
     assert spec.repeatable
@@ -129,12 +129,12 @@ def test_everything_given():
 )
 def test_faults_are_named(entry, fault):
     with pytest.raises(ConfigError, match=fault):
-        read_spec("arm", entry)
+        read_specs({"arm": entry})
 
 
 def test_names_are_terms():
     with pytest.raises(ConfigError, match="Left Arm: the name must be the ASP term"):
-        read_spec("Left Arm", TYPE)
+        read_specs({"Left Arm": TYPE})
 
 
 def test_all_faults_at_once():

@@ -54,6 +54,9 @@ IMPROVING = 0.5
 #: Seconds of wall time that actions have been under way before answers to what may come are prepared.
 PREPARING = 0.1
 
+#: Seconds of wall time between two looks at what goes on with time, once answers are prepared.
+IDLE = 0.25
+
 #: Seconds of wall time after an action until the disk is waited for: the next action would wait for that, too.
 SETTLING = 0.04
 
@@ -273,7 +276,9 @@ class CoreNode:
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()
-        return 0.0 if improvable or self._facts.waiting else None
+        if improvable or self._facts.waiting:
+            return 0.0
+        return IDLE if time.monotonic() - self._last_cycle >= 2 * PREPARING else None
 
     def _go_on(self) -> bool:
         """Do what is due; tell whether the plan may be improved while nothing comes."""

@@ -8,7 +8,6 @@ import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalStatus
 
-from rosoclingo.common.greeting import Greeting
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.nodes.core.board import SHOWN, GoalBoard
@@ -129,8 +128,7 @@ class Results:
         self._messages: List[ROSoClingoActionResult] = []
         self._until = time.monotonic() + (RESENT if resumed else 0.0)
         topic = rospy.remap_name(name) + "/result"
-        greeting = Greeting(lambda: list(self._messages))
-        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, subscriber_listener=greeting)
+        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, greeting=lambda: list(self._messages))
 
     @property
     def awaited(self) -> bool:

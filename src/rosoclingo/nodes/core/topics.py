@@ -6,7 +6,6 @@ import rospy
 from clingo import Symbol
 from std_msgs.msg import String, UInt32
 
-from rosoclingo.common.greeting import Greeting, greet_first
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO, State, TaskPlan
 from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
@@ -31,11 +30,7 @@ class CoreTopics:
         self._under_way: Tuple[InterfaceIO, ...] = ()
         self._look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
-        greeting = Greeting(self._greeting)
-        self._out = prompt_publisher("out_rosoclingo", InterfaceIO, subscriber_listener=greeting)
-        greet_first(self._out)
-        for message in self._greeting():  # to those who came before rospy had heard of the greeting
-            self._out.publish(message)
+        self._out = prompt_publisher("out_rosoclingo", InterfaceIO, greeting=self._greeting)
         self._task_plan = prompt_publisher("~task_plan", TaskPlan, 10, latch=True)
         self._state = prompt_publisher("~state", State, 10, latch=True)
         self._program = prompt_publisher("~program", String, 1, latch=True)

@@ -1,9 +1,9 @@
 """A bag that can be read whenever its writer dies, up to a second before."""
 
 import os
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterator
 
 import genpy
 import rosbag
@@ -45,12 +45,18 @@ class BagFile:
         self.path = path
         self._notes = notes
         self._flushes = 0
-        try:
+        with self._disk():
             path.parent.mkdir(parents=True, exist_ok=True)
             self._open("w")
             self._flush()
+
+    @contextmanager
+    def _disk(self, what: str = "written") -> Iterator[None]:
+        """Turn errors of the disk and of rosbag into a BagError."""
+        try:
+            yield
         except (OSError, rosbag.ROSBagException) as error:
-            raise BagError(f"the bag {path} cannot be written: {error}") from error
+            raise BagError(f"the bag {self.path} cannot be {what}: {error}") from error
 
     def _open(self, mode: str) -> None:
         self._file = active(self.path).open("w+b" if mode == "w" else "r+b")
@@ -60,28 +66,22 @@ class BagFile:
         """Take a message as it came over the wire, with its connection's header."""
         kind = type("Kind", (), {"_md5sum": header["md5sum"], "_full_text": header["message_definition"]})
         raw = (header["type"], data, header["md5sum"], kind)
-        try:
+        with self._disk():
             self._bag.write(topic, raw, max(time, FIRST), raw=True, connection_header=header)
-        except OSError as error:
-            raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def note(self, text: str, time: genpy.Time) -> None:
         """Write a note about the bag into the bag."""
-        try:
+        with self._disk():
             self._bag.write(self._notes, String(text), max(time, FIRST))
-        except OSError as error:
-            raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def flush(self) -> None:
         """Flush all that was written, so that it survives this process."""
-        try:
+        with self._disk():
             self._flush()
             self._flushes += 1
             if self._flushes % KEEP == 0:  # a Bag holds some 300 bytes for each message until it is closed
                 self._bag.close()
                 self._open("a")
-        except OSError as error:
-            raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def _flush(self) -> None:
         self._bag.flush()
@@ -92,27 +92,29 @@ class BagFile:
         """Go on behind what was flushed last, with a note; raises BagError as long as there is no room for more."""
         with suppress(OSError):  # of what it still holds
             self._file.close()
-        try:
+        with self._disk():
             with active(self.path).open("r+b") as file:
                 file.truncate(self._size)
                 os.posix_fallocate(file.fileno(), self._size, ROOM)
                 file.truncate(self._size)
             self._file = active(self.path).open("r+b")
-            self._bag = rosbag.Bag(self._file, "a", chunk_threshold=CHUNK, allow_unindexed=True)
-            for _ in self._bag.reindex():
-                pass
+            self._bag = _reindexed(self._file)
             self.note(text, time)
             self._flush()
-        except (OSError, rosbag.ROSBagException) as error:
-            raise BagError(f"the bag {self.path} cannot be written: {error}") from error
 
     def close(self) -> None:
         """End the bag: index it and give it its name."""
-        try:
+        with self._disk("closed"):
             self._bag.close()
             os.replace(active(self.path), self.path)
-        except OSError as error:
-            raise BagError(f"the bag {self.path} cannot be closed: {error}") from error
+
+
+def _reindexed(file: Any) -> rosbag.Bag:
+    """Return a bag whose writer did not close it, indexed and ready for more."""
+    bag = rosbag.Bag(file, "a", chunk_threshold=CHUNK, allow_unindexed=True)
+    for _ in bag.reindex():
+        pass
+    return bag
 
 
 def mend(path: Path, to: Path, notes: str) -> None:
@@ -122,9 +124,7 @@ def mend(path: Path, to: Path, notes: str) -> None:
     """
     left = active(path)
     try:
-        with rosbag.Bag(str(left), "a", allow_unindexed=True) as bag:
-            for _ in bag.reindex():
-                pass
+        _reindexed(str(left)).close()
         with rosbag.Bag(str(left)) as bag:
             end = genpy.Time.from_sec(bag.get_end_time()) if bag.get_message_count() else FIRST
         with rosbag.Bag(str(left), "a") as bag:

@@ -10,8 +10,7 @@ from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollect
 
 __all__ = ["bag_runs", "core_in", "opened"]
 
-#: The core's own topics below its name: what a replay needs, and what it is the better for.
-NEEDED = ("updates", "task_plan")
+#: The topic of the program, below the core's name.
 PROGRAM = "program"
 
 
