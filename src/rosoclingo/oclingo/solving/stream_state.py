@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set
+from typing import Any, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set
 
 import clingo
 
@@ -65,16 +65,10 @@ class StreamState:
 
     def copy(self) -> "StreamState":
         """Return a copy that shares nothing that changes."""
-        return replace(
-            self,
-            permanent=list(self.permanent),
-            lapsing=list(self.lapsing),
-            waiting=list(self.waiting),
-            open_atoms=list(self.open_atoms),
-            forgotten=set(self.forgotten),
-            closed_cycles=dict(self.closed_cycles),
-            told=set(self.told),
-        )
+        changing: Dict[str, Any] = {
+            name: value.copy() for name, value in vars(self).items() if isinstance(value, (list, set, dict))
+        }
+        return replace(self, **changing)
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
         """Return the state as if ``facts`` had not been asserted; an action among them was not executed."""
