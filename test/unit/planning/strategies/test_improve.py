@@ -400,6 +400,8 @@ def test_improved_plan_is_the_answer_from_then_on():
     assert (Plan.from_result(later).rest(2).actions, later.horizon) == (better.rest(2).actions, 3)
 
 
+@pytest.mark.slow
+@pytest.mark.once
 def test_improve_removes_all_idle_steps_at_once():
     solver = solver_of()
     solver.update(parse_update("#step 1. _request(40,1). #endstep."))
@@ -438,6 +440,8 @@ def test_improve_asks_no_question_after_a_stop(looks, monkeypatch):
     assert solver.log.plan.horizon == 10
 
 
+@pytest.mark.slow
+@pytest.mark.once
 def test_improve_stopped_while_grounding_continues_later():
     solver = requested()
     plan = solver.log.plan
