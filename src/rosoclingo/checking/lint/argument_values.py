@@ -59,13 +59,6 @@ class ArgumentValues:
         """Tell whether some atom of the predicate can be true."""
         return self._is_free(signature) or bool(self._atoms(signature))
 
-    def of_argument(self, signature: Signature, position: int) -> Optional[Set[clingo.Symbol]]:
-        """Return the values of an argument, None for any."""
-        if self._is_free(signature) or not self._atoms(signature):
-            return None
-        found = self._column(signature, position, None)
-        return None if ANY in found else found
-
     def derived_by(self, number: int) -> List[clingo.Symbol]:
         """Return the actions or statuses that the rule of this number gives."""
         return [] if self._reach is None else self._reach.derived_by(number)

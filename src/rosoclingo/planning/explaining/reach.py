@@ -214,7 +214,7 @@ class Reach:
             body = tuple(self._condition(one, step) for one in symbols if one.ast_type != ASTType.Pool)
             compared = [one for one in atoms if one.ast_type == ASTType.Comparison]
             comparisons = tuple(found for one in compared for found in self._comparisons(one, step))
-            yield HeadRule(statement, step, head, body, comparisons)
+            yield HeadRule(statement, step, _inlined(head, body, comparisons), body, comparisons)
 
     def _condition(self, term: Node, step: str) -> Condition:
         return Condition(term, parted(term)[0], self.patterns(term, step))
@@ -293,6 +293,17 @@ class Reach:
             ]
             found += [clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)]
         return found
+
+
+def _inlined(head: Condition, body: Sequence[Condition], comparisons: Sequence[Comparison]) -> Condition:
+    """Return a head with the terms to which equations alone bind its variables."""
+    known = _names(pattern for one in body for pattern in one.patterns)
+    equal = [one for one in comparisons if one.operator == "=" and len(one.left) == len(one.right) == 1]
+    sides = [(one.left[0], one.right[0]) for one in equal] + [(one.right[0], one.left[0]) for one in equal]
+    values = {left.name: right for left, right in sides if is_variable(left) and left.name not in known}
+    names = {name: clingo.Function(name) for name in _names(head.patterns)}
+    patterns = tuple(filled(one, {**names, **values}) for one in head.patterns) if values else head.patterns
+    return head._replace(patterns=patterns)
 
 
 def _exact(rule: HeadRule, opened: Set[Argument]) -> Set[str]:
