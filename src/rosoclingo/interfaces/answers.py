@@ -37,6 +37,9 @@ DEFAULT_RETURNS: Dict[str, str] = {
     "bad_parameter": "bad_parameter",
 }
 
+#: Reasons with which every action can fail.
+REASONS = tuple(reason for status, reason in DEFAULT_RETURNS.items() if status != SUCCEEDED)
+
 
 _PLACEHOLDER = Function("x")
 

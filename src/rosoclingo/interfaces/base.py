@@ -31,7 +31,7 @@ IN_TOPIC = "in_rosoclingo"
 
 DEFAULT_MEMORY = Path(rospkg.get_ros_home(), "rosoclingo", "interfaces")
 
-TICK, IDLE_TICK = 0.02, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
+TICK, IDLE_TICK = 0.05, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
 CANCEL_PATIENCE = 1.0  # seconds of wall time that an interface which ends waits for its server to take the cancels
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Dict, NamedTuple, Optional, Set, Tuple
 
 KEPT = 1000  # limit of remembered answers, the latest ones; actions under way are always remembered
-RUNS = 5  # number of former runs that stay in the database, the latest ones
+RUNS = 5  # number of runs that stay in the database beside the present one, the latest ones
 RETRY = 2.0  # seconds of wall time between two attempts to write, after a write has failed
 
 _TABLE = "CREATE TABLE IF NOT EXISTS action (run TEXT, action TEXT, goal TEXT, facts TEXT, PRIMARY KEY (run, action))"
@@ -106,11 +106,9 @@ class ActionMemory:
     def _load(self) -> None:
         if self.path is None or not self.path.exists():
             return
-        with self._connected(self.path) as db:
-            db.execute(_FORGET_RUNS, (self.run, RUNS))
-            rows = db.execute("SELECT action, goal, facts FROM action WHERE run = ? ORDER BY rowid", (self.run,))
-            for action, goal, facts in rows:
-                self._keep(action, Record(goal, None if facts is None else tuple(json.loads(facts))))
+        query = "SELECT action, goal, facts FROM action WHERE run = ? ORDER BY rowid"
+        for action, goal, facts in self._connected(self.path).execute(query, (self.run,)).fetchall():
+            self._keep(action, Record(goal, None if facts is None else tuple(json.loads(facts))))
         self._unsaved.clear()
 
     def _save(self) -> None:
@@ -124,6 +122,7 @@ class ActionMemory:
             with self._connected(self.path) as db:
                 db.executemany("REPLACE INTO action VALUES (?, ?, ?, ?)", rows)
                 db.executemany("DELETE FROM action WHERE run = ? AND action = ?", gone)
+                db.execute(_FORGET_RUNS, (self.run, RUNS + 1))
         except (OSError, sqlite3.Error) as error:
             mend = "goes on, but what is begun now is not known after a crash"
             self._failure = f"cannot write {self.path}: {error}: {mend}"
@@ -136,9 +135,10 @@ class ActionMemory:
         """Return the open database; raises OSError, sqlite3.Error."""
         if self._db is None:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._db = sqlite3.connect(str(path))
+            db = sqlite3.connect(str(path))
             for statement in ("PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL", _TABLE):
-                self._db.execute(statement)
+                db.execute(statement)
+            self._db = db
         return self._db
 
     def _set_aside(self, error: Exception) -> None:

@@ -13,7 +13,7 @@ from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionRes
 
 from rosoclingo.common.action_servers import start_server
 from rosoclingo.nodes.core import goal_handles
-from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, MOST_UNKNOWN, GoalServer
+from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, GoalServer
 from rosoclingo.reasoning import GoalRefused
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -149,16 +149,6 @@ class GoalServerTest(unittest.TestCase):
         self.assertEqual(core.calls, 1, "the worker is called once for all of them")
         wait_until(lambda: core.take() or len(core.handles) == number, "the rest, as there is room again")
         self.assertEqual([one.get_goal_id().id for one in core.handles], [str(one) for one in range(number)])
-
-    def test_the_status_has_a_bounded_number_of_cancels_without_a_goal(self):
-        core, client, _ = self.start("cancels")
-        for one in range(2 * MOST_UNKNOWN):
-            client.raw.pub_cancel.publish(GoalID(id=f"unknown{one}"))
-        goal = client.send("do(walk,1)")
-        wait_until(lambda: core.take() or core.handles, "all of them, and a goal")
-        self.assertLessEqual(len(core.server.status_list), MOST_UNKNOWN + 1)
-        core.handles[0].set_rejected(ROSoClingoResult(), "no")
-        goal.ends_as(GoalStatus.REJECTED)
 
     def test_one_node_has_a_bounded_number_of_open_goals_and_long_texts_are_shortened(self):
         core, client, _ = self.start("crowds")

@@ -1,5 +1,6 @@
 """What an interface has begun and answered, and that its death costs none of it."""
 
+import contextlib
 import resource
 import sqlite3
 import tempfile
@@ -125,24 +126,46 @@ def test_a_disk_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     assert memory(folder).recall(PICKUP) == Record("goal-1")  # with what could not be written before
 
 
+@contextlib.contextmanager
+def room_for(size):
+    """A disk on which files of this process cannot become larger than ``size`` bytes: EFBIG in place of ENOSPC."""
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limit[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+
+
 def test_a_full_disk_that_has_room_again_is_written_without_anything_new(tmp_path):
     one = memory(tmp_path)
     one.note_begun(PICKUP, "goal-1")
-    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (wal_size(one) + 10, limit[1]))  # EFBIG in place of ENOSPC
-    try:
+    with room_for(wal_size(one) + 10):
         one.note_answered(PICKUP, ANSWER)
         one.tend(100.0)
         assert "cannot write" in one.trouble
         assert "disk" in one.trouble
         assert memory(tmp_path).recall(PICKUP) == Record("goal-1"), "what is half written is not taken for an answer"
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
     one.tend(100.0 + RETRY - 0.1)
     assert one.trouble
     one.tend(100.0 + RETRY)
     assert not one.trouble
     assert memory(tmp_path).recall(PICKUP) == Record("goal-1", ANSWER)
+
+
+@pytest.mark.parametrize("size", [0, 4096, 40000])
+def test_a_disk_that_is_full_from_the_start_is_written_later(tmp_path, size):
+    one = memory(tmp_path)
+    with room_for(size):
+        for number in range(300):
+            one.note_begun(f"_action_lib(pickup,1,{number})", f"goal-{number}")
+        assert "cannot write" in one.trouble
+    one.tend(RETRY)
+    assert not one.trouble
+    heir = memory(tmp_path)
+    assert [heir.recall(f"_action_lib(pickup,1,{one})") for one in range(300)] == [
+        Record(f"goal-{one}") for one in range(300)
+    ]
 
 
 def test_a_file_that_cannot_be_read_is_told(tmp_path):
@@ -180,7 +203,7 @@ def test_former_runs_are_forgotten(tmp_path):
     for number in range(3 * RUNS):
         memory(tmp_path, f"run {number}").note_begun(PICKUP, f"goal-{number}")
     known = [memory(tmp_path, f"run {number}").recall(PICKUP) for number in range(3 * RUNS)]
-    assert known == [None] * 2 * RUNS + [Record(f"goal-{number}") for number in range(2 * RUNS, 3 * RUNS)]
+    assert known == [None] * (2 * RUNS - 1) + [Record(f"goal-{one}") for one in range(2 * RUNS - 1, 3 * RUNS)]
 
 
 ACTIONS = st.sampled_from([f"_action_lib(arm,{number},1)" for number in range(3)])

@@ -6,7 +6,7 @@ from typing import AbstractSet, Any, Iterable, Iterator, Mapping, Sequence
 from clingo.ast import ASTType
 
 from rosoclingo.checking.lint.actions import Named
-from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
+from rosoclingo.interfaces.answers import REASONS
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec
 from rosoclingo.interfaces.templates import texts_in
@@ -58,14 +58,11 @@ def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
 
 # ---- reasons --------------------------------------------------------------------------------------------------------
 
-#: Reasons with which every action can fail.
-_REASONS = frozenset(reason for status, reason in DEFAULT_RETURNS.items() if status != SUCCEEDED)
-
 
 def reasons_of(specs: Iterable[InterfaceSpec]) -> AbstractSet[str]:
     """Return the values, as text, that actions of these interfaces can return independently of their parameter."""
     rules = [rule for one in specs for rule in one.rules]
-    return _REASONS | {str(rule.returns) for rule in rules if "$" not in str(rule.returns)}
+    return {*REASONS} | {str(rule.returns) for rule in rules if "$" not in str(rule.returns)}
 
 
 def labels_like_reasons(labels: Sequence[Named], reasons: AbstractSet[str]) -> Iterator[Fault]:

@@ -11,7 +11,7 @@ from rosoclingo.checking.lint.actions import Actions, Labelled, Named
 from rosoclingo.checking.more import Kinds, Texts
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
-from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED
+from rosoclingo.interfaces.answers import REASONS, SUCCEEDED
 from rosoclingo.interfaces.checking.odd_values import (
     frame_values,
     idle_drawings,
@@ -100,7 +100,7 @@ class RobotFiles:
         file = self._interfaces
         specs = {} if file is None or file.faults else survey(Reader(file.data))
         told = {spec.name: [rule.returns for rule in spec.rules if rule.status != SUCCEEDED] for spec in specs.values()}
-        return {name: list(_terms([*results, *_OWN_REASONS])) for name, results in told.items()}
+        return {name: list(_terms([*results, *REASONS])) for name, results in told.items()}
 
     def _look_at_labels(self, faults: List[Fault]) -> List[Named]:
         file = self._labels
@@ -142,14 +142,10 @@ class RobotFiles:
                     yield self._interfaces.fault(text, "unheard-fact")  # type: ignore[union-attr]
 
 
-#: Reasons of the interface layer itself.
-_OWN_REASONS = tuple(one for status, one in DEFAULT_RETURNS.items() if status != SUCCEEDED)
-
-
 def _idle_reasons(specs: Mapping[str, InterfaceSpec], entries: Mapping[str, Any]) -> Iterator[str]:
     """Yield the reasons to send a goal again with which an interface never returns."""
     for key, spec in specs.items():
-        returned = {str(one).partition("(")[0] for one in (*_OWN_REASONS, *(rule.returns for rule in spec.rules))}
+        returned = {str(one).partition("(")[0] for one in (*REASONS, *(rule.returns for rule in spec.rules))}
         given = isinstance(entries[key], dict) and "retry_on" in entries[key]
         for reason in spec.retry_on if given and not any("$" in one for one in returned) else ():
             if reason not in returned:

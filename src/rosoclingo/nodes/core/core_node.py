@@ -8,6 +8,7 @@ import rospy
 from actionlib import ServerGoalHandle
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
+from rosoclingo.common.diagnostics import Diagnostics
 from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import ROSoClingoResult
@@ -16,7 +17,6 @@ from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, s
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
 from rosoclingo.nodes.core.loading import core_parameters, load_program
-from rosoclingo.nodes.core.reporting import CoreHealth
 from rosoclingo.nodes.core.topics import CoreTopics
 from rosoclingo.nodes.core.unmet_goals import UnmetGoals
 from rosoclingo.oclingo import DroppedError
@@ -173,7 +173,8 @@ class CoreNode:
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
         self._facts = FactIntake(self._core, self._register, self._worker)
-        self._health = CoreHealth(self._describe)
+        self._health = Health()
+        self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
             UpdateSent: self._topics.update_sent,
             PlanMade: self._plan_made,
@@ -184,7 +185,7 @@ class CoreNode:
             GoalChanged: self._handles.changed,
             GoalRefused: self._handles.refused,
             GoalProgress: self._handles.progress,
-            Problem: self._health.problem,
+            Problem: self._log_problem,
         }
         self._connect()
 
@@ -313,7 +314,9 @@ class CoreNode:
 
     def _tick(self) -> None:
         """Tell what has changed; often, also while a search goes on."""
-        self._health.tick()
+        for line in self._health.counted(time.monotonic()):
+            rospy.logwarn("%s", line)
+        self._diagnostics.tick()
         self._handles.tick()
 
     def _time(self) -> float:
@@ -350,7 +353,6 @@ class CoreNode:
 
         def look() -> Optional[Halt]:
             """Return why the search has to end now, None while it can go on."""
-            self._attend()
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
             why = self._core.queue.why_left(self._cancels, bool(self._arrivals))
@@ -358,18 +360,11 @@ class CoreNode:
                 return Halt(why, disturbed=True)
             return too_long()
 
-        return look
+        return self._attending(look)
 
     def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
         """Be content with what was found of goals to give up after some time."""
-        too_long = self._watch_time(self._parameters.recovery_timeout)
-
-        def look() -> Optional[Halt]:
-            """Return why the search has to end now, None while it can go on."""
-            self._attend()
-            return too_long()
-
-        return look
+        return self._attending(self._watch_time(self._parameters.recovery_timeout))
 
     def _watch_joining(self) -> Callable[[], Optional[Halt]]:
         """End the wait for a plan with new goals before the next action."""
@@ -377,11 +372,20 @@ class CoreNode:
 
         def look() -> Optional[Halt]:
             """Return why the wait has to end now, None while it can go on."""
-            self._attend()
             over = self._ending or time.monotonic() - start >= JOINING
             return Halt(f"it took longer than {JOINING:g} s") if over else None
 
-        return look
+        return self._attending(look)
+
+    def _attending(self, look: Callable[[], Optional[Halt]]) -> Callable[[], Optional[Halt]]:
+        """Return what looks for the end of a search and attends to time and arrivals."""
+
+        def attend() -> Optional[Halt]:
+            """Return why the search has to end now, None while it can go on."""
+            self._attend()
+            return look()
+
+        return attend
 
     def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
         """End a search after some seconds of processor time; 0: never."""
@@ -429,14 +433,21 @@ class CoreNode:
         self._topics.return_taken(event)
         self._register.answered(return_of(event.atom).interface_name)
 
-    def _describe(self, health: Health, now: float) -> Report:
+    def _log_problem(self, event: Problem) -> None:
+        """Log a problem, unless it was logged before."""
+        line = self._health.problem(event, time.monotonic())
+        if line:
+            rospy.logwarn("%s", line)
+
+    def _describe(self) -> Report:
+        now = time.monotonic()
         missing = self._register.look(self._core.awaited, self._topics.listeners, self._facts.senders, now)
         for one in missing:
             if one.new:
-                self._health.problem(Problem(self._core.cycle, one.text, one.action.interface_name))
+                self._log_problem(Problem(self._core.cycle, one.text, one.action.interface_name))
         awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
         goals, waiting = len(self._core.live_goals), sum(not goal.fed for goal in self._core.live_goals)
-        report = health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
+        report = self._health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
         if self._keeper.fault:
             report = report._replace(level=Level.WARN, message=self._keeper.fault)
         return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")

@@ -21,9 +21,6 @@ LONGEST_ID = 1000
 #: Limit of goals and cancels that the worker takes together.
 TURN = 100
 
-#: Limit of cancels in the status for goals that have not arrived.
-MOST_UNKNOWN = 100
-
 Taker = Callable[[ServerGoalHandle], None]
 
 #: The outcome of each terminal status, and its default text.
@@ -111,7 +108,6 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         for one in taken:
             one.take()
         if taken:
-            self._forget_unknown()
             keep()
         with self._queued:
             self._unkept -= len(taken)
@@ -120,14 +116,6 @@ class GoalServer(ActionServer):  # type: ignore[misc]
             self.publish_status()
         if called:
             self._arrived()
-
-    def _forget_unknown(self) -> None:
-        """Remove the oldest of too many cancels for goals that have not arrived."""
-        with self.lock:
-            unknown = [one for one in self.status_list if one.goal is None]
-            if len(unknown) > MOST_UNKNOWN:
-                gone = set(map(id, unknown[:-MOST_UNKNOWN]))
-                self.status_list = [one for one in self.status_list if id(one) not in gone]
 
     def publish_status(self) -> None:
         """Publish the status unless goals are queued; actionlib calls this at each change and by its timer."""
