@@ -53,10 +53,10 @@ class LabelTable:
         self._labels: Dict[str, Label] = {label.name: label for label in labels}
 
     @classmethod
-    def from_mapping(cls, data: Any, frame: str = DEFAULT_FRAME) -> "LabelTable":
+    def from_mapping(cls, data: Any) -> "LabelTable":
         """As ``read``; raises LabelError listing all faults."""
         reader = Reader(data, "labels")
-        table = cls.read(reader, frame)
+        table = cls.read(reader)
         reader.check(LabelError)
         return table
 

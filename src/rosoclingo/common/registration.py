@@ -38,12 +38,11 @@ class Registration:
     its own, as a master may take seconds to answer.
     """
 
-    def __init__(self, period: float = PERIOD) -> None:
+    def __init__(self) -> None:
         self._name, self._uri = rospy.get_name(), rospy.get_node_uri()
         self._master = api(rosgraph.get_master_uri())
         self._parameters: Optional[Dict[str, Any]] = None  # what the node was started with, once asked for
         self._ended = threading.Event()
-        self._period = period
         self._missing: List[Entries] = [set(), set(), set()]  # publications, subscriptions and services
         self._seen: Any = None  # own entries at the last question
         self._looks = LOOKS  # still to come
@@ -59,7 +58,7 @@ class Registration:
                 self._ask()
             except FAULTS as error:
                 self._lose(f"no ROS master at {rosgraph.get_master_uri()} ({error}); connected nodes go on without")
-            self._ended.wait(self._period)
+            self._ended.wait(PERIOD)
 
     def _ask(self) -> None:
         """Ask for this node, and for all entries where it has changed or is not known: these are long."""

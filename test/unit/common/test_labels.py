@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common.labels import Label, LabelError, LabelTable, UnknownLabelError
+from rosoclingo.common.reading import Reader
 
 TABLE = LabelTable.from_mapping({"office1": {"x": 1, "y": 2.5, "yaw": 0.5}, "bedroom": [10.5, 11.2], 7: [0, 0, 1]})
 
@@ -22,12 +23,12 @@ def test_mappings_and_lists_are_read():
 
 
 def test_frames_of_the_table_and_of_one_label():
-    table = LabelTable.from_mapping({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "odom"}, "c": [1, 2]}, "world")
+    table = LabelTable.read(Reader({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "odom"}, "c": [1, 2]}), "world")
     assert [label.frame for label in table] == ["world", "odom", "world"]
 
 
 def test_frames_are_without_a_leading_slash():
-    table = LabelTable.from_mapping({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "//robot/odom"}}, "/map")
+    table = LabelTable.read(Reader({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "//robot/odom"}}), "/map")
     assert [label.frame for label in table] == ["map", "robot/odom"]
 
 

@@ -143,12 +143,12 @@ class GoalServer(ActionServer):  # type: ignore[misc]
             finally:
                 self._told = False
 
-    def restore(self, key: str, text: str, stamp: rospy.Time, status: int, message: str = "") -> ServerGoalHandle:
+    def restore(self, key: str, text: str, stamp: rospy.Time, status: int) -> ServerGoalHandle:
         """Have a goal of before in the first status message; to be called before the server starts."""
         goal = ROSoClingoActionGoal(goal_id=GoalID(id=key, stamp=stamp))
         goal.goal.request = text
         tracker = StatusTracker(None, None, goal)
-        tracker.status = GoalStatus(goal_id=goal.goal_id, status=status, text=message)
+        tracker.status = GoalStatus(goal_id=goal.goal_id, status=status)
         tracker.handle_tracker = HandleTrackerDeleter(self, tracker)
         self.status_list.append(tracker)
         return ServerGoalHandle(tracker, self, tracker.handle_tracker)

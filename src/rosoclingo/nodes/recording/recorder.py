@@ -204,9 +204,9 @@ class _OnwardClock:
             return now + self._ahead
 
 
-def is_recording(topics: Iterable[str], name: str = "/record") -> bool:
-    """Whether the recorder of that name is there, and all that is published on some topics (full names) comes to it."""
-    return readers(name) is not None and all(comes_to(name, topic) for topic in topics)
+def is_recording(topics: Iterable[str]) -> bool:
+    """Whether the node ``/record`` is there, and all that is published on some topics (full names) comes to it."""
+    return readers("/record") is not None and all(comes_to("/record", topic) for topic in topics)
 
 
 def _bytes(message: Any) -> bytes:
