@@ -123,10 +123,10 @@ def references(template: str) -> List[str]:
     return [match.group(1) for match in _INSIDE.finditer(template) if match.group(1) is not None]
 
 
-def uses_labels(template: Any) -> bool:
-    """Whether some reference of the template asks for a label."""
+def labelled(template: Any) -> List[str]:
+    """The references, as templates, to the terms of which a template asks for the label."""
     steps = [reference.split(".") for _, text in texts_in(template) for reference in references(text)]
-    return any(one[0] != "result" and one[-1] in LABEL_FIELDS for one in steps)
+    return ["$" + ".".join(one[:-1]) for one in steps if one[1:] and one[-1] in LABEL_FIELDS and one[0] != "result"]
 
 
 def _reference_fault(reference: str, names: Tuple[str, ...]) -> str:

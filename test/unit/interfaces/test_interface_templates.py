@@ -19,7 +19,7 @@ from rosoclingo.interfaces.templates import (
     Scope,
     evaluate,
     faults,
-    uses_labels,
+    labelled,
 )
 from rosoclingo.interfaces.values import read_atom, read_term
 
@@ -323,11 +323,11 @@ def test_a_template_that_passes_the_check_is_filled_or_refused_for_a_reason(temp
 @pytest.mark.parametrize(
     ("template", "wanted"),
     [
-        ({"target_pose": "$parameter.pose"}, True),
-        ({"a": [{"b": "at ${2.1.x}"}]}, True),
-        ({"a": "$1", "b": 3, "c": "$$x"}, False),
-        ({"a": "$result.pose"}, False),
+        ({"target_pose": "$parameter.pose"}, ["$parameter"]),
+        ({"a": [{"b": "at ${2.1.x}"}]}, ["$2.1"]),
+        ({"a": "$1", "b": 3, "c": "$$x"}, []),
+        ({"a": "$result.pose"}, []),
     ],
 )
 def test_templates_that_ask_for_labels(template, wanted):
-    assert uses_labels(template) is wanted
+    assert labelled(template) == wanted

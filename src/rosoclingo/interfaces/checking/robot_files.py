@@ -22,15 +22,7 @@ from rosoclingo.interfaces.checking.odd_values import (
 from rosoclingo.interfaces.checking.order_file import OrderFile
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
-from rosoclingo.interfaces.templates import (
-    LABEL_FIELDS,
-    FillError,
-    Scope,
-    evaluate,
-    references,
-    term_with,
-    texts_in,
-)
+from rosoclingo.interfaces.templates import FillError, Scope, evaluate, labelled, term_with
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.likeness import likely_external, likely_word
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -174,16 +166,10 @@ def _asking(specs: Mapping[str, InterfaceSpec]) -> Dict[str, Labelled]:
     """Return the actions whose goals ask for labels."""
     found: Dict[str, Labelled] = {}
     for spec in specs.values():
-        paths = [path for _, text in texts_in(spec.goal) for path in _label_paths(text)]
+        paths = labelled(spec.goal)
         if paths:
             found[spec.name] = _labelled(paths)
     return found
-
-
-def _label_paths(text: str) -> Iterator[str]:
-    """Yield the references of a template to the terms of which it asks for the label."""
-    steps = [one.split(".") for one in references(text)]
-    yield from ("$" + ".".join(one[:-1]) for one in steps if len(one) > 1 and one[-1] in LABEL_FIELDS)
 
 
 def _labelled(paths: List[str]) -> Labelled:
