@@ -1,6 +1,5 @@
 """Standard streams that accept any text in any locale, and survive a full disk if a launch writes them to a file."""
 
-import codecs
 import io
 import os
 import sys
@@ -10,16 +9,13 @@ from typing import Any
 __all__ = ["LenientStream", "print_utf8", "tolerate_any_locale", "tolerate_full_disk"]
 
 _UTF8 = "utf-8"
-_MODE = "PYTHONUTF8"
 
 
 def tolerate_any_locale() -> None:
     """Have this process print any text, and read standard input as UTF-8, in any locale.
 
-    Characters that the encoding of standard output lacks are printed as ``?``. In an ASCII locale the process starts
-    again in Python's UTF-8 mode, as it could not open files with other names. Call it before anything else.
+    Characters that the encoding of standard output lacks are printed as ``?``.
     """
-    _leave_ascii()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
             stream.reconfigure(errors="replace")
@@ -33,15 +29,6 @@ def print_utf8() -> None:
     """Write standard output in UTF-8, for a command that prints a program, which is a UTF-8 text."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding=_UTF8)
-
-
-def _leave_ascii() -> None:
-    """Start this script again in UTF-8 mode, once, if names of files are in ASCII."""
-    script = getattr(sys.modules.get("__main__"), "__file__", None)
-    ascii_alone = codecs.lookup(sys.getfilesystemencoding()).name == "ascii"
-    if ascii_alone and script == sys.argv[0] and sys.executable and os.environ.get(_MODE) != "1":
-        os.environ[_MODE] = "1"
-        os.execv(sys.executable, [sys.executable, *sys.argv])
 
 
 def _encodable(argument: str) -> str:

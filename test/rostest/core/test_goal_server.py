@@ -162,7 +162,7 @@ class GoalServerTest(unittest.TestCase):
             handles.refused(GoalRefused(1, core.handles[0].get_goal_id().id, texts[0], "y" * 50000))
             self.assertEqual(len(goals[0].ends_as(GoalStatus.REJECTED)), 50000)
             self.admit(core, client, handles, "do(walk,4)")
-        handles.flush()
+        handles.board.flush()
         wait_until(lambda: board and len(board[-1].goals) == 3, "the goals that were admitted")
         for one in board[-1].goals:
             self.assertLess(len(one.request) + len(one.reason), 1200)

@@ -228,7 +228,7 @@ class CoreNode:
                 self._worker.put(partial(self._core.add_goal, key, client.text))
             if client.cancelled:
                 self._worker.put(partial(self._core.cancel_goal, key))
-        self._handles.flush()
+        self._handles.board.flush()
 
     def _take_arrivals(self) -> None:
         """Take goals and cancels, at any time: clients hear that they have come once that is written down.
@@ -317,7 +317,7 @@ class CoreNode:
         for line in self._health.counted(time.monotonic()):
             rospy.logwarn("%s", line)
         self._diagnostics.tick()
-        self._handles.tick()
+        self._handles.board.tick()
 
     def _time(self) -> float:
         return self._clock.at(rospy.get_time(), time.monotonic())
@@ -406,7 +406,7 @@ class CoreNode:
         self._ending = True
         self._worker.put(lambda: self._core.leave("is given up: the core shuts down"))
         self._worker.put(self._send)
-        self._worker.put(self._handles.flush)
+        self._worker.put(self._handles.board.flush)
         self._worker.put(self._keeper.close)
         self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)

@@ -33,13 +33,18 @@ MOST_OPEN = 1000
 
 
 class GoalHandles:
-    """Handles by goal id. Used by the worker only, as a handle takes the action server's lock."""
+    """Handles by goal id. Used by the worker only, as a handle takes the action server's lock.
+
+    Attributes:
+        board: how the goals stand, for the topic ``~goals``.
+
+    """
 
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
         self._open: Dict[str, int] = Counter()  # by sending node
         self._remarks: Dict[str, str] = {}  # the program's text about an accepted goal
-        self._board = GoalBoard()
+        self.board = GoalBoard()
         self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
 
     def has_room(self, handle: ServerGoalHandle) -> bool:
@@ -54,7 +59,7 @@ class GoalHandles:
         """Take a goal that arrived."""
         self._handles[key] = handle
         self._open[_node_of(handle)] += 1
-        self._board.add(key, handle)
+        self.board.add(key, handle)
 
     def changed(self, event: GoalChanged) -> None:
         """Tell the client of a transition; the one to a cancelling state the action server has made itself."""
@@ -63,19 +68,19 @@ class GoalHandles:
             handle.set_accepted(f"{event.term} is accepted")
         elif event.outcome is not None:
             self._end(event.key, event.event, event.outcome, event.message)
-        self._board.look(event.key, handle)
+        self.board.look(event.key, handle)
 
     def refused(self, event: GoalRefused) -> None:
         """Tell the client that its goal is not taken."""
         handle = self._handles[event.key]
         self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
-        self._board.look(event.key, handle)
+        self.board.look(event.key, handle)
 
     def recall(self, key: str, message: str) -> None:
         """Tell the client that its goal, which the core has not heard of, is cancelled."""
         handle = self._handles[key]
         self._end(key, GoalEvent.CANCEL, Outcome.CANCELED, message)
-        self._board.look(key, handle)
+        self.board.look(key, handle)
 
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback, and put the program's remark on the goal into its status."""
@@ -88,7 +93,7 @@ class GoalHandles:
         handle.publish_feedback(feedback)
         if not event.waits and event.state in _ACCEPTED:
             self._remark(event.key, handle, event.remark)
-        self._board.waits(event.key, handle, event.waits)
+        self.board.waits(event.key, handle, event.waits)
 
     def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
         """Update the text of an accepted goal's status to a new remark; actionlib has no call for that."""
@@ -99,15 +104,7 @@ class GoalHandles:
             with handle.action_server.lock:
                 handle.status_tracker.status.text = text
                 handle.action_server.publish_status()
-            self._board.look(key, handle)
-
-    def tick(self) -> None:
-        """Publish how the goals stand, if that has changed; to be called often."""
-        self._board.tick()
-
-    def flush(self) -> None:
-        """Publish how the goals stand, if that has changed, at once."""
-        self._board.flush()
+            self.board.look(key, handle)
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
