@@ -2,11 +2,14 @@
 
 import argparse
 import sys
-from typing import Callable, Optional, Sequence
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator, Optional, Sequence
 
 from rosoclingo.checking.more import More
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.service import command
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 
 def main(arguments: Optional[Sequence[str]] = None, find_more: Callable[[], Optional[More]] = lambda: None) -> int:
@@ -23,7 +26,15 @@ def main(arguments: Optional[Sequence[str]] = None, find_more: Callable[[], Opti
         add_trials(parser, more)
         return lambda options: check(options, more)
 
-    return command.main(arguments, WorkerPool, add_check)
+    return command.main(arguments, _solver, add_check)
+
+
+@contextmanager
+def _solver(program: ReactiveProgram, **options: Any) -> Iterator[ProcessSolver]:
+    """A solver in a process of its own, a fork of this one."""
+    with WorkerPool(program, fork=True, **options) as pool:
+        pool.start()
+        yield pool.solver()
 
 
 if __name__ == "__main__":

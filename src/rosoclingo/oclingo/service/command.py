@@ -8,7 +8,7 @@ import shutil
 import signal
 import sys
 from pathlib import Path
-from typing import Any, Callable, List, NoReturn, Optional, Protocol, Sequence, Tuple
+from typing import Any, Callable, ContextManager, List, NoReturn, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -45,20 +45,8 @@ Check = Callable[[argparse.ArgumentParser], Callable[[argparse.Namespace], int]]
 """Adds the arguments of ``--check`` to a parser; returns the check, which returns the exit code."""
 
 
-class Workers(Protocol):
-    """Solvers in processes of their own."""
-
-    def __enter__(self) -> "Workers":
-        """Return itself."""
-
-    def __exit__(self, *error: Any) -> None:
-        """End the processes."""
-
-    def start(self) -> None:
-        """Start the first process; raises ProgramError."""
-
-    def solver(self) -> StreamSolver:
-        """Return a solver for one stream."""
+MakeSolver = Callable[..., ContextManager[StreamSolver]]
+"""Returns a solver of a program; its options are ``models``, ``horizon_limit``, ``shortest`` and ``plan_time``."""
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -145,7 +133,7 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
 
 
 @ends_unread
-def main(arguments: Optional[Sequence[str]], make_workers: Callable[..., Workers], add_check: Check) -> int:
+def main(arguments: Optional[Sequence[str]], make_solver: MakeSolver, add_check: Check) -> int:
     """Run the command with ``arguments`` (None: those of the process) and return its exit code."""
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]
     parser = make_parser()
@@ -166,9 +154,8 @@ def main(arguments: Optional[Sequence[str]], make_workers: Callable[..., Workers
         for text in program.warnings:
             _say(f"warning: {text}")
         ways = {"shortest": options.shortest, "plan_time": options.plan_time}
-        with make_workers(program, models=models, horizon_limit=options.imax, fork=True, **ways) as process:
-            process.start()
-            return _run(process.solver(), options)
+        with make_solver(program, models=models, horizon_limit=options.imax, **ways) as solver:
+            return _run(solver, options)
     except (ProgramError, SolverError) as error:
         _say(str(error))
         return 1
