@@ -5,8 +5,10 @@ import contextlib
 import inspect
 import os
 import shlex
+import signal
 import sys
 import sysconfig
+import threading
 from typing import Any, Callable, Iterator, NoReturn, Sequence, Tuple, Type
 
 from rosoclingo.common.streams import print_utf8, tolerate_any_locale, tolerate_full_disk
@@ -89,6 +91,8 @@ def run_node(
 
     tolerate_full_disk()
     rospy.init_node(name)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _shut_down)
     try:
         made = node(*arguments)
     except errors as error:
@@ -99,6 +103,13 @@ def run_node(
     begin(made)
     rospy.spin()
     return 1 if failed() else 0
+
+
+def _shut_down(number: int, _frame: Any) -> None:
+    """Shut down in a thread: rospy's own handler waits for a lock that the thread it interrupts can hold."""
+    import rospy
+
+    threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",)).start()
 
 
 def _pip(*packages: str) -> str:

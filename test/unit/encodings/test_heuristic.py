@@ -115,9 +115,7 @@ def first_step(graph, office, targets):
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize(
-    ("corridors", "number"), [(ROW[:3], 20), (ROW, 8), (STAR, 8), (TWO_RINGS, 8), (THETA, 10), (MESH, 8)]
-)
+@pytest.mark.parametrize(("corridors", "number"), [(ROW[:3], 20), (STAR, 8), (THETA, 10), (MESH, 8)])
 def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, number):
     offices = max(max(pair) for pair in corridors)
     requests = errands(number, offices)
@@ -196,11 +194,10 @@ def all_plans(program, requests, horizon):
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize("corridors", [ROW, STAR])
-def test_the_rules_of_a_step_are_no_more_than_places_and_requests(corridors):
+def test_the_rules_of_a_step_are_no_more_than_places_and_requests():
     def cost(offices, number):
         """What the heuristic adds to each of the steps."""
-        whole = mailbot(corridors[: offices - 1])
+        whole = mailbot(STAR[: offices - 1])
         requests = errands(number, offices)
         counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without_heuristic(whole))]
         return [more - less for more, less in zip(*counts)]

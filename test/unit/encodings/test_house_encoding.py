@@ -155,7 +155,7 @@ def test_what_was_rejected_is_asked_for_again_with_the_late_news(house):
 
 
 @pytest.mark.mostly_slow
-@pytest.mark.parametrize("cycle", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (2, 3, 4))])
+@pytest.mark.parametrize("cycle", [1, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("fact", ["_blocked(hallway,kitchen,{})", "_blocked(hallway,living_room,{})"])
 def test_a_way_that_was_seen_blocked_after_it_was_driven(house, fact, cycle):
     house.goal("first", "bring(bedroom,cup)").until("deliver")
