@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the core's journal when a run has got long: the file to read on start, and processor time to go on from it.
+"""Measures the core's journal when a run has got long: its size, the time to resume from it and the time to write it.
 
 The pure core with the program of a row of offices or of a house, its solver in the same process; each action is
 answered at once, with success or, now and then, a failure. Every so many goals a second core is made of the file as if
@@ -18,10 +18,10 @@ from long_run import add_run, answer, load
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, file_of
+from rosoclingo.reasoning.journal.database import Header, file_of, read
+from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Client, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header, read
 
 
 class Run:
@@ -41,8 +41,8 @@ class Run:
 
     @property
     def written(self):
-        """Seconds of processor time in the journal, and how often it was asked to write."""
-        return self._writing.spent, self._writing.count
+        """Seconds of processor time and of wall time in the journal, and how often it was asked to write."""
+        return self._writing.spent, self._writing.passed, self._writing.count
 
     def goal(self, key, text):
         """A client's goal comes, and its first actions go out."""
@@ -69,30 +69,24 @@ class Timed:
     """A journal that tells what it has cost."""
 
     def __init__(self, journal):
-        self._journal, self.spent, self.count, self.fault = journal, 0.0, 0, ""
+        self._journal, self.spent, self.passed, self.count, self.fault = journal, 0.0, 0.0, 0, ""
         self.is_due = journal.is_due
 
     def write(self, *state_and_times):
         """Write the state."""
         self.count += 1
-        self._do(lambda: self._journal.write(*state_and_times))
-
-    def settle(self, now):
-        """Have on disk what was written."""
-        self._do(lambda: self._journal.settle(now))
-
-    def _do(self, action):
-        start = time.process_time()
-        action()
+        start, begun = time.process_time(), time.perf_counter()
+        self._journal.write(*state_and_times)
         self.spent += time.process_time() - start
+        self.passed += time.perf_counter() - begun
         if self._journal.fault:
             raise SystemExit(self._journal.fault)
 
 
 def first_answer(program, path, number, text):
-    """Seconds of processor time from a journal's bytes, None for none, to the first actions of one more goal."""
+    """Seconds of processor time from a journal's path, None for none, to the first actions of one more goal."""
     start = time.process_time()
-    record = None if path is None else read(path.read_bytes()).state
+    record = None if path is None else read(path).state
     Run(program, record=record).goal(f"extra {number}", text)
     return time.process_time() - start
 
@@ -107,23 +101,26 @@ def play(program, goal, options, path):
         run.goal(str(number), goal(source, number))
         if number % options.batch == 0 or number == options.goals:
             run.finish(lambda action: answer(action, source, options.failures))
-        largest = max(largest, file.stat().st_size)
+        size = sum(one.stat().st_size for one in path.glob(f"{file.name}*") if not one.name.endswith("-shm"))
+        largest = max(largest, size)
         if number >= mark + options.every or number == options.goals:
             mark, text = number, goal(random.Random(number), 10 * options.goals)
             times = first_answer(program, file, number, text), first_answer(program, None, number, text)
-            spent, count = run.written
+            spent, passed, count = run.written
             print(
-                f"goal {number:6d}, cycle {run.core.cycle:6d}: {file.stat().st_size / 1000:6.1f} kB, "
+                f"goal {number:6d}, cycle {run.core.cycle:6d}: {size / 1000:6.1f} kB, "
                 f"largest {largest / 1000:6.1f} kB, to the first answer {times[0]:.3f} s, "
-                f"anew {times[1]:.3f} s, {1000 * spent / count:.2f} ms for each of {count} writes",
+                f"anew {times[1]:.3f} s, {1000 * spent / count:.2f} ms of processor and {1000 * passed / count:.2f} ms "
+                f"for each of {count} writes",
                 flush=True,
             )
-    spent, count = run.written
+    spent, passed, count = run.written
     return [
-        Figure("largest file", largest / 1000, "kB"),
+        Figure("largest files", largest / 1000, "kB"),
         Figure("resumed, to the first answer", times[0], "s of processor"),
         Figure("begun anew, to the first answer", times[1], "s of processor"),
         Figure("writing", 1000 * spent / count, "ms of processor"),
+        Figure("writing, until the disk has it", 1000 * passed / count, "ms"),
     ]
 
 

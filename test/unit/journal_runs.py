@@ -1,12 +1,16 @@
 """Journals of runs for tests: a core in front of them is given goals, and returns as soon as its actions are told."""
 
+import shutil
+import sqlite3
+from contextlib import closing
+
 from core_driver import soon
 
 from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Client, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header
 from rosoclingo.runs.recorded_run import RunProgram
 
 GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]
@@ -16,7 +20,7 @@ LASTS, BEGIN = 5.0, 1000.0
 
 
 def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, timed=True):
-    """Play goals in turn, with a failure and a cancel; return the journal's bytes and all that was told.
+    """Play goals in turn, with a failure and a cancel; return the journal's path and all that was told.
 
     ``kept`` are settings that the journal has, ``settings`` those of the core; an action that fails is ``blocked``.
     """
@@ -49,4 +53,12 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
             break
     assert not core.live_goals
     keeper.close()
-    return place.path.read_bytes(), told
+    return place.path, told
+
+
+def changed(file, to, statement):
+    """Return a copy of a journal after a statement of SQL."""
+    shutil.copy(file, to)
+    with closing(sqlite3.connect(str(to))) as db, db:
+        db.execute(statement)
+    return to

@@ -2,7 +2,6 @@
 
 import contextlib
 import copy
-import os
 from collections import Counter
 
 import pytest
@@ -10,14 +9,13 @@ from core_driver import ERRANDS, shortest
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from rosoclingo.common import durable
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState
 from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.database import NAME, Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Client, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
 FEW = 100  # random examples, of which a profile for more than the standing run has more
@@ -28,19 +26,34 @@ class KilledError(BaseException):
     """Stands for SIGKILL: nobody catches it."""
 
 
-class Fate:
-    """Says at which instants the core is killed: after so many more of them, in the midst of a line if in one.
+def files_of(path):
+    """The bytes of a journal as they lie in a folder, by name: the database and its log."""
+    files = (path / NAME, path / f"{NAME}-wal")
+    return {one.name: one.read_bytes() for one in files if one.exists()}
 
-    ``kills`` are triples: how many instants later, how many thousandths of a line are written by then (and stay of what
-    nobody has waited for the disk to have), and whether a goal is cancelled before the next core does anything. Of all
-    ``instants`` those in ``writes`` are in the midst of a line.
+
+def put_files(path, files):
+    """Have a folder hold a journal's files and nothing of another journal."""
+    path.mkdir(exist_ok=True)
+    for one in path.glob(f"{NAME}*"):
+        one.unlink()
+    for name, data in files.items():
+        (path / name).write_bytes(data)
+
+
+class Fate:
+    """Says at which instants the core is killed: after so many more of them, within a write if it is one.
+
+    ``kills`` are triples: how many instants later, how many thousandths of what the disk may lack are written by then,
+    and whether a goal is cancelled before the next core does anything. Of all ``instants`` those in ``writes`` are
+    within a write.
     """
 
     def __init__(self, kills=()):
         self._kills, self.instants, self.writes = list(kills), 0, set()
         self._left = self._kills[0][0] if self._kills else 0
-        self.file, self.upset = None, False
-        self._on_disk = 0  # so much of the file outlives the machine
+        self.upset = False
+        self._on_disk = 0  # bytes of the log that outlive the machine
 
     def every_instant(self):
         """From 1 to the last; every second where random examples are few."""
@@ -48,12 +61,13 @@ class Fate:
 
     @contextlib.contextmanager
     def rules(self):
-        """The disk and its files are in the hands of fate; no real disk is waited for."""
+        """The journal's disk is in the hands of fate; no real disk is waited for."""
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(durable, "write", self._write)
-            patch.setattr(durable, "sync", self._sync)
-            patch.setattr(durable, "sync_folder", lambda folder: self.pass_instant())
-            patch.setattr(folder, "LONG", 3000)
+            patch.setattr(JournalFolder, "begin", self._commits(JournalFolder.begin))
+            patch.setattr(JournalFolder, "append", self._commits(JournalFolder.append))
+            patch.setattr(folder, "RECORDS", 20)
+            patch.setattr(folder, "SYNCED", "OFF")
+            patch.setattr(folder, "UNSYNCED", "OFF")
             yield
 
     def pass_instant(self):
@@ -66,40 +80,30 @@ class Fate:
         self._left -= 1
         return self._left == 0
 
-    def _write(self, file, data, wait=True):
-        self.file = file
-        self.writes.add(self.instants + 1)
-        if self._is_now():
-            os.write(file, data[: len(data) * self._kills[0][1] // 1000])
-            raise KilledError
-        os.write(file, data)
-        if wait:
-            self._on_disk = os.fstat(file).st_size
+    def _commits(self, write):
+        def commit(journal, change, *times, wait=True):
+            self.writes.add(self.instants + 1)
+            now = self._is_now()
+            write(journal, change, *times)
+            if now:
+                raise KilledError
+            if wait:
+                self._on_disk = journal.path.with_name(f"{NAME}-wal").stat().st_size
 
-    def _sync(self, file):
-        self.pass_instant()
-        self._on_disk = os.fstat(file).st_size
+        return commit
 
-    @contextlib.contextmanager
-    def other_process(self):
-        """What another process does, whose files are others."""
-        file, self.file = self.file, None
-        try:
-            yield
-        finally:
-            self.file = file
-
-    def let_go(self):
-        """What the system does after a kill, or a power cut: the file is closed, with what is left of it."""
+    def let_go(self, journal=None):
+        """What the system does after a kill, or a power cut, with the files of a process, as a core's ``journal``."""
         _, share, self.upset = self._kills[0]
         self._kills = self._kills[1:]
         self._left = self._kills[0][0] if self._kills else 0
-        if self.file is not None:
-            with contextlib.suppress(OSError):
-                waiting = max(0, os.fstat(self.file).st_size - self._on_disk)
-                os.ftruncate(self.file, self._on_disk + waiting * share // 1000)
-                os.close(self.file)
-            self.file = None
+        if journal is not None:
+            files = files_of(journal.path.parent)
+            journal.close()
+            log = files.get(f"{NAME}-wal", b"")
+            self._on_disk = min(self._on_disk, len(log))
+            self._on_disk += (len(log) - self._on_disk) * share // 1000
+            put_files(journal.path.parent, {**files, f"{NAME}-wal": log[: self._on_disk]})
 
 
 class World:
@@ -185,7 +189,7 @@ class Node:
         self.keeper = Keeper(self._tell, Journal(folder, Header("run", "program")), lambda: 0.0)
         limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
         program = other_minded(world.program, fate.instants) if world.any_plan else world.program
-        self.core = KeptCore(program, lambda: shortest(program), self.keeper, limits, record=record, doubtful=True)
+        self.core = KeptCore(program, lambda: shortest(program), self.keeper, limits, record=record)
         self.keeper.attach(self.core, record)
         for action in self.core.awaited:
             world.command(action)
@@ -269,8 +273,7 @@ class Play:
 
     def _kill(self):
         self.kills += 1
-        self._folder.close()
-        self._fate.let_go()
+        self._fate.let_go(self._folder)
 
     def play(self, script):
         """Play a script, then let all succeed and end; what has come about is true."""

@@ -13,9 +13,10 @@ alone, after all others, with twice the time each time.
 """
 
 import math
-from typing import Any, Callable, Container, List, Optional, Sequence, Set
+from typing import Callable, Container, List, Optional, Sequence, Set
 
 from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.records import Record
 
 #: Limit of the patience for a goal without a plan in time, a power of two.
 MOST_PATIENCE = 8
@@ -239,17 +240,17 @@ class Admission:
 
     # -- what is written down
 
-    def record(self) -> List[Any]:
+    def record(self) -> Record:
         """Return the state as plain values, all but that of the goals."""
-        return [self.stuck, self._room, self._growth]
+        return {"stuck": self.stuck, "room": self._room, "growth": self._growth}
 
-    def record_of(self, goal: Goal) -> List[bool]:
+    def record_of(self, goal: Goal) -> Record:
         """Return, as plain values, whether a goal waits, and whether it is known to be in hand."""
-        return [goal in self._waiting, goal in self._in_hand]
+        return {"waits": goal in self._waiting, "in_hand": goal in self._in_hand}
 
-    def restore(self, record: Sequence[Any]) -> None:
+    def restore(self, record: Record) -> None:
         """Restore from :meth:`record`."""
-        self.stuck, self._room, self._growth = record
+        self.stuck, self._room, self._growth = record["stuck"], record["room"], record["growth"]
 
     def restore_goal(self, goal: Goal, waits: bool, in_hand: bool) -> None:
         """Restore a goal from :meth:`record_of`."""

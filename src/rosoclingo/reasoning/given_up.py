@@ -1,7 +1,7 @@
 """The goals that were given up for want of a plan, with what there is to tell about why: the latest ones."""
 
 import json
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from clingo import Symbol
 
@@ -25,7 +25,7 @@ class GivenUpGoals:
 
     def __init__(self) -> None:
         self._goals: Dict[str, GoalUnmet] = {}
-        self._records: Dict[str, Tuple[List[Any], int]] = {}  # by the goal's key, with its bytes
+        self._records: Dict[str, Tuple[Record, int]] = {}  # by the goal's key, with its bytes
 
     def add(self, event: GoalUnmet) -> None:
         """Remember a goal, the latest one."""
@@ -50,7 +50,7 @@ class GivenUpGoals:
 
     def record(self) -> Record:
         """Return the goals as sections of plain values that JSON knows."""
-        found: List[Tuple[str, List[Any]]] = []
+        found: List[Tuple[str, Record]] = []
         room = ROOM
         for key in reversed(list(self._goals)):
             value, size = self._record_of(key)
@@ -62,13 +62,14 @@ class GivenUpGoals:
 
     def restore(self, record: Record) -> None:
         """Remember the goals of a :meth:`record`, which may lack them."""
-        for key, (cycle, term, stream) in group(record, "unmet").items():
-            self.add(GoalUnmet(cycle, key, symbol_of(term), stream_from_message(stream)))
+        for key, goal in group(record, "unmet").items():
+            self.add(GoalUnmet(goal["cycle"], key, symbol_of(goal["term"]), stream_from_message(goal["stream"])))
 
-    def _record_of(self, key: str) -> Tuple[List[Any], int]:
+    def _record_of(self, key: str) -> Tuple[Record, int]:
         if key not in self._records:
             event = self._goals[key]
-            value = [event.cycle, text_of(event.term), stream_to_message(event.stream)]
+            stream = stream_to_message(event.stream)
+            value = {"cycle": event.cycle, "term": text_of(event.term), "stream": stream}
             self._records[key] = value, len(json.dumps(value))
         return self._records[key]
 

@@ -211,16 +211,16 @@ class GoalManager:
 
     def record(self) -> Record:
         """Return the goals, oldest first, and what is known of the room for them, as plain values."""
-        goals = {f"goal:{goal.key}": [*goal.record(), *self.queue.record_of(goal)] for goal in self.live}
+        goals = {f"goal:{goal.key}": {**goal.record(), **self.queue.record_of(goal)} for goal in self.live}
         return {**goals, "queue": self.queue.record()}
 
     def restore(self, record: Record) -> None:
         """Go on from a record, before anything else has come."""
-        for key, (term, *state, waits, in_hand) in group(record, "goal").items():
-            goal = Goal(key, symbol_of(term), self._changed)
-            goal.restore([term, *state])
+        for key, fields in group(record, "goal").items():
+            goal = Goal(key, symbol_of(fields["term"]), self._changed)
+            goal.restore(fields)
             self._goals[key] = goal
-            self.queue.restore_goal(goal, waits, in_hand)
+            self.queue.restore_goal(goal, fields["waits"], fields["in_hand"])
         self.queue.restore(record["queue"])
 
     def join(self, goals: Iterable[Goal]) -> None:

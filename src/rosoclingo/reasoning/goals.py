@@ -2,13 +2,13 @@
 
 import math
 from enum import Enum, IntEnum
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import ProgressionError, parse_term
 from rosoclingo.reasoning.keywords import CANCEL, LONGEST, identifier_of, shortened
-from rosoclingo.reasoning.records import text_of
+from rosoclingo.reasoning.records import Record, text_of
 
 
 class GoalState(Enum):
@@ -88,6 +88,10 @@ class GoalError(ValueError):
     """A goal is rejected; the text is the reason that the client gets."""
 
 
+#: The fields of a goal that its record has as they are.
+RECORDED = ("request_cycle", "known", "refused", "overtaken", "together", "tries")
+
+
 class Goal:
     """One client's goal.
 
@@ -142,18 +146,18 @@ class Goal:
         """Whether a client has asked to cancel the goal, which has not ended yet."""
         return self.state in CANCELLING
 
-    def record(self) -> List[Any]:
-        """Return what :meth:`restore` needs; for a live goal."""
+    def record(self) -> Record:
+        """Return the fields that :meth:`restore` needs; for a live goal."""
         rest = self.rests_until if math.isfinite(self.rests_until) else str(self.rests_until)
-        state = [self.state.value, self.request_cycle, self.known, self.refused]
-        return [text_of(self.term), *state, self.overtaken, self.together, self.tries, rest]
+        fields = {name: getattr(self, name) for name in RECORDED}
+        return {"term": text_of(self.term), "state": self.state.value, "rests_until": rest, **fields}
 
-    def restore(self, record: Sequence[Any]) -> None:
-        """Go on from a record of this goal."""
-        state, self.request_cycle, self.known, self.refused = record[1:5]
-        self.overtaken, self.together, self.tries, rest = record[5:]
-        self.state = GoalState(state)
-        self.rests_until = float(rest)
+    def restore(self, record: Record) -> None:
+        """Resume from a record of this goal."""
+        self.state = GoalState(record["state"])
+        self.rests_until = float(record["rests_until"])
+        for name in RECORDED:
+            setattr(self, name, record[name])
 
     def apply(self, event: GoalEvent) -> None:
         """Take a transition of the table; raises TransitionError."""

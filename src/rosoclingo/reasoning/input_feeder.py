@@ -346,21 +346,31 @@ class InputFeeder:
 
     def record(self) -> Record:
         """Return what waits as plain values; goals by their keys."""
-        requests = [[True, one.key] if isinstance(one, Goal) else [False, text_of(one)] for one in self._requests]
-        rejected = [text_of(one) for one in self._rejected if not isinstance(one, Goal)]
-        withdrawn = symbols_to_text(sorted(self._withdrawn))
-        rest = [actions_to_text(self._executed), withdrawn, self._waits, self._paused, self.arrivals]
+        feeder = {
+            "requests": [
+                {"goal": one.key} if isinstance(one, Goal) else {"symbol": text_of(one)} for one in self._requests
+            ],
+            "rejected": [text_of(one) for one in self._rejected if not isinstance(one, Goal)],
+            "executed": actions_to_text(self._executed),
+            "withdrawn": symbols_to_text(sorted(self._withdrawn)),
+            "waits": self._waits,
+            "paused": self._paused,
+            "arrivals": self.arrivals,
+        }
         facts = {f"fact:{text_of(fact)}": seen.record() for fact, seen in self._facts.items()}
-        return {**facts, "feeder": [requests, rejected, *rest], **self._left.record()}
+        return {**facts, "feeder": feeder, **self._left.record()}
 
     def restore(self, record: Record, goal_of: Callable[[str], Optional[Goal]]) -> None:
-        """Go on from a record; ``goal_of`` gives a live goal by its key."""
-        requests, rejected, executed, withdrawn, self._waits, self._paused, self.arrivals = record["feeder"]
+        """Resume from a record; ``goal_of`` gives a live goal by its key."""
+        feeder = record["feeder"]
+        self._waits, self._paused, self.arrivals = feeder["waits"], feeder["paused"], feeder["arrivals"]
         self._left.restore(record)
-        found = [goal_of(text) if is_goal else symbol_of(text) for is_goal, text in requests]
+        requests = feeder["requests"]
+        found = [goal_of(one["goal"]) if "goal" in one else symbol_of(one["symbol"]) for one in requests]
         self._requests = [one for one in found if one is not None]
-        self._rejected = [symbol_of(text) for text in rejected]
-        self._executed, self._withdrawn = actions_of(executed), symbols_from_text(withdrawn)
+        self._rejected = list(map(symbol_of, feeder["rejected"]))
+        self._executed = actions_of(feeder["executed"])
+        self._withdrawn = symbols_from_text(feeder["withdrawn"])
         facts = group(record, "fact").items()
         self._facts = {symbol_of(text): Observation.of_record(value) for text, value in facts}
 

@@ -1,11 +1,11 @@
 """What was observed of the world: failed actions, and facts from interfaces. Goals may contradict it."""
 
-from typing import Any, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import FrozenSet, NamedTuple, Optional, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.reasoning.keywords import RETURN, Action, is_keyword, name_of, return_of
-from rosoclingo.reasoning.records import actions_of, actions_to_text, symbol_of, text_of
+from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, symbol_of, text_of
 
 #: The number of observations that the core remembers.
 MEMORY = 32
@@ -36,25 +36,17 @@ class Observation(NamedTuple):
         """Whether it is how an action ended."""
         return is_keyword(self.atom, RETURN)
 
-    def record(self) -> List[Any]:
+    def record(self) -> Record:
         """Return the observation as a plain value."""
         told = None if self.told is None else text_of(self.told)
-        return [
-            text_of(self.atom),
-            self.cycle,
-            actions_to_text(self.actions),
-            self.origin,
-            told,
-            self.outdated,
-            self.message,
-        ]
+        return {**self._asdict(), "atom": text_of(self.atom), "actions": actions_to_text(self.actions), "told": told}
 
     @classmethod
-    def of_record(cls, record: Sequence[Any]) -> "Observation":
+    def of_record(cls, record: Record) -> "Observation":
         """Return the observation of :meth:`record`."""
-        atom, cycle, actions, origin, told, outdated, *message = record
-        told = None if told is None else symbol_of(told)
-        return cls(symbol_of(atom), cycle, actions_of(actions), origin, told, outdated, *message)
+        told = None if record["told"] is None else symbol_of(record["told"])
+        symbols = {"atom": symbol_of(record["atom"]), "actions": actions_of(record["actions"]), "told": told}
+        return cls(**{**record, **symbols})
 
     def __str__(self) -> str:
         """The observation in words, for want of the program's own."""
@@ -74,12 +66,11 @@ class Untaken(NamedTuple):
     why: str
     undone: Optional[bool] = None
 
-    def record(self) -> List[Any]:
+    def record(self) -> Record:
         """Return the failure as a plain value."""
-        return [self.failure.record(), self.why, self.undone]
+        return {**self._asdict(), "failure": self.failure.record()}
 
     @classmethod
-    def of_record(cls, record: Sequence[Any]) -> "Untaken":
+    def of_record(cls, record: Record) -> "Untaken":
         """Return the failure of :meth:`record`."""
-        failure, why, undone = record
-        return cls(Observation.of_record(failure), why, undone)
+        return cls(**{**record, "failure": Observation.of_record(record["failure"])})

@@ -1,11 +1,11 @@
 """Which actions under way the new plan no longer wants, found out on a solver beside the stream."""
 
-from typing import Any, FrozenSet, List, Sequence, Tuple
+from typing import FrozenSet, Tuple
 
 from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.records import actions_of, actions_to_text
+from rosoclingo.reasoning.records import Record, actions_of, actions_to_text
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner
 
@@ -30,13 +30,13 @@ class Preemption:
         """The actions under way that were found to be unwanted."""
         return tuple(action for action in self._execution.awaited if action in self._found)
 
-    def record(self) -> List[Any]:
+    def record(self) -> Record:
         """Return what was found as a plain value."""
-        return [self._considered, actions_to_text(sorted(self._found))]
+        return {"considered": self._considered, "ended": actions_to_text(sorted(self._found))}
 
-    def restore(self, record: Sequence[Any]) -> None:
-        """Go on from a record."""
-        self._considered, self._found = record[0], frozenset(actions_of(record[1]))
+    def restore(self, record: Record) -> None:
+        """Resume from a record."""
+        self._considered, self._found = record["considered"], frozenset(actions_of(record["ended"]))
 
     def unwanted(self, planner: Planner) -> Tuple[Action, ...]:
         """Return the actions under way that are no longer wanted; may raise DisturbedError: more has come, ask again.

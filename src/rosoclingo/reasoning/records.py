@@ -54,14 +54,14 @@ def actions_of(text: str) -> Tuple[Action, ...]:
 
 
 @lru_cache(maxsize=4)
-def plan_to_value(plan: TaskPlan) -> List[Any]:
+def plan_to_value(plan: TaskPlan) -> Record:
     """Return a task plan as a plain value."""
-    return [actions_to_text(plan.actions), *plan.faults]
+    return {"actions": actions_to_text(plan.actions), "faults": list(plan.faults)}
 
 
-def plan_of(value: List[Any]) -> TaskPlan:
+def plan_of(value: Record) -> TaskPlan:
     """Return the plan of :func:`plan_to_value`."""
-    return TaskPlan(actions_of(value[0]), tuple(value[1:]))
+    return TaskPlan(actions_of(value["actions"]), tuple(value["faults"]))
 
 
 def group(record: Record, name: str) -> Dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from collections import Counter, deque
 from contextlib import contextmanager
-from typing import Any, Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -122,17 +122,17 @@ class Dispatch:
         value = failure_value(reason, action.parameter, parameters.__contains__)
         return Return(action.interface, value, action.cycle)
 
-    def record(self) -> List[Any]:
+    def record(self) -> Record:
         """Return the dispatch as a plain value."""
         returns = [text_of(answer.atom) for answer in self.returns]
-        return [self.cycle, actions_to_text(self.actions), self.started, returns]
+        actions = actions_to_text(self.actions)
+        return {"cycle": self.cycle, "actions": actions, "started": self.started, "returns": returns}
 
     @classmethod
-    def of_record(cls, record: Sequence[Any]) -> "Dispatch":
+    def of_record(cls, record: Record) -> "Dispatch":
         """Return the dispatch of :meth:`record`."""
-        cycle, actions, started, returns = record
-        found = cls(cycle, actions_of(actions), started)
-        found.returns = [return_of(symbol_of(text)) for text in returns]
+        found = cls(record["cycle"], actions_of(record["actions"]), record["started"])
+        found.returns = [return_of(symbol_of(text)) for text in record["returns"]]
         return found
 
     @property
@@ -273,7 +273,7 @@ class ExecutionMonitor:
         dispatch = record["dispatch"]
         self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
         self.observations.extend(map(Observation.of_record, record["observations"]))
-        self.untaken.restore(record.get("untaken", ()))
+        self.untaken.restore(record["untaken"])
         self._executed.extend(action_of(symbol_of(text)) for text in keys_of(record, "done"))
         self._known = {symbol_of(text): None for text in keys_of(record, "known")}
 

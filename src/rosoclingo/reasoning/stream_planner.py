@@ -171,13 +171,7 @@ class Planner:
 
     def still(self, actions: Sequence[Action]) -> Optional[SolveResult]:
         """The answer of a plan that ends with these actions, one at least, and has all; None where there is none."""
-        return self._with(actions, max(action.cycle for action in actions) - self.log.step)
-
-    def beginning_with(self, actions: Sequence[Action]) -> Optional[SolveResult]:
-        """The answer of a plan that has these actions; None where there is none."""
-        return self._with(actions, self.lookahead)
-
-    def _with(self, actions: Sequence[Action], steps: int) -> Optional[SolveResult]:
+        steps = max(action.cycle for action in actions) - self.log.step
         update = StreamUpdate(self.log.step, steps, (Volatile(), *(commitment(action.atom) for action in actions)))
         try:
             result = self.restarted()._search(update)

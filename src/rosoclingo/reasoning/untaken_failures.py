@@ -3,13 +3,14 @@
 For such a program the action would count as done, so the goals that rest on it are aborted.
 """
 
-from typing import Any, Callable, Iterable, List, Sequence
+from typing import Callable, Iterable, List, Sequence
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import may_heed
 from rosoclingo.reasoning.keywords import return_of, success_of
 from rosoclingo.reasoning.mending import Change
 from rosoclingo.reasoning.observations import Observation, Untaken
+from rosoclingo.reasoning.records import Record
 
 #: Reasons why the program cannot handle a failure.
 UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
@@ -60,10 +61,10 @@ class UntakenFailures:
             if one.why == UNHEARD:
                 problem(f"{one.failure}, {UNHEARD}: it counts as {'not ' if one.undone else ''}done")
 
-    def record(self) -> List[Any]:
+    def record(self) -> List[Record]:
         """Return the failures as plain values."""
         return [one.record() for one in self.open]
 
-    def restore(self, record: Iterable[Any]) -> None:
+    def restore(self, record: Iterable[Record]) -> None:
         """Restore the failures of a record."""
         self.open = [Untaken.of_record(one) for one in record]

@@ -1,36 +1,37 @@
-"""A run out of a core's journal, as far as that goes back: it is written anew now and then, with the state alone.
+"""A run out of a core's journal, as far as that goes back: now and then it begins again with the state alone.
 
-What a cycle was told is in the solver's log; what was decided is the plan, and the actions that went out.
+The updates of a cycle are in the solver's log; the decisions are the plan, and the actions that went out.
 """
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Iterator, List, Optional, Set, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
-from rosoclingo.reasoning.journal.lines import Header, JournalError, Moment, State, history
+from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, State, history
 from rosoclingo.reasoning.records import actions_of, group, log_of, plan_of
 from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun, RecordingError, RunProgram
 
 
-def journal_run(data: bytes) -> RecordedRun:
-    """Return the run in the bytes of a journal's file; raises RecordingError, with the number of a line not right."""
-    header, moments = journal_history(data)
+def journal_run(file: Path) -> RecordedRun:
+    """Return the run in a journal; raises RecordingError with the record that is damaged, and OSError."""
+    header, moments = journal_history(file)
     program = program_of(header)
     begin, _ = next(moments)
     start, reader = log_of(begin) if group(begin, "log") else None, JournalReader(begin)
     for state, _ in moments:
         reader.take(state)
     if not reader.cycles:
-        raise RecordingError("nothing was done since its file was begun: there is nothing to replay yet")
+        raise RecordingError("nothing was done since it began with the whole state: there is nothing to replay yet")
     return RecordedRun(program, reader.cycles, start)
 
 
-def journal_history(data: bytes) -> Tuple[Header, Iterator[Moment]]:
-    """As :func:`history`; raises RecordingError."""
+def journal_history(file: Path) -> Tuple[Header, Iterator[Moment]]:
+    """As :func:`history`; raises RecordingError, OSError."""
     try:
-        return history(data)
+        return history(file)
     except JournalError as error:
         raise RecordingError(f"{error}; take another copy of the journal") from None
 
@@ -41,7 +42,7 @@ def program_of(header: Header) -> Optional[RunProgram]:
 
 
 class JournalReader:
-    """Goes through the states; ``cycles`` are those whose update came while the file was written."""
+    """Goes through the states; ``cycles`` are those whose update came after the first record."""
 
     def __init__(self, start: State) -> None:
         self.cycles: List[RecordedCycle] = []
@@ -56,7 +57,7 @@ class JournalReader:
         if _told(state) > self._told:
             self.cycles.append(RecordedCycle(_told(state), self._in_force()))
             self._told, self._taken, self._plan = _told(state), [], None
-        if self.cycles and state["core"][1] == self._told:  # else an update was dropped, and its cycle comes again
+        if self.cycles and state["core"]["step"] == self._told:  # else an update was dropped, and its cycle comes again
             self._note(self.cycles[-1], state)
 
     def _new_updates(self, state: State) -> List[StreamUpdate]:
@@ -80,13 +81,13 @@ class JournalReader:
             actions = [str(one.atom) for one in plan_of(plan).actions if one.cycle >= cycle.cycle]
             cycle.plans.append(RecordedPlan(horizon_of(state), tuple(actions)))
         dispatch = state["dispatch"]
-        if dispatch is not None and dispatch[0] == cycle.cycle:
-            cycle.dispatched = [str(one.atom) for one in actions_of(dispatch[1])]
+        if dispatch is not None and dispatch["cycle"] == cycle.cycle:
+            cycle.dispatched = [str(one.atom) for one in actions_of(dispatch["actions"])]
 
 
 def _told(state: State) -> int:
     """The cycle whose update was told last."""
-    return int(state["core"][4])
+    return int(state["core"]["told"])
 
 
 def horizon_of(state: State) -> int:

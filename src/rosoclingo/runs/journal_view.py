@@ -1,14 +1,15 @@
 """What a page shows of a run, out of a core's journal: what the core was told, decided and believed, and when.
 
-The file goes back to when it was begun anew. What other nodes tell, above all where the robot is, is not in it.
+It goes back to the record with the whole state. What other nodes tell, above all where the robot is, is not in it.
 """
 
+from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Set, Tuple
 
 from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
+from rosoclingo.reasoning.journal.database import State
 from rosoclingo.reasoning.journal.keeper import Client
-from rosoclingo.reasoning.journal.lines import State
 from rosoclingo.reasoning.keywords import REQUEST, RETURN, is_keyword
 from rosoclingo.reasoning.records import actions_of, group, keys_of, plan_of, symbol_of
 from rosoclingo.reasoning.returns import Dispatch
@@ -45,12 +46,12 @@ _NUMBERS = {
 _LOST = 9
 
 
-def journal_view(data: bytes, about: Optional[Mapping[str, Any]] = None) -> RunView:
-    """Return what a page shows of the run in the bytes of a journal's file; ``about`` is what else the page says.
+def journal_view(file: Path, about: Optional[Mapping[str, Any]] = None) -> RunView:
+    """Return what a page shows of the run in a journal; ``about`` is what else the page says.
 
-    Raises RecordingError, with the number of a line that is not right.
+    Raises RecordingError with the record that is damaged, and OSError.
     """
-    header, moments = journal_history(data)
+    header, moments = journal_history(file)
     view, program = RunView(about), program_of(header)
     if program is not None:
         view.program(program.text())
@@ -106,18 +107,20 @@ class _Teller:
             self._answers(time, state)
             self._reader.take(state)
             self._progress(time, self._reader.cycles)
-        self._view.beliefs(time, state["core"][1], sorted(str(symbol_of(one)) for one in keys_of(state, "believed")))
+        self._view.beliefs(
+            time, state["core"]["step"], sorted(str(symbol_of(one)) for one in keys_of(state, "believed"))
+        )
         self._statuses(time, state)
         self._view.clock(time)
 
     def _begin(self, time: float, state: State) -> None:
         """Tell of the plan with which the file begins, and of what is under way."""
         self._reader = JournalReader(state)
-        self.first = cycle = max(1, state["core"][1])
-        if state["plan"] is not None and (state["core"][4] or plan_of(state["plan"]).actions):
+        self.first = cycle = max(1, state["core"]["step"])
+        if state["plan"] is not None and (state["core"]["told"] or plan_of(state["plan"]).actions):
             self._view.plan(time, cycle, horizon_of(state), [str(one.atom) for one in plan_of(state["plan"]).actions])
         if state["dispatch"] is not None:
-            self._view.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"][1])])
+            self._view.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"]["actions"])])
             self._preempted(time, state)
             self._answers(time, state)
 
@@ -136,7 +139,7 @@ class _Teller:
 
     def _preempted(self, time: float, state: State) -> None:
         """Report the actions under way that the core has cancelled."""
-        self._view.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"][1])])
+        self._view.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"]["ended"])])
 
     def _answers(self, time: float, state: State) -> None:
         """Tell what has come back for the actions under way."""
@@ -168,8 +171,8 @@ class _Teller:
     def _statuses(self, time: float, state: State) -> None:
         """Tell how goals stand, and how they ended."""
         goals = group(state, "goal")
-        for key, (_, word, *_, waits, _held) in goals.items():
-            state_now = GoalState(word)
+        for key, goal in goals.items():
+            state_now, waits = GoalState(goal["state"]), goal["waits"]
             if key in self._clients and self._clients[key].cancelled:
                 state_now = TRANSITIONS.get((state_now, GoalEvent.CANCEL_REQUEST), state_now)
             if self._states.get(key) != (state_now, waits):

@@ -41,7 +41,7 @@ def warns(words):
 class CoreDisk(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.journal = Path(cls.folder) / "journal.jsonl"
+        cls.journal = Path(cls.folder) / "journal.db"
         cls.stale = Path(f"{cls.journal}.stale")
         cls.said = []
         cls.log = rospy.Subscriber("/rosout", Log, lambda message: cls.said.append(message.msg), queue_size=None)
@@ -68,7 +68,7 @@ class CoreDisk(unittest.TestCase):
 
     def wait_for_trouble(self):
         wait_for_diagnosis(
-            "rosoclingo: core", warns(f"the journal {self.journal} cannot be written: File too large"), "the trouble"
+            "rosoclingo: core", warns(f"the journal {self.journal} cannot be written: disk I/O error"), "the trouble"
         )
 
     def test_the_robot_goes_on_and_the_journal_is_back_when_there_is_room(self):

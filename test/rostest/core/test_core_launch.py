@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """core.launch as it stands: a core that was killed comes back, one that cannot start ends its roslaunch."""
 
+import contextlib
 import os
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
 import tempfile
 import unittest
-from contextlib import contextmanager
 from pathlib import Path
 
 import rospy
@@ -78,7 +79,7 @@ def free_port():
         return one.getsockname()[1]
 
 
-@contextmanager
+@contextlib.contextmanager
 def core_launch(environment=None, port=None, **arguments):
     """A roslaunch of core.launch, with a master of its own where a port is given for that."""
     with tempfile.TemporaryDirectory() as folder:
@@ -152,11 +153,10 @@ class CoreLaunch(unittest.TestCase):
     def test_a_journal_that_is_refused(self):
         with tempfile.TemporaryDirectory() as folder, core_launch(programs=f"[{ERRANDS}]", journal=folder) as launched:
             self.wait_for_core()
-            file = Path(folder) / "journal.jsonl"
-            text = file.read_bytes()
-            file.write_bytes(text.replace(b'"run"', b'"ruN"', 1))
+            with contextlib.closing(sqlite3.connect(str(Path(folder) / "journal.db"))) as journal, journal:
+                journal.execute("UPDATE header SET run = 'other'")
             os.kill(process_of(NODE), signal.SIGKILL)
-            self.assertIn("line 1 is not as it was written", launched.ends().text)
+            self.assertIn("the header is not as it was written", launched.ends().text)
             self.assertEqual(launched.starts, 2)
 
     def test_without_a_journal_everything_ends_with_the_core(self):

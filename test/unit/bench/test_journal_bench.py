@@ -18,7 +18,7 @@ OPTIONS = Namespace(goals=4, batch=2, every=2, failures=0.0)
 @pytest.mark.once
 def test_a_run_and_cores_that_go_on_from_its_journal(tmp_path, capsys):
     figures = {one.name: one.value for one in journal.play(*load("mailbot"), OPTIONS, tmp_path)}
-    assert figures["largest file"] * 1000 >= (tmp_path / "journal.jsonl").stat().st_size > 0
+    assert figures["largest files"] * 1000 >= (tmp_path / "journal.db").stat().st_size > 0
     assert figures["writing"] > 0
     assert [line.split(",")[0].split() for line in capsys.readouterr().out.splitlines()] == [
         ["goal", "2"],

@@ -3,8 +3,8 @@
 import pytest
 
 from rosoclingo.nodes.core import keeping
+from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import JournalFolder, TakenError
-from rosoclingo.reasoning.journal.lines import Header
 
 FRESH = Header("second", "program")
 

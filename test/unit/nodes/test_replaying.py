@@ -6,12 +6,12 @@ from pkgutil import extend_path
 
 import pytest
 from core_driver import Driver, soon
-from journal_runs import play
+from journal_runs import changed, play
 from shipped import shipped
 
 import rosoclingo
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
-from rosoclingo.reasoning.journal.folder import NAME
+from rosoclingo.reasoning.journal.database import NAME
 from rosoclingo.runs.recorded_run import RunProgram
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
@@ -239,15 +239,11 @@ def test_a_journal_replays(replay, journal, tmp_path):
     assert (tmp_path / "mailbot.lp").exists()
 
 
-def test_a_journal_that_was_changed_is_refused_at_the_line(replay, journal, tmp_path, capsys):
-    data = (journal / NAME).read_bytes()
-    (tmp_path / "changed.jsonl").write_bytes(data.replace(b"office3,office2", b"office3,office1"))
-    line = 1 + next(number for number, one in enumerate(data.splitlines()) if b"office3,office2" in one)
-    assert replay(tmp_path / "changed.jsonl")[0] == 2
+def test_a_journal_that_was_changed_is_refused_at_the_record(replay, journal, tmp_path, capsys):
+    change = "UPDATE record SET change = replace(change, 'office3,office2', 'office3,office1')"
+    assert replay(changed(journal / NAME, tmp_path / "changed.db", change))[0] == 2
     error = capsys.readouterr().err
-    assert error.startswith(
-        f"replay: {tmp_path}/changed.jsonl: line {line} is not as it was written; take another copy"
-    )
+    assert error.startswith(f"replay: {tmp_path}/changed.db: record 3 is not as it was written; take another copy")
 
 
 def test_a_folder_without_a_journal(replay, tmp_path, capsys):

@@ -7,12 +7,12 @@ from pathlib import Path
 from pkgutil import extend_path
 
 import pytest
-from journal_runs import GOALS, play
+from journal_runs import GOALS, changed, play
 from shipped import shipped
 from told_runs import GOAL, LABELS, plan_of
 
 import rosoclingo
-from rosoclingo.reasoning.journal.folder import NAME
+from rosoclingo.reasoning.journal.database import NAME
 from rosoclingo.runs.recorded_run import RunProgram
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -265,13 +265,11 @@ def test_a_journal_has_a_report(report, journal, tmp_path):
 
 
 def test_a_damaged_journal_is_told(report, journal, tmp_path, capsys):
-    path = tmp_path / NAME
-    data = (journal / NAME).read_bytes()
-    path.write_bytes(data[:5000] + b"x" + data[5001:])
+    path = changed(journal / NAME, tmp_path / NAME, "UPDATE header SET run = 'other'")
     assert report(path)[0] == 2
-    assert capsys.readouterr().err.startswith(f"report: {path}: line 1 is not as it was written")
+    assert capsys.readouterr().err.startswith(f"report: {path}: the header is not as it was written; take another copy")
     path.write_bytes(b"{}\n")
     assert report(path)[0] == 2
-    assert "line 1 is not as it was written; take another copy" in capsys.readouterr().err
+    assert f"{path}: it cannot be read as a journal (file is not a database)" in capsys.readouterr().err
     assert report(tmp_path / "nosuch" / NAME)[0] == 2
     assert "No such file or directory" in capsys.readouterr().err

@@ -134,7 +134,7 @@ def test_what_is_kept_of_a_goal(rests_until):
     one.state, one.request_cycle, one.known, one.refused = GoalState.PREEMPTING, 4, True, True
     one.overtaken, one.together, one.tries, one.rests_until = 2, 5, 3, rests_until
     record = json.loads(json.dumps(one.record(), allow_nan=False))
-    assert record[0] == "goal(a,b,1)"
+    assert record["term"] == "goal(a,b,1)"
     twin.restore(record)
     state = ["state", "request_cycle", "known", "refused", "overtaken", "together", "tries", "rests_until"]
     assert [getattr(twin, name) for name in state] == [getattr(one, name) for name in state]

@@ -1,13 +1,18 @@
 """A core's journal as a page shows it: the goals, cycles, actions and times of the run, and what it lacks."""
 
+import shutil
+import sqlite3
+from contextlib import closing
+
 import pytest
 from core_driver import FORGETFUL
-from journal_runs import BEGIN, GOALS, LASTS, play
+from journal_runs import BEGIN, GOALS, LASTS, changed, play
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.database import checksum
 from rosoclingo.runs.journal_view import LACKS, TIMELESS, journal_view
 from rosoclingo.runs.recorded_run import RecordingError
 
@@ -39,8 +44,8 @@ def test_goals_have_their_times_states_and_reasons(whole):
 
 @pytest.mark.slow
 def test_cycles_have_the_updates_and_plans_that_were_told(whole):
-    data, told = whole
-    cycles = {one["cycle"]: one for one in records(journal_view(data), "cycles")}
+    file, told = whole
+    cycles = {one["cycle"]: one for one in records(journal_view(file), "cycles")}
     sent = {event.cycle: event.stream for event in told if isinstance(event, UpdateSent)}
     assert {cycle: one["updates"] for cycle, one in cycles.items() if one["updates"]} == {
         cycle: [str(parse_update(text).plain).strip()] for cycle, text in sent.items()
@@ -53,8 +58,8 @@ def test_cycles_have_the_updates_and_plans_that_were_told(whole):
 
 @pytest.mark.slow
 def test_actions_begin_and_end_as_they_did(whole):
-    data, told = whole
-    view = journal_view(data)
+    file, told = whole
+    view = journal_view(file)
     actions = records(view, "actions")
     sent = [action for event in told if isinstance(event, ActionsDispatched) for action in event.actions]
     names = [view.changes()["words"][one["action"]] for one in actions]
@@ -95,15 +100,15 @@ def test_it_says_what_is_lacking(whole):
 @pytest.mark.slow
 def test_a_goal_that_waits_for_its_turn(tmp_path):
     program, settings = shipped("mailbot.lp", "office.lp"), CoreSettings(goals_at_once=1)
-    data, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
-    _, waiting = records(journal_view(data), "goals")
+    file, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
+    _, waiting = records(journal_view(file), "goals")
     assert [word for _, word, _ in waiting["states"]] == ["pending", "waiting", "pending", "active", "succeeded"]
 
 
 @pytest.mark.slow
 def test_a_journal_without_times_counts_records(tmp_path):
-    data, _ = play(tmp_path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None, timed=False)
-    view = journal_view(data)
+    file, _ = play(tmp_path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None, timed=False)
+    view = journal_view(file)
     assert view.about["lacks"].endswith(TIMELESS)
     moments = [one["begun"] for one in records(view, "actions")]
     assert moments == sorted(set(moments))
@@ -111,10 +116,10 @@ def test_a_journal_without_times_counts_records(tmp_path):
 
 @pytest.mark.slow
 def test_one_that_was_begun_anew_begins_with_what_is_open(tmp_path, monkeypatch):
-    monkeypatch.setattr(folder, "LONG", 30_000)
+    monkeypatch.setattr(folder, "RECORDS", 100)
     goals = [(str(number), f"do({number})") for number in range(1, 60)]
-    data, told = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
-    view = journal_view(data)
+    file, told = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
+    view = journal_view(file)
     first = min(one["cycle"] for one in records(view, "cycles"))
     assert first > 1
     assert f"it begins with cycle {first}" in view.about["lacks"]
@@ -125,30 +130,25 @@ def test_one_that_was_begun_anew_begins_with_what_is_open(tmp_path, monkeypatch)
 
 
 @pytest.mark.slow
-def test_time_that_went_back_goes_on(whole):
-    lines = whole[0].splitlines(keepends=True)
-    late = [one["begun"] for one in records(journal_view(whole[0]), "actions")]
-    middle = len(lines) // 2
-    moved = b"".join([*lines[:middle], *(_at(line, -BEGIN) for line in lines[middle:])])
-    found = [one["begun"] for one in records(journal_view(moved), "actions")]
-    assert found == sorted(found)
+def test_time_that_went_back_goes_on(whole, tmp_path):
+    file = tmp_path / "moved"
+    shutil.copy(whole[0], file)
+    late = [one["begun"] for one in records(journal_view(file), "actions")]
+    with closing(sqlite3.connect(str(file))) as db, db:
+        rows = db.execute("SELECT number, time - ?, change FROM record WHERE time > ?", (BEGIN, BEGIN + 4 * LASTS))
+        moved = [(row[1], checksum(*row), row[0]) for row in rows]
+        db.executemany("UPDATE record SET time = ?, crc = ? WHERE number = ?", moved)
+    found = [one["begun"] for one in records(journal_view(file), "actions")]
+    assert found == sorted(found) != late
     assert len(found) == len(late)
 
 
-def _at(line, by):
-    """The line at another time."""
-    value = folder.durable.opened(line[:-1])
-    return folder.durable.sealed({**value, "at": value["at"] + by})
+def test_one_changed_character_is_refused_at_its_record(whole, tmp_path):
+    change = "UPDATE record SET change = change || ' ' WHERE number = 2"
+    with pytest.raises(RecordingError, match=r"^record 2 is not as it was written"):
+        journal_view(changed(whole[0], tmp_path / "changed", change))
 
 
-def test_one_changed_byte_is_refused_at_its_line(whole):
-    data = bytearray(whole[0])
-    place = data.index(b"\n", len(data) // 2) + 40
-    data[place] ^= 1
-    with pytest.raises(RecordingError, match=rf"^line {data[:place].count(10) + 1} is not as it was written"):
-        journal_view(bytes(data))
-
-
-def test_a_core_that_has_done_nothing_has_a_report_too(whole):
-    view = journal_view(b"".join(whole[0].splitlines(keepends=True)[:2]))
+def test_a_core_that_has_done_nothing_has_a_report_too(whole, tmp_path):
+    view = journal_view(changed(whole[0], tmp_path / "begun", "DELETE FROM record WHERE number > 1"))
     assert records(view, "goals") == records(view, "cycles") == []

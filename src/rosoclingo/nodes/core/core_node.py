@@ -57,9 +57,6 @@ PREPARING = 0.1
 #: Seconds of wall time between two looks at what goes on with time, once answers are prepared.
 IDLE = 0.25
 
-#: Seconds of wall time after an action until the disk is waited for: the next action would wait for that, too.
-SETTLING = 0.04
-
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
 CANCEL_GRACE = 0.05
 
@@ -153,7 +150,7 @@ class CoreNode:
         plan_time = self._parameters.time_to_shorten
         self._solvers = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         found = find_journal(self._parameters, program)
-        self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time)
+        self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time, found.fault)
         self._core = KeptCore(
             program,
             self._solvers.solver,
@@ -163,7 +160,6 @@ class CoreNode:
             self._watch_recovery,
             None if self._parameters.time_to_shorten is None else self._watch_joining,
             record=found.state,
-            doubtful=found.doubtful,
         )
         self._keeper.attach(self._core, found.state)
         self._results = Results("rosoclingo", resumed=found.state is not None)
@@ -273,7 +269,7 @@ class CoreNode:
         self._tick()
         improvable = self._go_on()
         self._send()
-        self._settle_journal()
+        self._keeper.settle()
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()
@@ -307,11 +303,6 @@ class CoreNode:
     def _send(self) -> None:
         self._keeper.send(keep_ends=self._results.awaited)
 
-    def _settle_journal(self) -> None:
-        """Have on disk what nobody has waited for, once actions are under way for a moment."""
-        if time.monotonic() - self._last_cycle >= SETTLING:
-            self._keeper.settle()
-
     def _tick(self) -> None:
         """Tell what has changed; often, also while a search goes on."""
         for line in self._health.counted(time.monotonic()):
@@ -324,7 +315,6 @@ class CoreNode:
 
     def _attend(self) -> None:
         """Attend to time and arrivals, also during a search."""
-        self._keeper.settle()
         self._tick()
         if self._server.arrivals:
             self._take_arrivals()
@@ -340,7 +330,6 @@ class CoreNode:
 
         def look() -> bool:
             """Tell whether to end it now."""
-            self._settle_journal()
             self._tick()
             spent = max(time.monotonic() - start, abs(rospy.get_time() - now))
             return self._ending or self._worker.waiting or spent >= IMPROVING

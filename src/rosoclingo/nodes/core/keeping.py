@@ -14,8 +14,8 @@ import rospy
 
 from rosoclingo.nodes.core.loading import AUTO, NONE, CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import TakenError, tidy
-from rosoclingo.reasoning.journal.lines import Header
 from rosoclingo.reasoning.journal.resuming import Found, open_journal
 from rosoclingo.runs.recorded_run import RunProgram
 

@@ -8,7 +8,7 @@ import rosbag
 
 from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
-from rosoclingo.reasoning.journal.folder import file_of, is_journal
+from rosoclingo.reasoning.journal.database import file_of, is_journal
 from rosoclingo.runs.journal_view import journal_view
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.run_view import RunView
@@ -40,7 +40,7 @@ def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[st
     if not is_journal(file):
         return _bag_view(path, core, about)
     try:
-        return journal_view(file.read_bytes(), about)
+        return journal_view(file, about)
     except RecordingError as error:
         raise RecordingError(f"{file}: {error}") from None
 

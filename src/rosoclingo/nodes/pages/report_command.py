@@ -8,7 +8,7 @@ from typing import Any, Callable, Mapping, Optional, Sequence
 import rospkg
 
 from rosoclingo.nodes.pages.recorded import read_view
-from rosoclingo.reasoning.journal.folder import file_of
+from rosoclingo.reasoning.journal.database import file_of
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.report_page import report_page
 

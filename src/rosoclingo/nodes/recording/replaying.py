@@ -10,7 +10,7 @@ from rosoclingo.nodes.recording.bag_reader import bag_runs
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.oclingo.service.arguments import duration, positive
 from rosoclingo.oclingo.service.table import format_answer
-from rosoclingo.reasoning.journal.folder import file_of, is_journal
+from rosoclingo.reasoning.journal.database import file_of, is_journal
 from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunProgram
 from rosoclingo.runs.replay import AGREEING, CycleReport, Replay, Shown, Verdict, summary
@@ -95,7 +95,7 @@ def _read(path: Path, core: Optional[str]) -> List[RecordedRun]:
     if not is_journal(file):
         return bag_runs(path, core)
     try:
-        return [journal_run(file.read_bytes())]
+        return [journal_run(file)]
     except RecordingError as error:
         raise RecordingError(f"{file}: {error}") from None
 

@@ -3,23 +3,35 @@
 import contextlib
 import errno
 import fcntl
+import json
 import os
+import sqlite3
 from pathlib import Path
-from typing import Callable, List, NamedTuple, Optional, Union
+from typing import List, Optional
 
-from rosoclingo.common import durable
-from rosoclingo.reasoning.journal.lines import Header, JournalError, Kept, State, changes, line_of, read
+from rosoclingo.reasoning.journal.database import (
+    NAME,
+    TABLES,
+    Header,
+    JournalError,
+    Kept,
+    State,
+    changes,
+    checksum,
+    is_empty,
+    read,
+)
 
-#: The file in the folder.
-NAME = "journal.jsonl"
+#: Records after which the journal begins again with the whole state.
+RECORDS = 500
 
-#: Bytes after which all is written anew into another file, if that is at most half as long.
-LONG = 256 * 1024
+#: SQLite's ``synchronous``: with the one a commit waits for the disk, with the other it outlives only this process.
+SYNCED, UNSYNCED = "FULL", "NORMAL"
 
-#: Seconds until it is tried again to write, after a write that failed.
+#: Seconds between two attempts to write, after a write has failed.
 RETRY = 10.0
 
-#: Which folders of a shelf stay: the latest so many, and those written to in so many seconds.
+#: The folders of a shelf that stay: the number of the latest ones, and the seconds since one was last written.
 STAY, YOUNG = 20, 7 * 24 * 3600.0
 
 
@@ -27,34 +39,20 @@ class TakenError(JournalError):
     """Another core has the journal."""
 
 
-def file_of(path: Path) -> Path:
-    """Return the journal in a folder; a path that is no folder is that of a journal itself."""
-    return path / NAME if path.is_dir() else path
-
-
-def is_journal(file: Path) -> bool:
-    """Whether this is a journal rather than a recording of another kind, by how it begins, or else is called."""
-    try:
-        with file.open("rb") as stream:
-            return stream.read(1) == b"{" or file.name == NAME
-    except OSError:  # whoever reads it tells
-        return file.name == NAME
-
-
 class JournalFolder:
-    """The folder of a journal, which is this process's own until :meth:`close`.
+    """The folder of a journal, locked by this process until :meth:`close`.
 
-    ``journal.jsonl.old`` is the journal that was set aside last, ``journal.jsonl.stale`` one that could not be
-    written any more: what came later is not in it.
+    ``journal.db.old`` is the journal that was set aside last, ``journal.db.stale`` one that could not be
+    written any more: later changes are not in it.
     """
 
     def __init__(self, folder: Path) -> None:
-        """Take the folder, made where there is none; raises TakenError where another core has it, and OSError."""
+        """Lock the folder, which is made if there is none; raises TakenError if another core has it, and OSError."""
         self.path = folder / NAME
         folder.mkdir(parents=True, exist_ok=True)
         self._lock: Optional[int] = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
-        self._file: Optional[int] = None
-        self._size = self._first_size = self._number = 0
+        self._db: Optional[sqlite3.Connection] = None
+        self.records = 0  # since the whole state was written
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not os.path.samestat(os.fstat(self._lock), os.stat(folder / "lock")):
@@ -68,79 +66,95 @@ class JournalFolder:
             ) from None
 
     def read(self) -> Optional[Kept]:
-        """Return what the journal holds, None where there is none; raises JournalError, and OSError."""
-        try:
-            return read(self.path.read_bytes())
-        except FileNotFoundError:
+        """Return the content of the journal, None if there is none; raises JournalError, OSError."""
+        if is_empty(self.path):
             return None
+        try:
+            return read(self.path)
         except JournalError as error:
             mend = f"start without it (~resume: no, or rosrun rosoclingo journal clear {self.path.parent})"
             raise JournalError(f"{self.path}: {error}: {mend}; nothing of it is used") from None
 
     def begin(self, header: Header, state: State, time: Optional[float] = None) -> None:
-        """Write all into a new file, which takes the place of the one that is; raises OSError."""
-        data = line_of(0, header.record) + line_of(1, {"set": state}, time)
-        file = durable.replace(self.path, data)
-        self._drop_file()
-        self._file, self._size, self._first_size, self._number = file, len(data), len(data), 2
+        """Write the whole state in place of all records; raises sqlite3.Error."""
+        db = self._connect()
+        db.execute(f"PRAGMA synchronous = {SYNCED}")
+        db.execute("PRAGMA page_size = 1024")  # a commit writes whole pages, and a record is shorter than one
+        db.execute("PRAGMA journal_mode = WAL")
+        self.records = 0
+        with db:
+            db.execute("BEGIN")
+            for statement in (*TABLES, "DELETE FROM header", "DELETE FROM record"):
+                db.execute(statement)
+            db.execute("INSERT INTO header VALUES (?, ?, ?, ?, ?)", (*header, checksum(*header)))
+            self._insert({"set": state}, time)
 
     def append(self, change: State, time: Optional[float] = None, wait: bool = True) -> None:
-        """Write one more record; raises OSError, and then nobody will take for the last state what stands there.
+        """Write one more record; raises sqlite3.Error, and then the record is not in the journal.
 
-        The disk need not have it on return where it does not ``wait``: that is for :meth:`sync`.
+        On return the disk has it if ``wait`` is true. Otherwise it survives the process, but not the machine, until the
+        disk has a later record.
         """
-        assert self._file is not None
-        data = line_of(self._number, change, time)
-        durable.write(self._file, data, wait)
-        self._size += len(data)
-        self._number += 1
+        self._connect().execute(f"PRAGMA synchronous = {SYNCED if wait else UNSYNCED}")
+        self._insert(change, time)
 
-    def sync(self) -> None:
-        """Wait until the disk has all records; raises OSError."""
-        assert self._file is not None
-        durable.sync(self._file)
+    def _insert(self, change: State, time: Optional[float]) -> None:
+        text = json.dumps(change, separators=(",", ":"))
+        row = self.records + 1, None if time is None else round(time, 3), text
+        self._connect().execute("INSERT INTO record VALUES (?, ?, ?, ?)", (*row, checksum(*row)))
+        self.records += 1
 
-    @property
-    def is_long(self) -> bool:
-        """Whether it is time to write all anew."""
-        return self._size > max(LONG, 2 * self._first_size)
-
-    def set_aside(self, word: str) -> Optional[Path]:
-        """Let the file have its name with a ``word`` behind it, None where there is none; raises OSError."""
-        self._drop_file()
-        aside = Path(f"{self.path}.{word}")
-        try:
-            os.replace(self.path, aside)
-        except FileNotFoundError:
+    def set_aside(self, suffix: str) -> Optional[Path]:
+        """Rename the journal to end with ``suffix``; return its path, None if there is none; raises OSError."""
+        if is_empty(self.path):
+            self._disconnect()
+            with contextlib.suppress(FileNotFoundError):
+                self.path.unlink()
             return None
-        durable.sync_folder(self.path.parent)
+        self._connect()
+        self._disconnect()
+        aside = Path(f"{self.path}.{suffix}")
+        os.replace(self.path, aside)  # first of all: SQLite ignores the log of a file that does not exist
+        for file in ("-wal", "-shm"):
+            with contextlib.suppress(FileNotFoundError):
+                os.replace(f"{self.path}{file}", f"{aside}{file}")
+        folder = os.open(self.path.parent, os.O_RDONLY)
+        os.fsync(folder)
+        os.close(folder)
         return aside
 
     def clear(self) -> List[str]:
-        """Remove the journal and what was set aside; return the names of the files that were there; raises OSError."""
-        self._drop_file()
+        """Remove the journal and those that were set aside; return the names of the files; raises OSError."""
+        self._disconnect()
         found = sorted(self.path.parent.glob(f"{NAME}*"))
         for one in found:
             one.unlink()
         return [one.name for one in found]
 
     def close(self) -> None:
-        """Leave the folder to others."""
-        self._drop_file()
+        """Unlock the folder."""
+        self._disconnect()
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
 
-    def _drop_file(self) -> None:
-        if self._file is not None:
-            os.close(self._file)
-            self._file = None
+    def _connect(self) -> sqlite3.Connection:
+        if self._db is None:
+            self._db = sqlite3.connect(str(self.path), 1.0, isolation_level=None, check_same_thread=False)
+        return self._db
+
+    def _disconnect(self) -> None:
+        if self._db is not None:
+            with contextlib.suppress(sqlite3.Error):  # a full disk, a reader or damage: the log stays beside the file
+                self._db.execute("PRAGMA journal_mode = DELETE")  # a single file, for copies and read-only folders
+            self._db.close()
+            self._db = None
 
 
 def tidy(shelf: Path, now: float) -> None:
-    """Remove old journals among the folders of a shelf, but those that a core has; ``now`` is as files tell times.
+    """Remove old journals among the folders of a shelf, except those that a core has; ``now`` as files have times.
 
-    A folder with anything else in it stays, and so does what cannot be removed.
+    A folder with other files stays, and so does a file that cannot be removed.
     """
     with contextlib.suppress(OSError):
         found = sorted(((_last_written(one), one) for one in shelf.iterdir() if (one / "lock").exists()), reverse=True)
@@ -165,13 +179,13 @@ def _remove(path: Path) -> None:
 
 
 class Journal:
-    """Keeps a state in a folder: each :meth:`write` adds what has changed since the last one.
+    """Keeps a state in a folder: each :meth:`write` adds the sections that have changed.
 
-    A disk that is full or fails does not stop the robot: :attr:`fault` tells of it, and after some time all is tried
-    again. What stood there is out of date then, and gets another name.
+    A disk that is full or fails does not stop the robot: :attr:`fault` reports it, and the next attempt is made after
+    some time. Until then there is no journal: the old one is out of date and has another name.
 
     Attributes:
-        fault: why nothing is written at present, empty where all is well.
+        fault: why nothing is written at present, empty if all is well.
 
     """
 
@@ -179,77 +193,37 @@ class Journal:
         self._folder, self._header, self._retry = folder, header, retry
         self._written: Optional[State] = None
         self._tried = float("-inf")
-        self._unsynced = False  # whether something was written that the disk may not have
         self.fault = ""
 
     def write(self, state: State, now: float, time: Optional[float] = None, wait: bool = True) -> None:
-        """Write the ``state``, and ``wait`` until the disk has it; else it outlives the process, not yet the machine.
+        """Write the ``state``, and ``wait`` until the disk has it and all earlier ones.
 
-        ``now`` is in seconds of a clock that only goes forward, ``time``, which is written too, of the run's clock.
+        ``now`` is in seconds of a monotonic clock; ``time``, which is written too, is in seconds of the run's clock.
         """
         if self.fault and not self.is_due(now):
             return
-        self._try(lambda: self._write(state, time, wait), now)
-
-    def settle(self, now: float) -> None:
-        """Have on disk what was written without waiting for that."""
-        if self._unsynced:
-            self._try(self._sync, now)
-
-    def _try(self, action: Callable[[], None], now: float) -> None:
-        """Do something with the disk; where it fails all is written anew at the next try."""
         try:
-            action()
+            self._write(state, time, wait)
             self.fault = ""
-        except OSError as error:
-            self._written, self._unsynced, self._tried = None, False, now
-            self.fault = f"the journal {self._folder.path} cannot be written: {error.strerror or error}"
+        except (OSError, sqlite3.Error) as error:
+            self._written, self._tried = None, now
+            self.fault = f"the journal {self._folder.path} cannot be written: {error}"
             with contextlib.suppress(OSError):
                 self._folder.set_aside("stale")
 
     def is_due(self, now: float) -> bool:
-        """Whether it is time to try again, where something could not be written."""
+        """Return whether it is time for another attempt after a write that failed."""
         return bool(self.fault) and now - self._tried >= self._retry
 
     def _write(self, state: State, time: Optional[float], wait: bool) -> None:
-        if self._written is None or self._folder.is_long:
+        if self._written is None or self._folder.records >= RECORDS:
             self._folder.begin(self._header, state, time)
-            self._unsynced = False
         else:
             change = changes(self._written, state)
-            if change:
-                self._folder.append(change, time, wait)
-                self._unsynced = not wait
-            elif wait and self._unsynced:
-                self._sync()
+            if change or wait:  # an empty record makes the disk have the earlier ones
+                self._folder.append(change, time, wait=wait)
         self._written = state
-
-    def _sync(self) -> None:
-        self._folder.sync()
-        self._unsynced = False
 
     def close(self) -> None:
         """Write no more."""
         self._folder.close()
-
-
-class NoJournal(NamedTuple):
-    """In the place of a journal that was wanted, and why there is none: its ``fault``."""
-
-    fault: str
-
-    def write(self, state: State, now: float, time: Optional[float] = None, wait: bool = True) -> None:
-        """Write nothing."""
-
-    def settle(self, now: float) -> None:
-        """There is nothing to wait for."""
-
-    def is_due(self, now: float) -> bool:
-        """It is not tried again."""
-        return False
-
-    def close(self) -> None:
-        """Nobody waits for it."""
-
-
-AnyJournal = Union[Journal, NoJournal]

@@ -1,10 +1,10 @@
-"""The command ``journal``: shows what a core has written down, and clears it."""
+"""The command ``journal``: shows the content of a core's journal, and clears it."""
 
 import sys
 from pathlib import Path
 
-from rosoclingo.reasoning.journal.folder import JournalFolder, file_of
-from rosoclingo.reasoning.journal.lines import JournalError, lines_of, read
+from rosoclingo.reasoning.journal.database import JournalError, file_of, lines_of, read
+from rosoclingo.reasoning.journal.folder import JournalFolder
 
 #: What can be done with a journal.
 VERBS = ("show", "clear")
@@ -13,7 +13,8 @@ VERBS = ("show", "clear")
 def main(verb: str, name: str) -> int:
     """Show or clear the journal in a folder; returns the exit code.
 
-    What is shown may be any file of the folder as well, and a core may be writing it. What a core has is not cleared.
+    A journal that was set aside can be shown as well, and so can one that a core is writing. The journal of a running
+    core is not cleared.
     """
     try:
         return _show(Path(name)) if verb == "show" else _clear(Path(name))
@@ -26,7 +27,7 @@ def main(verb: str, name: str) -> int:
 def _show(path: Path) -> int:
     file = file_of(path)
     try:
-        kept = read(file.read_bytes())
+        kept = read(file)
     except JournalError as error:
         raise JournalError(f"{file}: {error}") from None
     sys.stdout.writelines(f"{line}\n" for line in lines_of(kept))

@@ -1,15 +1,12 @@
-"""Between the core and the outside: what the core tells goes out once its state is written down."""
+"""Between the core and the outside: the core's events go out once the state that led to them is written."""
 
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Type
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from rosoclingo.common import durable
-from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, GoalUnmet, Observer
 from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.reasoning.goals import GoalState, Outcome
-from rosoclingo.reasoning.journal.folder import AnyJournal
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.written_ahead import FOLLOWING, WrittenAhead
 from rosoclingo.reasoning.records import Record, group
 
 
@@ -32,49 +29,47 @@ class Client(NamedTuple):
     cancelled: bool = False
     ending: Optional[Ending] = None
 
-    def record(self) -> List[Any]:
+    def record(self) -> Record:
         """Return all as a plain value."""
         end = self.ending
-        return [
-            self.text,
-            *self.stamp,
-            self.cancelled,
-            end and [end.state.value, int(end.outcome), end.message],
-        ]
+        ending = end and {"state": end.state.value, "outcome": int(end.outcome), "message": end.message}
+        return {**self._asdict(), "stamp": list(self.stamp), "ending": ending}
 
     @classmethod
-    def of_record(cls, record: Sequence[Any]) -> "Client":
+    def of_record(cls, record: Record) -> "Client":
         """Return the goal of :meth:`record`."""
-        text, seconds, nanoseconds, cancelled, end = record
-        ending = None if end is None else Ending(GoalState(end[0]), Outcome(end[1]), end[2])
-        return cls(text, (seconds, nanoseconds), cancelled, ending)
+        end = record["ending"]
+        ending = end and Ending(GoalState(end["state"]), Outcome(end["outcome"]), end["message"])
+        return cls(**{**record, "stamp": tuple(record["stamp"]), "ending": ending})
 
 
 class Keeper:
-    """Collects what a core tells, and lets it out step by step, each after the journal has the state that led to it.
+    """Collects the core's events, and lets them out step by step, after the journal has the state that led to them.
 
     Attributes:
         clients: the clients' goals by their keys, in order of arrival.
-        given_up: the goals that were given up for want of a plan.
+        given_up: the goals that were given up because there is no plan.
 
     """
 
     def __init__(
         self,
         tell: Observer,
-        journal: Optional[AnyJournal],
+        journal: Optional[Journal],
         now: Callable[[], float],
         time: Optional[Callable[[], float]] = None,
+        fault: str = "",
     ) -> None:
-        """Let things out by ``tell``.
+        """Let events out by ``tell``.
 
-        ``now`` is a clock that only goes forward, ``time`` the run's clock, which is written down; both in seconds.
+        ``now`` is a monotonic clock, ``time`` the run's clock, whose time is written; both in seconds. ``fault`` is why
+        there is no journal though one is wanted.
         """
-        self._tell, self._journal, self._now, self._time = tell, journal, now, time
+        self._tell, self._journal, self._now, self._time, self._fault = tell, journal, now, time, fault
         self._core: Optional[KeptCore] = None
         self._state: Record = {}
         self._events: List[Event] = []
-        self._plan, self._ahead = TaskPlan(), WrittenAhead()
+        self._unsynced = False  # whether the disk may lack a record
         self.clients: Dict[str, Client] = {}
         self.given_up = GivenUpGoals()
 
@@ -88,9 +83,8 @@ class Keeper:
         if record is not None:
             self.clients = {key: Client.of_record(value) for key, value in group(record, "client").items()}
             self.given_up.restore(record)
-        if self._journal is not None:
-            self._look()
-            self._write()
+        self._look()
+        self._write()
 
     def forget(self, keys: Iterable[str]) -> None:
         """Clients need not be told of the ends of these goals any more."""
@@ -100,7 +94,7 @@ class Keeper:
     @property
     def fault(self) -> str:
         """Why nothing is written at present, empty where all is well."""
-        return "" if self._journal is None else self._journal.fault
+        return self._fault if self._journal is None else self._journal.fault
 
     def add(self, key: str, client: Client) -> None:
         """A client's goal has arrived; :meth:`keep` it before the client hears of that."""
@@ -116,15 +110,14 @@ class Keeper:
         self.clients[key] = self.clients[key]._replace(ending=ending)
 
     def keep(self) -> None:
-        """Write down what has arrived, while the core may be in the midst of a step."""
-        if self._journal is not None:
-            self._write()
+        """Write the arrivals, also within a step of the core."""
+        self._write()
 
     def send(self, keep_ends: bool = False) -> None:
-        """Write down the state after a step of the core, and let out what it told; also while nothing happens.
+        """Write the state after a step of the core, and let its events out; also to be called if nothing happens.
 
-        The disk has it before anything goes out that the outside acts on; actions that its plan says already go first.
-        With ``keep_ends`` goals that have ended stay written down until :meth:`forget`: their clients may not hear yet.
+        The disk has the state before any event goes out that the outside acts on. With ``keep_ends`` ended goals stay
+        in the journal until :meth:`forget`, because their clients may not hear yet.
         """
         if not self._events:
             if self._journal is not None and self._journal.is_due(self._now()):
@@ -133,46 +126,36 @@ class Keeper:
             return
         events, self._events = self._events, []
         ends = [key for key in map(self._note, events) if key is not None]
-        at_once: Tuple[Type[Event], ...] = ()
-        if self._journal is not None:
-            self._look()
-            at_once = FOLLOWING if self._ahead.covers(events, self._plan) else ()
-            self._write(wait=not at_once and any(event.is_news for event in events))
+        self._look()
+        self._write(wait=any(event.is_news for event in events))
         for event in events:
-            if event.is_news and not isinstance(event, at_once):
-                self.settle()
             self._tell(event)
         if not keep_ends:
             self.forget(ends)
 
     def settle(self) -> None:
-        """Have on disk what was written down without waiting for that, while there is nothing else to do."""
-        if self._journal is not None:
-            self._journal.settle(self._now())
-            self._note_disk()
+        """Wait until the disk has all records, for times without other work."""
+        if self._unsynced:
+            self._write()
 
     def close(self) -> None:
-        """Write no more, and leave the journal to others."""
+        """Write no more, and unlock the journal."""
         if self._journal is not None:
             self._journal.close()
             self._journal = None
 
     def _look(self) -> None:
         assert self._core is not None
-        self._state, self._plan = self._core.record(), self._core.plan
+        if self._journal is not None:
+            self._state = self._core.record()
 
     def _write(self, wait: bool = True) -> None:
-        assert self._journal is not None
+        if self._journal is None:
+            return
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
         time = None if self._time is None else self._time()
-        machine = {"machine": durable.machine()}
-        self._journal.write({**self._state, **machine, **clients, **self.given_up.record()}, self._now(), time, wait)
-        if wait:
-            self._note_disk()
-
-    def _note_disk(self) -> None:
-        """The disk has all, unless it fails."""
-        self._ahead.on_disk(None if self.fault else self._plan)
+        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time, wait)
+        self._unsynced = not wait
 
     def _note(self, event: Event) -> Optional[str]:
         """Note the end of a client's goal, and return its key; note a goal that is given up."""

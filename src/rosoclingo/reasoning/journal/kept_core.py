@@ -4,12 +4,10 @@ from typing import Any, FrozenSet, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.oclingo import SolveResult
-from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsPreempted
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.keywords import Action, success_of
+from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.records import (
     LogRecorder,
     Record,
@@ -29,19 +27,14 @@ class KeptCore(Core):
     several answers that are as good.
     """
 
-    def __init__(self, *arguments: Any, record: Optional[Record] = None, doubtful: bool = False, **more: Any) -> None:
-        """Begin, or go on from a ``record`` of a core with the same program; the rest is as :class:`Core` has it.
-
-        Where it is ``doubtful`` whether more was done than the record says, that was as its plan goes on.
-        """
+    def __init__(self, *arguments: Any, record: Optional[Record] = None, **more: Any) -> None:
+        """Begin, or resume from a ``record`` of a core with the same program; the rest is as :class:`Core` has it."""
         super().__init__(*arguments, **more)
         self._log = LogRecorder()
         self._believed: Tuple[Optional[FrozenSet[Symbol]], Record] = (None, {})  # what is, and its sections
-        self._started, self._perhaps_begun = False, TaskPlan()
+        self._started = False
         if record is not None:
             self._restore(record)
-        if doubtful:
-            self._perhaps_begun = self.plan
 
     def start(self) -> None:
         """Begin; one that goes on has begun."""
@@ -82,40 +75,21 @@ class KeptCore(Core):
             self._tell(ActionsPreempted(self.cycle, ended))
         self.abandon(why)
 
-    def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
-        """Go on with an answer, but do again what may have been begun already."""
-        super()._use(self._as_begun(result), now, new_goals)
-
-    def _as_begun(self, result: SolveResult) -> SolveResult:
-        """Return an answer with the actions of this cycle that may have been begun, if they go out at all."""
-        begun, step = self._perhaps_begun, self._step
-        if not begun.remaining(step) or not self._succeeded(begun.at(step - 1)):
-            self._perhaps_begun = TaskPlan()
-            return result
-        actions = begun.at(step)
-        if not actions or extract_plan(result.answers[0]).at(step) == actions:
-            return result
-        found = self._planner.still(begun.remaining(step)) or self._planner.beginning_with(actions)
-        if found is None:
-            self._perhaps_begun = TaskPlan()
-            named = ", ".join(str(one.atom) for one in actions)
-            self._announce.problem(f"{named} may have been begun before the machine went down, and cannot be now")
-            return result
-        return found
-
-    def _succeeded(self, actions: Tuple[Action, ...]) -> bool:
-        """Whether the update in force says so of all of these."""
-        return self._planner.in_force.heads.issuperset(map(success_of, actions))
-
     def record(self) -> Record:
         """Return the state by sections."""
-        cycle, latest = self._latest
-        numbers = [self._step, self._waits, self._improvable, self._announce.told, self._planner.lookahead, cycle]
+        used_at, used = self._latest
         return {
-            "core": [self._started, *numbers],
+            "core": {
+                "started": self._started,
+                "step": self._step,
+                "waits": self._waits,
+                "improvable": self._improvable,
+                "told": self._announce.told,
+                "lookahead": self._planner.lookahead,
+                "used_at": used_at,
+            },
             "plan": None if self._plan is None else plan_to_value(self._plan),
-            "latest": None if latest is self._plan else plan_to_value(latest),
-            **({"doubt": plan_to_value(self._perhaps_begun)} if self._perhaps_begun.actions else {}),
+            "latest": None if used is self._plan else plan_to_value(used),
             **self._goals.record(),
             **self._feeder.record(),
             **self._execution.record(),
@@ -133,16 +107,15 @@ class KeptCore(Core):
         return self._believed[1]
 
     def _restore(self, record: Record) -> None:
-        numbers = record["core"]
-        self._started, self._step, self._waits, self._improvable, self._announce.told, lookahead, cycle = numbers
+        core, plan, latest = record["core"], record["plan"], record["latest"]
+        self._started, self._step, self._waits = core["started"], core["step"], core["waits"]
+        self._improvable, self._announce.told = core["improvable"], core["told"]
         self._planner = self._planner.at(log_of(record))
-        self._planner.lookahead = lookahead
-        plan, latest = record["plan"], record["latest"]
+        self._planner.lookahead = core["lookahead"]
         self._plan = None if plan is None else plan_of(plan)
-        self._perhaps_begun = plan_of(record["doubt"]) if "doubt" in record else TaskPlan()
         used = self._plan if latest is None else plan_of(latest)
         assert used is not None
-        self._latest = cycle, used
+        self._latest = core["used_at"], used
         self._goals.restore(record)
         self._feeder.restore(record, self._goals.by_key)
         self._execution.restore(record)

@@ -34,12 +34,11 @@ class Interfaces(World):
     @contextlib.contextmanager
     def living(self):
         """What the interfaces' process does, until it is killed."""
-        with self._fate.other_process():
-            try:
-                yield
-            except KilledError:
-                self.kill()
-                self._fate.let_go()
+        try:
+            yield
+        except KilledError:
+            self.kill()
+            self._fate.let_go()
 
     def kill(self):
         """The process is gone, its file is closed."""

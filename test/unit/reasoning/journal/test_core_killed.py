@@ -12,11 +12,11 @@ from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play
 
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.database import NAME, group_of, history
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import JournalError, group_of, history, read
 
 #: Sections of the journal that are the keeper's own, and not the core's.
-KEEPERS = {"machine", "client", "unmet"}
+KEEPERS = {"client", "unmet"}
 
 
 def played(script, kills=(), preempt=False):
@@ -56,53 +56,22 @@ def test_killed_at_every_instant():
             assert play.kills == 1
 
 
-#: Several errands are planned at once, so that the plan on disk says which comes next; one fails.
-PLANNED = [
-    *[("goal", kind) for kind in ("walk", "run", "walk")],
-    ("answer", 0, True),
-    ("answer", 0, False),
-    ("answer", 0, True),
-]
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("upset", [False, True])
-def test_the_machine_goes_down_before_the_disk_has_what_its_plan_said(upset):
-    _, fate = played(PLANNED)
-    for instant in fate.every_instant():
-        assert played(PLANNED, [(instant, 0, upset)])[0].kills == 1
-
-
 @pytest.fixture(scope="module")
-def journal():
-    """What a core that nobody kills writes, from its first line on."""
+def states():
+    """The states that a core writes that nobody kills, from its first record on."""
     with tempfile.TemporaryDirectory() as name:
         fate = Fate()
         with fate.rules(), pytest.MonkeyPatch.context() as patch:
-            patch.setattr(folder, "LONG", 10**9)
+            patch.setattr(folder, "RECORDS", 10**9)
             Play(Path(name), fate, preempt=False).play(SCRIPT)
-        return (Path(name) / folder.NAME).read_bytes()
+        return [copy.deepcopy(state) for state, _ in history(Path(name) / NAME)[1]]
 
 
 @pytest.mark.slow
-@pytest.mark.once
-def test_cut_at_every_byte_it_is_the_state_before_that_line(journal):
-    states = [copy.deepcopy(state) for state, _ in history(journal)[1]]
-    assert len(states) > 20
-    whole = journal.index(b"\n", journal.index(b"\n") + 1)
-    for end in range(len(journal) + 1):
-        if end <= whole:
-            with pytest.raises(JournalError, match=r"line [12] is missing"):
-                read(journal[:end])
-        else:
-            assert read(journal[:end]).state == states[journal.count(b"\n", 0, end) - 2]
-
-
-@pytest.mark.slow
-def test_each_state_of_a_journal_is_that_of_the_core_that_goes_on_from_it(journal):
+def test_each_state_of_a_journal_is_that_of_the_core_that_goes_on_from_it(states):
     limits = CoreSettings(8, 0.0, goals_at_once=3, search_timeout=0.0)
-    for state, _ in history(journal)[1]:
+    assert len(states) > 20
+    for state in states:
         own = {name: value for name, value in state.items() if group_of(name) not in KEEPERS}
         core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
         assert core.record() == own

@@ -13,10 +13,10 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
 from rosoclingo.reasoning import CoreSettings, GoalUnmet, given_up
 from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
+from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
 

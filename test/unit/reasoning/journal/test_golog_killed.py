@@ -113,7 +113,7 @@ SCRIPT = [
 def test_programs_go_on_where_they_were():
     without = played(SCRIPT)
     assert set(without.world.ends.values()) == {GoalState.SUCCEEDED, GoalState.PREEMPTED}
-    play = played(SCRIPT, [(instant, 500, False) for instant in (23, 31, 17, 29, 19)])
+    play = played(SCRIPT, [(instant, 1000, False) for instant in (23, 31, 17, 29, 19)])
     assert play.kills >= 3
     assert {key: sorted(order) for key, order in play.world.order.items()} == {
         key: sorted(order) for key, order in without.world.order.items()

@@ -1,18 +1,23 @@
-"""The journal on disk: what is read is what was written, whatever is cut off; what was changed is refused."""
+"""The journal on disk: what is read is what was written, wherever it is cut off; other bytes are refused."""
 
-import errno
-import json
 import os
+import resource
+import shutil
+import sqlite3
 import subprocess
 import sys
+import tempfile
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from killed_core import files_of, put_files
 
 from rosoclingo.reasoning.journal import folder as module
+from rosoclingo.reasoning.journal.database import NAME, Header, JournalError, changes, history, lines_of, read
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, TakenError, tidy
-from rosoclingo.reasoning.journal.lines import Header, JournalError, changes, line_of, lines_of, read
 
 HEADER = Header("run", "program", "launch")
 NAMES = st.sampled_from(["core", "goal:1", "goal:2", "goal:3", "fact:a", "fact:b"])
@@ -27,16 +32,11 @@ def in_groups(state):
     return groups
 
 
-def lines_for(states):
-    """The lines of a journal of these states."""
-    pairs = zip(states, states[1:])
-    records = [HEADER.record, {"set": states[0]}, *filter(None, (changes(*pair) for pair in pairs))]
-    return [line_of(number, record) for number, record in enumerate(records)]
-
-
-def states_in(lines):
-    """The state after each record but the header."""
-    return [read(b"".join(lines[:end])).state for end in range(2, len(lines) + 1)]
+def state_or_none(file):
+    """The state in a journal, None where it is refused."""
+    with suppress(JournalError):
+        return read(file).state
+    return None
 
 
 @pytest.fixture
@@ -46,49 +46,113 @@ def folder(tmp_path):
     found.close()
 
 
+@pytest.fixture(scope="module")
+def scratch(tmp_path_factory):
+    """A folder for files that are put together anew again and again."""
+    return tmp_path_factory.mktemp("scratch")
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """The files that a killed core leaves behind, the states after its records, and the log's length after each."""
+    path, states, lengths = tmp_path_factory.mktemp("killed"), [], []
+    folder = JournalFolder(path)
+    journal = Journal(folder, HEADER)
+    for number in range(12):
+        states.append({"core": number, f"goal:{number}": "x" * 300, "goal:0": number // 3})
+        journal.write(states[-1], 0.0, float(number), wait=number % 2 == 0)
+        lengths.append((path / f"{NAME}-wal").stat().st_size)
+    files = files_of(path)
+    folder.close()
+    return files, states, lengths
+
+
+@pytest.mark.slow
 @given(st.lists(STATES, min_size=1, max_size=6))
 def test_what_is_read_is_what_was_written(states):
-    lines = lines_for(states)
-    kept = read(b"".join(lines))
-    assert in_groups(kept.state) == in_groups(states[-1])
-    assert (kept.header, kept.records) == (HEADER, len(lines) - 1)
+    with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "SYNCED", "OFF")
+        folder = JournalFolder(Path(name))
+        journal = Journal(folder, HEADER)
+        for number, state in enumerate(states):
+            journal.write(state, 0.0, float(number))
+            assert in_groups(folder.read().state) == in_groups(state)
+        header, moments = history(folder.path)
+        assert [(in_groups(state), time) for state, time in moments] == [
+            (in_groups(state), float(number)) for number, state in enumerate(states)
+        ]
+        assert (header, folder.read().records) == (HEADER, len(states))
+        folder.close()
 
 
-@given(st.lists(STATES, min_size=2, max_size=4))
-def test_cut_anywhere_it_is_the_state_after_a_whole_record(states):
-    lines = lines_for(states)
-    data, known = b"".join(lines), states_in(lines)
-    whole = len(lines[0]) + len(lines[1])
-    for end in range(len(data)):
-        if end < whole:
-            with pytest.raises(JournalError, match=r"line [12] is missing"):
-                read(data[:end])
-        else:
-            count = data[:end].count(b"\n")
-            assert read(data[:end]).state == known[count - 2]
+def test_cut_anywhere_it_is_the_state_after_a_whole_record(killed, scratch):
+    files, states, lengths = killed
+    log = files[f"{NAME}-wal"]
+    for end in sorted({*range(0, len(log), 997), *lengths, *(length - 1 for length in lengths)}):
+        put_files(scratch, {**files, f"{NAME}-wal": log[:end]})
+        folder, whole = JournalFolder(scratch), sum(length <= end for length in lengths)
+        kept = folder.read()
+        assert (kept.state if kept else None) == (states[whole - 1] if whole else None)
+        folder.close()
 
 
-@given(st.lists(STATES, min_size=2, max_size=4), st.data())
-def test_one_changed_byte_is_refused_at_its_line(states, data):
-    text = b"".join(lines_for(states))
+@pytest.mark.slow
+@given(st.data())
+def test_one_changed_byte_is_refused_or_changes_nothing(killed, scratch, data):
+    files, states, _ = killed
+    put_files(scratch, files)
+    folder = JournalFolder(scratch)
+    aside = folder.set_aside("old")
+    folder.close()
+    text = bytearray(aside.read_bytes())
     place = data.draw(st.integers(0, len(text) - 1))
-    byte = data.draw(st.integers(0, 255).filter(lambda one: one != text[place]))
-    changed = text[:place] + bytes([byte]) + text[place + 1 :]
-    with pytest.raises(JournalError, match=f"^line {text[:place].count(10) + 1} "):
-        read(changed)
+    text[place] ^= data.draw(st.integers(1, 255))
+    aside.write_bytes(text)
+    assert state_or_none(aside) in (states[-1], None)
 
 
-def test_a_line_that_is_missing_is_refused():
-    lines = lines_for([{"core": 1}, {"core": 2}, {"core": 3}])
-    with pytest.raises(JournalError, match="line 3 is missing: record 3 stands in its place"):
-        read(b"".join(lines[:2] + lines[3:]))
+@given(st.data())
+def test_one_changed_byte_of_the_log_leaves_no_state_that_never_was(killed, scratch, data):
+    files, states, _ = killed
+    log = bytearray(files[f"{NAME}-wal"])
+    place = data.draw(st.integers(0, len(log) - 1))
+    log[place] ^= data.draw(st.integers(1, 255))
+    put_files(scratch, {**files, f"{NAME}-wal": bytes(log)})
+    assert state_or_none(scratch / NAME) in (*states, None)
 
 
-def test_a_last_line_without_its_end_is_cut_off_and_one_with_another_is_refused():
-    data = b"".join(lines_for([{"core": 1}, {"core": 2}]))
-    assert [read(data).state, read(data[:-1]).state] == [{"core": 2}, {"core": 1}]
-    with pytest.raises(JournalError, match="line 3 does not end as it was written"):
-        read(data[:-1] + b" ")
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("UPDATE record SET change = replace(change, '2', '3') WHERE number = 2", "record 2 is not as it was written"),
+        ("UPDATE record SET time = 7.0 WHERE number = 2", "record 2 is not as it was written"),
+        ("DELETE FROM record WHERE number = 2", "record 2 is missing"),
+        ("DELETE FROM record WHERE number = 1", "record 1 is missing"),
+        ("DELETE FROM record", "record 1 is missing"),
+        ("UPDATE header SET program = 'other'", "the header is not as it was written"),
+        ("DELETE FROM header", "the header is not as it was written"),
+        ("PRAGMA user_version = 99", "it is of format 99, this version reads 5"),
+    ],
+)
+def test_what_has_changed_is_refused_at_its_record(folder, change, words):
+    folder.begin(HEADER, {"core": 1})
+    for number in (2, 3):
+        folder.append({"set": {"core": number}}, 1.0)
+    folder.close()
+    with sqlite3.connect(str(folder.path)) as db:
+        db.execute(change)
+    db.close()
+    with pytest.raises(JournalError) as caught:
+        folder.read()
+    text = str(caught.value)
+    assert text.startswith(f"{folder.path}: {words}: start without it")
+    assert f"rosrun rosoclingo journal clear {folder.path.parent}" in text
+
+
+def test_what_is_no_journal_is_refused(folder):
+    folder.path.write_text("nothing of the kind\n" * 100)
+    with pytest.raises(JournalError, match=r"it cannot be read as a journal \(file is not a database\): copy it again"):
+        folder.read()
 
 
 @pytest.mark.parametrize(
@@ -106,46 +170,31 @@ def test_what_stands_elsewhere_in_its_group_is_written_anew(before, after, writt
     assert changes(old, new) == ({"drop": moved, "set": {name: [name] for name in moved}} if moved else {})
 
 
-def test_another_format_is_refused():
-    lines = [line_of(0, {**HEADER.record, "format": 99}), line_of(1, {"set": {}})]
-    with pytest.raises(JournalError, match="line 1: it is of format 99, this version reads 4"):
-        read(b"".join(lines))
-
-
-def test_each_line_is_json_of_its_own(folder):
-    folder.begin(HEADER, {"core": "\n\u00e4"})
-    folder.append({"set": {"core": 2}})
-    values = [json.loads(line) for line in folder.path.read_text().splitlines()]
-    assert [value["n"] for value in values] == [0, 1, 2]
-    assert values[0]["run"] == "run"
-
-
 def test_only_what_has_changed_is_written(folder):
     journal = Journal(folder, HEADER)
-    journal.write({"core": 1, "goal:1": "x" * 1000}, 0.0)
-    size = folder.path.stat().st_size
-    journal.write({"core": 1, "goal:1": "x" * 1000}, 0.0)
-    assert folder.path.stat().st_size == size
-    journal.write({"core": 2, "goal:1": "x" * 1000}, 0.0)
-    assert size < folder.path.stat().st_size < size + 100
-    assert folder.read().state == {"core": 2, "goal:1": "x" * 1000}
+    for core in (1, 1, 2):
+        journal.write({"core": core, "goal:1": "x" * 1000}, 0.0, wait=False)
+    folder.close()
+    with sqlite3.connect(str(folder.path)) as db:
+        found = [text for (text,) in db.execute("SELECT change FROM record")]
+    db.close()
+    assert found[1:] == ['{"set":{"core":2}}']
 
 
 @pytest.mark.slow
 def test_it_does_not_grow_without_end(folder, monkeypatch):
-    monkeypatch.setattr(module, "LONG", 2000)
-    journal, sizes = Journal(folder, HEADER), []
+    monkeypatch.setattr(module, "RECORDS", 20)
+    monkeypatch.setattr(module, "SYNCED", "OFF")
+    journal, sizes, records = Journal(folder, HEADER), [], []
     for number in range(500):
         journal.write({"core": number, "goal:1": "x" * 100}, 0.0)
-        sizes.append(folder.path.stat().st_size)
-    assert max(sizes) < 2200
+        records.append(folder.read().records)
+        if number % 100 == 99:
+            folder.close()
+            sizes.append(folder.path.stat().st_size)
+    assert records == [*range(1, 21)] * 25
+    assert len(set(sizes)) == 1
     assert folder.read().state == {"core": 499, "goal:1": "x" * 100}
-    large = {f"goal:{number}": "x" * 100 for number in range(100)}
-    inodes = set()
-    for number in range(200):
-        journal.write({"core": number, **large}, 0.0)
-        inodes.add(folder.path.stat().st_ino)
-    assert len(inodes) <= 3, "what is large is not written anew all the time"
 
 
 def test_no_journal_yet(folder):
@@ -156,9 +205,9 @@ def test_no_journal_yet(folder):
 def test_what_is_set_aside_is_no_journal_any_more(folder):
     folder.begin(HEADER, {"core": 1})
     aside = folder.set_aside("old")
-    assert aside.name == "journal.jsonl.old"
+    assert aside.name == "journal.db.old"
     assert folder.read() is None
-    assert read(aside.read_bytes()).state == {"core": 1}
+    assert read(aside).state == {"core": 1}
 
 
 def test_two_cores_on_one_journal(folder):
@@ -171,7 +220,7 @@ def test_two_cores_on_one_journal(folder):
 def test_a_core_that_was_killed_leaves_the_journal_to_others(tmp_path):
     code = (
         "import sys; from pathlib import Path;"
-        "from rosoclingo.reasoning.journal.folder import *; from rosoclingo.reasoning.journal.lines import *;"
+        "from rosoclingo.reasoning.journal.folder import *; from rosoclingo.reasoning.journal.database import *;"
         "folder = JournalFolder(Path(sys.argv[1])); folder.begin(Header('a', 'b'), {'core': 1});"
         "print('ready', flush=True); input()"
     )
@@ -187,84 +236,47 @@ def test_a_core_that_was_killed_leaves_the_journal_to_others(tmp_path):
     folder.close()
 
 
-def test_a_damaged_journal_tells_its_place_and_what_to_do(folder):
-    folder.begin(HEADER, {"core": 1})
-    folder.append({"set": {"core": 2}})
-    data = folder.path.read_bytes()
-    folder.path.write_bytes(data.replace(b'"core":2', b'"core":3'))
-    with pytest.raises(JournalError) as caught:
-        folder.read()
-    text = str(caught.value)
-    assert text.startswith(f"{folder.path}: line 3 is not as it was written: start without it")
-    assert f"rosrun rosoclingo journal clear {folder.path.parent}" in text
+@contextmanager
+def full_disk():
+    """No file of this process can get longer: EFBIG in place of ENOSPC."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
-class Disk:
-    """Stands for os.write and os.fdatasync of a disk that fails from some time on."""
-
-    def __init__(self, monkeypatch, call, number, partly=0):
-        self.broken, self._number, self._partly, self._real = False, number, partly, getattr(os, call)
-        monkeypatch.setattr(os, call, self)
-
-    def __call__(self, file, *rest):
-        if self.broken:
-            if self._partly and rest:
-                part, self._partly = self._partly, 0
-                return self._real(file, bytes(rest[0])[:part])
-            raise OSError(self._number, os.strerror(self._number))
-        return self._real(file, *rest)
-
-
-@pytest.mark.parametrize(
-    ("call", "number", "partly"),
-    [("write", errno.ENOSPC, 0), ("write", errno.ENOSPC, 9), ("write", errno.EIO, 0), ("fdatasync", errno.EIO, 0)],
-)
-def test_a_disk_that_fails_is_told_and_tried_again(folder, monkeypatch, call, number, partly):
-    disk, journal = Disk(monkeypatch, call, number, partly), Journal(folder, HEADER, retry=10.0)
+def test_a_disk_that_fails_is_told_and_tried_again(folder):
+    journal, stale = Journal(folder, HEADER, retry=10.0), Path(f"{folder.path}.stale")
     journal.write({"core": 1}, 0.0)
     assert journal.fault == ""
-    disk.broken = True
-    journal.write({"core": 2}, 1.0)
-    assert journal.fault == f"the journal {folder.path} cannot be written: {os.strerror(number)}"
-    assert folder.read() is None, "what is out of date is no journal any more"
-    disk.broken = False
-    journal.write({"core": 3}, 10.9)
+    with full_disk():
+        journal.write({"core": 2}, 1.0)
+        assert journal.fault == f"the journal {folder.path} cannot be written: disk I/O error"
+        assert folder.read() is None, "what is out of date is no journal any more"
+        journal.write({"core": 3}, 11.0)
+        assert journal.fault, "it is tried again, and in vain"
+        assert not folder.path.exists()
+    assert read(stale).state == {"core": 1}
+    journal.write({"core": 4}, 20.9)
     assert journal.fault
     assert folder.read() is None
-    journal.write({"core": 4}, 11.0)
+    journal.write({"core": 5}, 21.0)
     assert journal.fault == ""
-    assert folder.read().state == {"core": 4}
-    journal.write({"core": 5}, 11.1)
     assert folder.read().state == {"core": 5}
+    journal.write({"core": 6}, 21.1)
+    assert folder.read().state == {"core": 6}
 
 
-def test_a_disk_that_fails_later_is_told_as_well(folder, monkeypatch):
-    disk, journal = Disk(monkeypatch, "fdatasync", errno.EIO), Journal(folder, HEADER, retry=10.0)
+def test_a_database_without_room_is_told_and_tried_again(folder):
+    journal = Journal(folder, HEADER, retry=0.0)
     journal.write({"core": 1}, 0.0)
-    journal.settle(0.5)
-    disk.broken = True
-    journal.write({"core": 2}, 1.0, wait=False)
-    assert journal.fault == ""
-    journal.settle(1.5)
-    assert journal.fault == f"the journal {folder.path} cannot be written: {os.strerror(errno.EIO)}"
-    assert folder.read() is None
-    disk.broken = False
-    journal.settle(20.0)
-    assert journal.fault, "there is nothing that is not on the disk; the next state is tried"
-    journal.write({"core": 3}, 20.0)
-    assert journal.fault == ""
-    assert folder.read().state == {"core": 3}
-
-
-def test_to_wait_for_the_disk_writes_nothing_anew(folder, monkeypatch):
-    monkeypatch.setattr("rosoclingo.reasoning.journal.folder.LONG", 0)
-    journal = Journal(folder, HEADER)
-    journal.write({"core": 1}, 0.0, 5.0)
-    journal.write({"core": 2, "more": "x" * 1000}, 1.0, 6.0, wait=False)
-    written = folder.path.read_bytes()
-    assert folder.is_long
-    journal.settle(2.0)
-    assert folder.path.read_bytes() == written
+    folder._connect().execute("PRAGMA max_page_count = 4")
+    journal.write({"core": "x" * 20000}, 1.0)
+    assert journal.fault == f"the journal {folder.path} cannot be written: database or disk is full"
+    journal.write({"core": "x" * 20000}, 2.0)
+    assert (journal.fault, folder.read().state) == ("", {"core": "x" * 20000})
 
 
 def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
@@ -272,12 +284,22 @@ def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
     journal.write({"core": 1}, 0.0)
 
     def refuse(*_):
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+        raise OSError(30, os.strerror(30))
 
-    monkeypatch.setattr(os, "write", refuse)
     monkeypatch.setattr(os, "replace", refuse)
-    journal.write({"core": 2}, 1.0)
-    assert "Read-only file system" in journal.fault
+    with full_disk():
+        journal.write({"core": 2}, 1.0)
+    assert "disk I/O error" in journal.fault
+
+
+def test_it_is_read_while_a_core_writes_it_and_from_a_copy(folder, tmp_path):
+    journal = Journal(folder, HEADER)
+    for number in range(3):
+        journal.write({"core": number}, 0.0)
+        shutil.copytree(folder.path.parent, tmp_path / str(number))
+    assert [read(tmp_path / str(number) / NAME).state["core"] for number in range(3)] == [0, 1, 2]
+    folder.close()
+    assert [one.name for one in sorted(folder.path.parent.iterdir())] == [NAME, "lock"], "no log, for read-only folders"
 
 
 def shelf_of(path, ages):
@@ -291,6 +313,7 @@ def shelf_of(path, ages):
     return path
 
 
+@pytest.mark.slow
 def test_of_a_shelf_old_journals_go_but_for_the_latest(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "STAY", 2)
     week = int(module.YOUNG)
@@ -311,7 +334,7 @@ def test_of_a_shelf_what_a_core_has_and_what_is_no_journal_stays(tmp_path, monke
     tidy(shelf, 1e9 + 2 * module.YOUNG)
     held.close()
     assert {one.name for one in shelf.iterdir()} == {"1", "2", "mine", "word"}
-    assert (shelf / "1" / "journal.jsonl").exists()
+    assert (shelf / "1" / "journal.db").exists()
 
 
 def test_no_shelf_yet(tmp_path):

@@ -1,8 +1,9 @@
 """What the core tells goes out once it is written, and each client's goal is kept until its end is told."""
 
-import errno
 import json
-import os
+import resource
+import sqlite3
+from contextlib import closing
 
 import pytest
 from core_driver import ERRANDS, FORGETFUL, shortest
@@ -19,10 +20,10 @@ from rosoclingo.reasoning import (
     ReturnTaken,
 )
 from rosoclingo.reasoning.journal import folder
+from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
 
@@ -96,14 +97,15 @@ def test_whatever_goes_out_is_on_disk_before(start):
 
     def look(event):
         state = node.on_disk
-        assert state["core"][1] >= event.cycle or event.cycle == 1
+        assert state["core"]["step"] >= event.cycle or event.cycle == 1
         if isinstance(event, ActionsDispatched):
             assert str(event.actions[0].atom) in json.dumps(state["dispatch"])
         if isinstance(event, GoalChanged) and event.outcome is not None:
             assert f"goal:{event.key}" not in state
-            assert state[f"client:{event.key}"][-1][0] == event.state.value
+            assert state[f"client:{event.key}"]["ending"]["state"] == event.state.value
         if isinstance(event, GoalRefused):
-            assert state[f"client:{event.key}"][-1] == ["rejected", 2, event.message]
+            ending = {"state": "rejected", "outcome": 2, "message": event.message}
+            assert state[f"client:{event.key}"]["ending"] == ending
 
     node.at_event = look
     node.goal("a", "do(walk,1)").goal("b", "do(").succeed()
@@ -111,45 +113,58 @@ def test_whatever_goes_out_is_on_disk_before(start):
     assert not node.keeper.clients
 
 
-class Disk:
-    """Stands for os.fdatasync: how long the file was each time that somebody waited for the disk."""
+@pytest.fixture
+def synced(monkeypatch):
+    """For each further record whether the disk was waited for."""
+    waits, append = [], JournalFolder.append
 
-    def __init__(self, monkeypatch):
-        self.lengths = []
-        monkeypatch.setattr(os, "fdatasync", lambda file: self.lengths.append(os.fstat(file).st_size))
+    def note(journal, change, time=None, wait=True):
+        append(journal, change, time, wait)
+        waits.append(wait)
+
+    monkeypatch.setattr(JournalFolder, "append", note)
+    return waits
 
 
-def test_the_disk_is_waited_for_once_between_a_return_and_the_next_action(start, monkeypatch):
-    node, disk = start(), Disk(monkeypatch)
+def test_the_disk_is_waited_for_once_between_a_return_and_the_next_action(start, synced):
+    node = start()
     node.goal("a", "do(walk,1)").goal("b", "do(walk,2)")
 
     def look(event):
         if event.is_news:
-            assert disk.lengths[-1:] == [node.folder.path.stat().st_size]
+            assert synced[-1]
 
     node.at_event = look
-    disk.lengths.clear()
+    synced.clear()
     node.told.clear()
     node.succeed()
     kinds = [type(event) for event in node.told]
     assert kinds.index(ReturnTaken) < kinds.index(ActionsDispatched)
-    assert len(disk.lengths) == 1
+    assert synced.count(True) == 1
 
 
-def test_a_return_outlives_the_core_at_once_and_the_machine_where_nothing_follows(start, monkeypatch):
-    node, disk = start(), Disk(monkeypatch)
+def test_a_return_outlives_the_core_at_once_and_the_machine_where_nothing_follows(start, synced):
+    node = start()
     node.goal("a", "do(walk,1)")
     (action,) = node.core.awaited
-    disk.lengths.clear()
+    synced.clear()
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     node.keeper.send()
     assert [type(event) for event in node.told][-1] is ReturnTaken
-    length = node.folder.path.stat().st_size
-    assert disk.lengths == []
+    assert synced == [False]
     node.keeper.settle()
     node.keeper.settle()
-    assert disk.lengths == [length]
+    assert synced == [False, True]
     assert start().core.awaited == ()
+
+
+def test_nothing_is_written_where_nothing_happens(start, synced):
+    node = start()
+    node.goal("a", "do(walk,1)")
+    synced.clear()
+    node.keeper.send()
+    node.keeper.settle()
+    assert synced == []
 
 
 def test_a_goal_that_was_kept_but_not_taken_is_there_after_a_kill(start):
@@ -287,31 +302,39 @@ def test_a_core_that_was_killed_ends_no_action(start):
     assert again.core.preempted == ()
 
 
+def size_of(journal):
+    """Bytes of the database with what is only in its log."""
+    with closing(sqlite3.connect(str(journal.path))) as db:
+        return db.execute("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size").fetchone()[0]
+
+
 @pytest.mark.slow
 @pytest.mark.once
 def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
-    monkeypatch.setattr(folder, "LONG", 20_000)
+    monkeypatch.setattr(folder, "SYNCED", "OFF")
+    monkeypatch.setattr(folder, "RECORDS", 20)
     node, sizes, states = start(ReactiveProgram.from_text(FORGETFUL)), [], []
     for number in range(240):
         node.goal(str(number), f"do({number})").succeed()
-        sizes.append(node.folder.path.stat().st_size)
+        sizes.append(size_of(node.folder))
         states.append(len(json.dumps(node.core.record())))
     assert [event.outcome for event in node.told if isinstance(event, GoalChanged)].count(Outcome.SUCCEEDED) == 240
     half = len(sizes) // 2
     assert max(states[half:]) < 1.25 * max(states[:half])
     assert max(sizes[half:]) < 1.25 * max(sizes[:half])
-    assert max(sizes) < 3 * max(states)
+    assert max(sizes) < 20 * max(states)
 
 
 @pytest.mark.slow
 def test_the_journal_stays_small(start, monkeypatch):
-    monkeypatch.setattr(folder, "LONG", 10_000)
-    node, sizes = start(), []
+    monkeypatch.setattr(folder, "RECORDS", 20)
+    node, records = start(), []
     for number in range(30):
         node.goal(str(number), f"do(quick,{number})").succeed()
-        sizes.append(node.folder.path.stat().st_size)
-    assert any(after < before for before, after in zip(sizes, sizes[1:])), "it was written anew"
-    assert max(sizes) < 4 * len(json.dumps(node.on_disk)) + 20_000
+        records.append(node.folder.records)
+    assert any(after < before for before, after in zip(records, records[1:])), "it was written anew"
+    assert max(records) <= 20
+    assert size_of(node.folder) < 25 * len(json.dumps(node.on_disk))
 
 
 def kept(journal, now=lambda: 0.0):
@@ -326,14 +349,14 @@ def kept(journal, now=lambda: 0.0):
 def test_a_core_is_on_disk_before_it_begins_and_no_more_once_the_journal_is_closed(tmp_path):
     place = JournalFolder(tmp_path)
     core, keeper, told = kept(Journal(place, Header("run", "program")))
-    assert place.read().state["core"][0] is False
+    assert place.read().state["core"]["started"] is False
     keeper.close()
     core.start()
     keeper.send()
     assert told != []
     assert keeper.fault == ""
     other = JournalFolder(tmp_path)
-    assert other.read().state["core"][0] is False
+    assert other.read().state["core"]["started"] is False
     other.close()
 
 
@@ -350,19 +373,18 @@ def test_without_a_journal_all_goes_out(tmp_path):
     keeper.close()
 
 
-def test_what_is_wrong_with_the_journal_is_told(tmp_path, monkeypatch):
+def test_what_is_wrong_with_the_journal_is_told(tmp_path):
     place, now = JournalFolder(tmp_path), [0.0]
     _, keeper, _ = kept(Journal(place, Header("run", "program")), lambda: now[-1])
     assert keeper.fault == ""
-
-    def refuse(*_):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    with monkeypatch.context() as patched:
-        patched.setattr(os, "write", refuse)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
         keeper.add("a", Client("do(walk,1)", (1, 2)))
         keeper.keep()
-        assert os.strerror(errno.ENOSPC) in keeper.fault
+        assert "disk I/O error" in keeper.fault
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     now.append(folder.RETRY - 0.1)
     keeper.send()
     assert keeper.fault
@@ -371,3 +393,8 @@ def test_what_is_wrong_with_the_journal_is_told(tmp_path, monkeypatch):
     assert keeper.fault == ""
     assert place.read().state["client:a"] == Client("do(walk,1)", (1, 2)).record(), "though nothing has happened"
     keeper.close()
+
+
+def test_why_there_is_no_journal_is_told():
+    keeper = Keeper(lambda event: None, None, lambda: 0.0, fault="no journal is kept")
+    assert keeper.fault == "no journal is kept"

@@ -11,29 +11,25 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
+from rosoclingo.reasoning.journal.database import changes
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.journal.lines import Header, changes, line_of, read
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
 
 
 class Disk:
-    """A journal in memory."""
+    """A state as it lies on a disk, in text."""
 
     def __init__(self):
-        self._lines, self._before = [line_of(0, Header("", "").record)], {}
+        self._text = ""
 
     def write(self, state):
-        """Write what has changed."""
-        state = json.loads(json.dumps(state))
-        change = changes(self._before, state)
-        if change or len(self._lines) == 1:
-            self._lines.append(line_of(len(self._lines), change))
-        self._before = state
+        """Write a state."""
+        self._text = json.dumps(state)
 
     def read(self):
         """The state that a new core finds."""
-        return read(b"".join(self._lines)).state
+        return json.loads(self._text)
 
 
 class Play:

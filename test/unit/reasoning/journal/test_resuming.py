@@ -2,17 +2,18 @@
 
 import errno
 import os
+import sqlite3
 
 import pytest
 
 from rosoclingo.reasoning.journal import journal_command
+from rosoclingo.reasoning.journal.database import Header, JournalError
 from rosoclingo.reasoning.journal.folder import JournalFolder
-from rosoclingo.reasoning.journal.lines import Header, JournalError, line_of
 from rosoclingo.reasoning.journal.resuming import open_journal
 
 BEFORE = Header("first", "program", "launch 1")
 AGAIN = Header("second", "program", "launch 1")
-STATE = {"core": [True, 7], "goal:a": ["goal(1)"], "goal:b": ["goal(2)"]}
+STATE = {"core": {"step": 7}, "goal:a": {"term": "goal(1)"}, "goal:b": {"term": "goal(2)"}}
 
 
 @pytest.fixture
@@ -62,7 +63,7 @@ def test_it_begins_anew(folder, left, resume, launch):
     found = opened(folder, resume, AGAIN._replace(launch=launch))
     assert (found.run, found.state) == ("second", None)
     assert not left.exists()
-    assert (folder / "journal.jsonl.old").exists()
+    assert (folder / "journal.db.old").exists()
     assert found.odd == (resume == "ask")
     assert ("2 open goals" in "".join(found.remarks)) == (resume == "ask")
 
@@ -76,7 +77,7 @@ def test_two_started_by_hand_have_no_launch_in_common(folder):
 
 def test_nothing_is_said_of_a_journal_without_goals(folder):
     place = JournalFolder(folder)
-    place.begin(BEFORE, {"core": [True, 7]})
+    place.begin(BEFORE, {"core": {"step": 7}})
     place.close()
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert (found.remarks, found.odd) == ([], False)
@@ -90,13 +91,21 @@ def test_another_program(folder, left, resume):
 
 
 @pytest.mark.parametrize("resume", ["ask", "yes"])
-def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume):
-    whole = left.read_bytes()
-    left.write_bytes(whole.replace(b"goal(2)", b"goal(3)"))
-    with pytest.raises(JournalError, match="line 2 is not as it was written: start without it"):
-        opened(folder, resume, AGAIN)
-    left.write_bytes(line_of(0, {**BEFORE.record, "format": 1}))
-    with pytest.raises(JournalError, match=r"line 1: it is of format 1, this version reads 4: .*journal clear"):
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            "UPDATE record SET change = replace(change, 'goal(2)', 'goal(3)')",
+            "record 1 is not as it was written: start",
+        ),
+        ("PRAGMA user_version = 1", "it is of format 1, this version reads 5: .*journal clear"),
+    ],
+)
+def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume, change, words):
+    with sqlite3.connect(str(left)) as db:
+        db.execute(change)
+    db.close()
+    with pytest.raises(JournalError, match=words):
         opened(folder, resume, AGAIN)
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert found.odd, "another launch begins anew, and tells it"
@@ -110,17 +119,16 @@ def test_two_cores(folder):
 
 
 def test_a_journal_that_cannot_be_read(folder):
-    """It is told, and the folder is free again."""
-    (folder / "journal.jsonl").mkdir(parents=True)
+    """It is refused, and the folder is free again."""
+    (folder / "journal.db").mkdir(parents=True)
     for _ in range(2):
-        found = open_journal(folder, "ask", AGAIN)
-        assert found[1:3] == ("second", None)
-        assert found.journal.fault.startswith(f"no journal is kept in {folder}: Is a directory (~journal names ")
+        with pytest.raises(JournalError, match="it cannot be read as a journal"):
+            open_journal(folder, "yes", AGAIN)
 
 
 def test_one_goal_of_a_core_that_had_hardly_begun(folder):
     place = JournalFolder(folder)
-    place.begin(BEFORE, {"core": [False, 0], "goal:a": ["goal(1)"]})
+    place.begin(BEFORE, {"core": {"step": 0}, "goal:a": {"term": "goal(1)"}})
     place.close()
     assert opened(folder, "yes", AGAIN).remarks == [f"goes on with {place.path}: run first, cycle 1, 1 open goal"]
 
@@ -131,8 +139,8 @@ def test_a_folder_that_cannot_be_written(folder, monkeypatch):
 
     monkeypatch.setattr(os, "open", refuse)
     found = opened(folder, "ask", AGAIN)
-    found.journal.write({"core": 1}, 0.0)
-    assert found.journal.fault.startswith(f"no journal is kept in {folder}: Read-only file system (~journal names ")
+    assert (found.journal, found.run, found.state) == (None, "second", None)
+    assert found.fault.startswith(f"no journal is kept in {folder}: Read-only file system (~journal names ")
 
 
 def test_a_journal_that_went_stale_is_told(folder, left):
@@ -150,7 +158,7 @@ def test_the_command_shows_and_clears(folder, left, capsys):
     assert "another core has the journal" in capsys.readouterr().err
     core.close()
     assert journal_command.main("clear", str(folder)) == 0
-    assert capsys.readouterr().out == "removed journal.jsonl\n"
+    assert capsys.readouterr().out == "removed journal.db\n"
     assert not left.exists()
     assert journal_command.main("show", str(folder)) == 1
     assert "No such file" in capsys.readouterr().err

@@ -1,0 +1,206 @@
+"""The journal's database: a header, and one record for each change of the core's state.
+
+The first record has the whole state, each later one the sections that have changed: the records up to one, applied in
+order, give the state at that time. SQLite makes each record atomic and recovers the database after a crash. A checksum
+of each row detects bytes that have changed since.
+"""
+
+import json
+import math
+import sqlite3
+import zlib
+from contextlib import closing
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple, TypeVar
+
+#: The file in the folder of a journal.
+NAME = "journal.db"
+
+#: The format that this version writes and reads, SQLite's ``user_version``.
+FORMAT = 5
+
+#: The tables. ``change`` is a JSON object: the sections to ``drop`` and the sections to ``set``.
+TABLES = (
+    "CREATE TABLE IF NOT EXISTS header (run TEXT, program TEXT, launch TEXT, description TEXT, crc INTEGER)",
+    "CREATE TABLE IF NOT EXISTS record (number INTEGER PRIMARY KEY, time REAL, change TEXT, crc INTEGER)",
+    f"PRAGMA user_version = {FORMAT}",
+)
+
+#: A state by sections: plain values for JSON. The sections of a group are in order of arrival.
+State = Dict[str, Any]
+
+_T = TypeVar("_T")
+
+
+class JournalError(Exception):
+    """A journal that cannot be used; the text says why, and what to do."""
+
+
+class Header(NamedTuple):
+    """What a journal belongs to.
+
+    Attributes:
+        run: the identity of the core's run.
+        program: the program's fingerprint.
+        launch: the launch that started the core, empty if none did.
+        description: the whole program and the settings that decisions depend on, as text for ``replay``.
+
+    """
+
+    run: str
+    program: str
+    launch: str = ""
+    description: str = ""
+
+
+class Kept(NamedTuple):
+    """The content of a journal: its header, the state after the last record, and the number of records."""
+
+    header: Header
+    state: State
+    records: int
+
+
+class Moment(NamedTuple):
+    """The state after a record, and the time of that record in seconds of the run's clock, None if it has none."""
+
+    state: State
+    time: Optional[float]
+
+
+def file_of(path: Path) -> Path:
+    """Return the journal in a folder; any other path is the journal itself."""
+    return path / NAME if path.is_dir() else path
+
+
+def is_journal(file: Path) -> bool:
+    """Return whether a file is a journal rather than another kind of recording."""
+    try:
+        with file.open("rb") as stream:
+            return stream.read(6) == b"SQLite" or file.name == NAME
+    except OSError:  # the reader reports it
+        return file.name == NAME
+
+
+def checksum(*values: Any) -> int:
+    """Return the checksum of the values of a row."""
+    return zlib.crc32(repr(values).encode())
+
+
+def read(file: Path) -> Kept:
+    """Return the content of a journal; raises JournalError, OSError."""
+    header, moments = history(file)
+    found = [moment.state for moment in moments]
+    return Kept(header, found[-1], len(found))
+
+
+def history(file: Path) -> Tuple[Header, Iterator[Moment]]:
+    """Return the header, and the moment after each record: the same state, changed; raises JournalError, OSError."""
+    header, rows = _reading(file, _content)
+
+    def moments() -> Iterator[Moment]:
+        """Yield the moments."""
+        state: State = {}
+        for _, time, change, _ in rows:
+            _apply(state, json.loads(change))
+            yield Moment(state, time)
+
+    return header, moments()
+
+
+def launch_of(file: Path) -> str:
+    """Return the launch in a journal's header, whatever else is wrong with it; empty if it cannot be read."""
+    try:
+        row = _reading(file, lambda db: db.execute("SELECT launch FROM header").fetchone())
+    except JournalError:
+        return ""
+    return str(row[0]) if row else ""
+
+
+def is_empty(file: Path) -> bool:
+    """Return whether there is no journal, or none whose first record was written; raises OSError."""
+    try:
+        return _reading(file, lambda db: db.execute("PRAGMA schema_version").fetchone()) == (0,)
+    except FileNotFoundError:
+        return True
+    except JournalError:
+        return False
+
+
+def _reading(file: Path, ask: Callable[[sqlite3.Connection], _T]) -> _T:
+    """Return what ``ask`` reads in a database, also while a core writes it; raises JournalError, OSError."""
+    file.stat()  # an OSError names the file
+    try:
+        with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as db:
+            return ask(db)
+    except sqlite3.Error as error:
+        mend = f"copy it again, and {file.name}-wal with it, to a folder that can be written"
+        raise JournalError(f"it cannot be read as a journal ({error}): {mend}") from None
+
+
+def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, Optional[float], str, int]]]:
+    """Return the header and the rows of the records; raises JournalError with the row that has changed."""
+    db.execute("BEGIN")  # one snapshot for all
+    (version,) = db.execute("PRAGMA user_version").fetchone()
+    if version != FORMAT:
+        raise JournalError(f"it is of format {version}, this version reads {FORMAT}")
+    row = db.execute("SELECT run, program, launch, description, crc FROM header").fetchone()
+    if row is None or row[-1] != checksum(*row[:-1]):
+        raise JournalError("the header is not as it was written")
+    rows = db.execute("SELECT number, time, change, crc FROM record ORDER BY number").fetchall()
+    if not rows:
+        raise JournalError("record 1 is missing")
+    for expected, (number, time, change, crc) in enumerate(rows, 1):
+        if number != expected:
+            raise JournalError(f"record {expected} is missing")
+        if crc != checksum(number, time, change):
+            raise JournalError(f"record {number} is not as it was written")
+    return Header(*row[:-1]), rows
+
+
+def changes(before: State, after: State) -> State:
+    """Return what makes one state of the other, in the same order within each group; empty if they are the same."""
+    moved = set() if list(before) == list(after) else _moved(before, after)
+    gone = [name for name in before if name not in after or name in moved]
+    new = {
+        name: value
+        for name, value in after.items()
+        if name not in before or name in moved or not _same(before[name], value)
+    }
+    return {**({"drop": gone} if gone else {}), **({"set": new} if new else {})}
+
+
+def group_of(name: str) -> str:
+    """Return the group of a section ``GROUP:KEY``; a section without a key is a group of its own."""
+    return name.partition(":")[0]
+
+
+def lines_of(kept: Kept) -> Iterable[str]:
+    """Yield a journal's content as lines of text."""
+    yield f"run {kept.header.run}, {kept.records} records since all was written"
+    for name, value in kept.state.items():
+        yield f"{name} {json.dumps(value)}"
+
+
+def _moved(before: State, after: State) -> Set[str]:
+    """Return the sections that have to move to the end of their group."""
+    places = {name: place for place, name in enumerate(before)}
+    last: Dict[str, float] = {}
+    found: Set[str] = set()
+    for name in after:
+        group, place = group_of(name), places.get(name, math.inf)
+        if place < last.get(group, -1):
+            found.add(name)
+            place = math.inf
+        last[group] = place
+    return found
+
+
+def _apply(state: State, change: State) -> None:
+    for name in change.get("drop", ()):
+        state.pop(name, None)
+    state.update(change.get("set", {}))
+
+
+def _same(one: Any, other: Any) -> bool:
+    return one is other or one == other
