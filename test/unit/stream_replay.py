@@ -17,10 +17,12 @@ def recorded(journal):
     """The run that a journal of a core's events tells of."""
     collector = RunCollector()
     takes = {
-        UpdateSent: lambda event: collector.update(event.stream),
-        PlanMade: lambda event: collector.plan(event.cycle, event.horizon, [str(one.atom) for one in event.actions]),
-        ActionsDispatched: lambda event: collector.dispatched([str(one.atom) for one in event.actions]),
-        Problem: lambda event: collector.problem(f"cycle {event.cycle}: {event.message}"),
+        UpdateSent: lambda event: collector.update(0.0, event.stream),
+        PlanMade: lambda event: collector.plan(
+            0.0, event.cycle, event.horizon, [str(one.atom) for one in event.actions]
+        ),
+        ActionsDispatched: lambda event: collector.dispatched(0.0, [str(one.atom) for one in event.actions]),
+        Problem: lambda event: collector.problem(0.0, event.cycle, event.message),
     }
     for event in journal.events:
         takes.get(type(event), lambda event: None)(event)

@@ -19,7 +19,7 @@ def delivery():
     view = RunView({"labels": LABELS, "title": "A delivery"})
     cells = np.zeros((40, 120), np.int8)
     cells[0] = cells[-1] = cells[:, 0] = cells[:, -1] = 100
-    view.tell(map=map_image(cells.ravel().tolist(), 120, 0.05, (0.0, 0.0, 0.0)))
+    view.floor(map_image(cells.ravel().tolist(), 120, 0.05, (0.0, 0.0, 0.0)))
     view.plan(90.0, 1, 1, [], (0.1, 0.0))
     view.pose(90.0, 1.0, 1.0, 0.0)
     view.packages(90.0, [("1", "office2"), ("2", "office1")])

@@ -1,12 +1,12 @@
-"""An account of a run for people: a line for each event, and a summary. Fed from public topics, live or from a bag."""
+"""An account of a run for people: a line for each event, and a summary."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import (
     Any,
     Callable,
     Collection,
     Dict,
-    FrozenSet,
     Iterable,
     List,
     Mapping,
@@ -19,6 +19,7 @@ from typing import (
 
 from clingo import Symbol
 
+from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, parse_term, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
@@ -29,7 +30,11 @@ from rosoclingo.reasoning.keywords import (
     is_keyword,
     name_of,
 )
-from rosoclingo.runs.sentences import Sentences
+from rosoclingo.runs.believed_places import CARRIED, believed_places
+from rosoclingo.runs.drawing import Drawings, drawings_of
+from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.run_events import GoalTold, RunEvents
+from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus), as a summary uses them.
@@ -57,6 +62,9 @@ _BEGUN = "begun"
 
 #: So many of the actions a summary names.
 _LATEST = 40
+
+#: Metres from a label in which the robot is there.
+TOLERANCE = 0.5
 
 #: Seconds of the run's clock for which a line waits for one that belongs before it: topics overtake each other.
 PATIENCE = 1.0
@@ -133,13 +141,16 @@ class _Line(NamedTuple):
     cycle: int = 0  # which begins with it, 0 for none
 
 
-class Account:
-    """Collects what the topics tell (times in seconds of the run's clock) and says each event as one line.
+class Account(RunEvents):
+    """Says each event of a run as one line.
 
     Lines count seconds since the first request, fact or action, as reports and pages do.
 
     It may begin in the midst of a run: then with what the latched topics have, in whatever order. ``with_state`` it
     says what the program believes as well.
+
+    The robot's place is the program's label within TOLERANCE of its pose, or the shown place if there is no pose.
+    Places of things come from the event ``packages``, else from shown atoms.
 
     Attributes:
         sentences: how actions are said.
@@ -152,7 +163,11 @@ class Account:
         self._enter = enter
         self.sentences = Sentences()
         self._with_state = with_state
-        self._state: Optional[FrozenSet[str]] = None
+        self._atoms: Sequence[str] = ()
+        self._labels = LabelTable()
+        self._drawings: Optional[Drawings] = None  # of the program, once received
+        self._pose: Optional[Tuple[float, float]] = None
+        self._has_packages = False
         self._planned = self._met = False  # whether a plan, and the goals, were told
         self._goals: Dict[str, GoalAccount] = {}
         self._start: Optional[float] = None
@@ -177,12 +192,20 @@ class Account:
         self.summary.goals.append(self._goals[key])
         self._line(time, "request", text, gives=_as_fed(text))
 
-    def goals(self, time: float, told: Iterable[Tuple[str, str, int, str]]) -> None:
-        """Record how all goals stand: key, text, status and message of each.
+    def program(self, time: float, text: str) -> None:
+        """Record the program: its words, and where its labels are."""
+        with suppress(RecordingError, LabelError):
+            program = RunProgram.parse(text)
+            self.sentences, self._drawings = sentences_of(program), drawings_of(program)
+            self._labels = LabelTable.from_mapping(program.settings.get("labels", {}))
+        self._place()
+
+    def goals(self, time: float, told: Sequence[GoalTold]) -> None:
+        """Record how all goals stand.
 
         What the account has not heard of itself is new, but at first: then it goes on already, or is history.
         """
-        for key, text, number, message in told:
+        for key, text, number, message, _ in told:
             if self._met:
                 self.goal(time, key, text)
             elif key not in self._goals:
@@ -192,23 +215,28 @@ class Account:
                     continue
                 self.summary.goals.append(self._goals[key])
                 self._goals[key].status = ""
-            self.status(time, key, number, message, () if self._met else (_BEGUN,))
+            self._status(time, key, number, message, () if self._met else (_BEGUN,))
         self._met = True
 
-    def state(self, time: float, atoms: Iterable[str]) -> None:
-        """Record what the program believes now, and say what has changed, plan and goals apart."""
-        before, self._state = self._state or frozenset(), frozenset(atoms)
-        come, gone = self._state - before, before - self._state
-        words = [sign + one for sign, found in (("+", come), ("-", gone)) for one in sorted(found) if _is_news(one)]
-        if words and self._with_state:
-            self._line(time, "state", " ".join(words), {_BEGUN}, begins=False)
+    def beliefs(self, time: float, cycle: int, atoms: Sequence[str]) -> None:
+        """Record the program's beliefs, and say which are new, except for plan and goals."""
+        before, now = frozenset(self._atoms), frozenset(atoms)
+        words = [sign + one for sign, found in (("+", now - before), ("-", before - now)) for one in sorted(found)]
+        news = [one for one in words if not one[1:].startswith(_TOLD)]
+        if news and self._with_state:
+            self._line(time, "state", " ".join(news), {_BEGUN}, begins=False)
+        self._atoms = atoms
+        self._place()
 
     def cancel(self, time: float, key: str) -> None:
         """Record that a client cancelled a goal; an empty key stands for all of them."""
         self._line(time, "cancel", self._goals[key].text if key in self._goals else "every goal")
 
-    def status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
+    def status(self, time: float, key: str, number: int, message: str) -> None:
         """Record a goal's status, as often as it is published."""
+        self._status(time, key, number, message)
+
+    def _status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
         goal = self._goals.get(key)
         word = STATUS_WORDS[number]
         if goal is None or goal.status == word or goal.status in ENDED:
@@ -222,7 +250,9 @@ class Account:
         step, sources, plain = _read_update(text)
         self._line(time, "update", " ".join(plain.split()), sources, f"update {step}", step or self._cycle + 1)
 
-    def plan(self, time: float, cycle: int, actions: Sequence[str]) -> None:
+    def plan(
+        self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
+    ) -> None:
         """Record the plan of a cycle; what is past is left out of the line."""
         ahead = ", ".join(_action(text) for text in actions if _cycle_of(text) >= cycle) or "nothing to do"
         first = not self.summary.updates and not actions
@@ -252,19 +282,34 @@ class Account:
                 words = f"{name_of(answer.interface)} {name_of(answer.value)}"
                 self._line(time, "return", words, gives=str(answer.atom))
 
-    def packages(self, packages: Iterable[Tuple[str, str]]) -> None:
+    def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
         """Record where all packages are."""
-        self.summary.packages = dict(packages)
+        self._has_packages = True
+        self.summary.packages = {key: place or CARRIED for key, place in packages}
 
-    def robot(self, place: str) -> None:
+    def pose(self, time: float, x: float, y: float, yaw: float) -> None:
         """Record where the robot is."""
-        self.summary.robot = place
+        self._pose = x, y
+        self._place()
+
+    def _place(self) -> None:
+        """Find the places of robot and things."""
+        if self._drawings is None:
+            return
+        labels = {label.name for label in self._labels}
+        believed = believed_places(self._atoms, self._drawings, labels)
+        if not self._has_packages:
+            self.summary.packages = dict(believed.things)
+        self.summary.robot = believed.robot
+        if self._pose is not None and labels:
+            label = self._labels.nearest(*self._pose, TOLERANCE)
+            self.summary.robot = "away from every label" if label is None else label.name
 
     def note(self, time: float, text: str) -> None:
         """Record anything else worth a line."""
         self._line(time, "note", text, begins=False)
 
-    def pass_time(self, time: float) -> None:
+    def clock(self, time: float) -> None:
         """Write the lines that have been held back for long enough at a time, though nothing else came."""
         while self._release(time):
             pass
@@ -294,7 +339,7 @@ class Account:
             self._start = time
         self.summary.seconds = max(self.summary.seconds, self._elapsed(time))
         self._held.append(_Line(time, kind, text, set(after), gives, cycle))
-        self.pass_time(time)
+        self.clock(time)
 
     def _elapsed(self, time: float) -> float:
         return 0.0 if self._start is None else max(0.0, time - self._start)
@@ -328,10 +373,6 @@ def _because(goal: GoalAccount) -> str:
 def reason_of(request: str, message: str) -> str:
     """A status' message without the goal that it begins with."""
     return (message[len(request) :] if message.startswith(request) else message).strip()
-
-
-def _is_news(atom: str) -> bool:
-    return not atom.startswith(_TOLD)
 
 
 def _read_update(text: str) -> Tuple[Optional[int], Set[str], str]:

@@ -1,97 +1,251 @@
-"""A run out of a core's journal, as far as that goes back: now and then it begins again with the state alone.
+"""The events of a run from a core's journal, as far as that goes back: now and then it begins with the state alone.
 
-The updates of a cycle are in the solver's log; the decisions are the plan, and the actions that went out.
+The updates of a cycle are in the solver's log; the decisions are the plan, and the actions that went out. What other
+nodes tell, above all where the robot is, is not in a journal.
 """
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Iterator, List, Optional, Set, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Set, Tuple
 
-from rosoclingo.oclingo import StreamUpdate
+from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
+from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
 from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, State, history
-from rosoclingo.reasoning.records import actions_of, group, log_of, plan_of
-from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun, RecordingError, RunProgram
+from rosoclingo.reasoning.journal.keeper import Client
+from rosoclingo.reasoning.keywords import REQUEST, RETURN, is_keyword
+from rosoclingo.reasoning.records import actions_of, group, keys_of, log_of, plan_of, symbol_of
+from rosoclingo.reasoning.returns import Dispatch
+from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
+from rosoclingo.runs.run_events import RunEvents
+from rosoclingo.runs.run_view import RunView
+
+__all__ = ["journal_run", "journal_view"]
+
+#: What a page says that it cannot show.
+LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
+TIMELESS = "nor any times: a record counts as a second"
+
+#: From whom facts come that are in an update.
+SOMEBODY = "an interface"
+
+#: The statuses of goals that have not ended, as actionlib numbers all of them.
+_NUMBERS = {
+    state: number
+    for number, state in enumerate(
+        (
+            GoalState.PENDING,
+            GoalState.ACTIVE,
+            GoalState.PREEMPTED,
+            GoalState.SUCCEEDED,
+            GoalState.ABORTED,
+            GoalState.REJECTED,
+            GoalState.PREEMPTING,
+            GoalState.RECALLING,
+            GoalState.RECALLED,
+        )
+    )
+}
+_LOST = 9
 
 
 def journal_run(file: Path) -> RecordedRun:
     """Return the run in a journal; raises RecordingError with the record that is damaged, and OSError."""
-    header, moments = journal_history(file)
-    program = program_of(header)
-    begin, _ = next(moments)
-    start, reader = log_of(begin) if group(begin, "log") else None, JournalReader(begin)
-    for state, _ in moments:
-        reader.take(state)
-    if not reader.cycles:
+    header, moments = _history(file)
+    first = next(moments)
+    start = log_of(first.state) if group(first.state, "log") else None
+    collector = RunCollector(start, _told(first.state))
+    reader = _Reader(collector, header)
+    reader.take(first)
+    for moment in moments:
+        reader.take(moment)
+    if not reader.has_update:
         raise RecordingError("nothing was done since it began with the whole state: there is nothing to replay yet")
-    return RecordedRun(program, reader.cycles, start)
+    return collector.runs()[0]
 
 
-def journal_history(file: Path) -> Tuple[Header, Iterator[Moment]]:
-    """As :func:`history`; raises RecordingError, OSError."""
+def journal_view(file: Path, about: Optional[Mapping[str, Any]] = None) -> RunView:
+    """Return what a page shows of the run in a journal; ``about`` is what else the page says.
+
+    Raises RecordingError with the record that is damaged, and OSError.
+    """
+    header, moments = _history(file)
+    view = RunView(about)
+    reader = _Reader(view, header)
+    for moment in moments:
+        reader.take(moment)
+    view.finish()
+    first = f"it begins with cycle {reader.first}" if reader.first > 1 else ""
+    view.tell(lacks="; ".join(filter(None, [LACKS, TIMELESS if reader.timeless else "", first])))
+    return view
+
+
+def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
     try:
         return history(file)
     except JournalError as error:
         raise RecordingError(f"{error}; take another copy of the journal") from None
 
 
-def program_of(header: Header) -> Optional[RunProgram]:
-    """Return the program of a journal's run, None where there is none in it; raises RecordingError."""
-    return replace(RunProgram.parse(header.description), run=header.run) if header.description else None
+class _Clock:
+    """Seconds that only go forward, whatever simulated time did; a record without a time is a second after the last."""
+
+    def __init__(self) -> None:
+        self._now, self._last = 0.0, 0.0
+
+    def at(self, time: Optional[float]) -> float:
+        """Return the seconds for the time of the next record."""
+        if time is None:
+            self._now += 1.0
+        elif not self._now:
+            self._now = time
+        else:
+            self._now += max(0.0, time - self._last)
+        self._last = self._last if time is None else time
+        return self._now
 
 
-class JournalReader:
-    """Goes through the states; ``cycles`` are those whose update came after the first record."""
+class _Reader:
+    """Passes on the events that led from each state to the next.
 
-    def __init__(self, start: State) -> None:
-        self.cycles: List[RecordedCycle] = []
-        self._known: Set[str] = set(group(start, "log"))
-        self._plan: object = None
-        self._taken: List[StreamUpdate] = []  # since an update was told
-        self._told = _told(start)
+    Attributes:
+        first: the cycle of the first state, 0 before that.
+        has_update: whether a cycle has begun since the first state.
+        timeless: whether a record has no time.
 
-    def take(self, state: State) -> None:
-        """Take the state after a further record."""
-        self._taken += self._new_updates(state)
-        if _told(state) > self._told:
-            self.cycles.append(RecordedCycle(_told(state), self._in_force()))
-            self._told, self._taken, self._plan = _told(state), [], None
-        if self.cycles and state["core"]["step"] == self._told:  # else an update was dropped, and its cycle comes again
-            self._note(self.cycles[-1], state)
+    """
 
-    def _new_updates(self, state: State) -> List[StreamUpdate]:
-        entries = {name: value for name, value in group(state, "log").items() if name not in self._known}
-        self._known.update(entries)
-        taken = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
-        return [one.update for one in taken if isinstance(one, AcceptedUpdate) and one.update is not None]
+    def __init__(self, events: RunEvents, header: Header) -> None:
+        """Pass on to ``events``, first of all the program; raises RecordingError."""
+        self._events, self._clock = events, _Clock()
+        self._clients: Dict[str, Client] = {}
+        self._ended: Set[str] = set()
+        self._states: Dict[str, Tuple[GoalState, bool]] = {}
+        self._returns: Set[str] = set()
+        self._entries: Set[str] = set()  # names of the log's entries
+        self._updates: List[StreamUpdate] = []  # since a cycle began
+        self._cycle = 0  # of the last update in force
+        self._plan: object = None  # of that cycle
+        self.first, self.has_update, self.timeless = 0, False, False
+        if header.description:
+            program = replace(RunProgram.parse(header.description), run=header.run)
+            events.program(0.0, program.text())
+
+    def take(self, moment: Moment) -> None:
+        """Take the next state, and the time since which it holds."""
+        state, time = moment.state, self._clock.at(moment.time)
+        self.timeless = self.timeless or moment.time is None
+        self._arrivals(time, state)
+        if not self.first:
+            self._begin(time, state)
+        else:
+            self._under_way(time, state)
+            self._advance(time, state)
+        self._events.beliefs(
+            time, state["core"]["step"], sorted(str(symbol_of(one)) for one in keys_of(state, "believed"))
+        )
+        self._statuses(time, state)
+        self._events.clock(time)
+
+    def _begin(self, time: float, state: State) -> None:
+        """Pass on the plan and the actions of the first state."""
+        self.first, self._cycle = max(1, state["core"]["step"]), _told(state)
+        self._entries.update(group(state, "log"))
+        if state["plan"] is not None and (self._cycle or plan_of(state["plan"]).actions):
+            self._decided(time, self.first, state)
+        if state["dispatch"] is not None:
+            self._events.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"]["actions"])])
+            self._under_way(time, state)
+
+    def _arrivals(self, time: float, state: State) -> None:
+        """Pass on goals that have come, and cancels."""
+        found = {key: Client.of_record(value) for key, value in group(state, "client").items()}
+        for key, client in found.items():
+            before = self._clients.get(key)
+            if before is None:
+                stamp = client.stamp[0] + 1e-9 * client.stamp[1]
+                earlier = not self.first and 0.0 < stamp < time
+                self._events.goal(stamp if earlier else time, key, client.text)
+            if client.cancelled and not (before is not None and before.cancelled):
+                self._events.cancel(time, key)
+        self._clients.update(found)
+
+    def _under_way(self, time: float, state: State) -> None:
+        """Pass on which actions under way the core has ended, and which have returned."""
+        self._events.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"]["ended"])])
+        if state["dispatch"] is not None:
+            self._returned(time, [str(one.atom) for one in Dispatch.of_record(state["dispatch"]).returns])
+
+    def _returned(self, time: float, facts: List[str]) -> None:
+        fresh = [text for text in facts if text not in self._returns]
+        self._returns.update(fresh)
+        self._events.returned(time, SOMEBODY, fresh)
+
+    def _advance(self, time: float, state: State) -> None:
+        """Pass on a cycle that has begun, and what was decided in it."""
+        entries = {name: value for name, value in group(state, "log").items() if name not in self._entries}
+        self._entries.update(entries)
+        accepted = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
+        self._updates += [one.update for one in accepted if isinstance(one, AcceptedUpdate) and one.update is not None]
+        if _told(state) > self._cycle:
+            for update in self._in_force():
+                self._returned(time, _facts(update))
+                self._events.update(time, str(update))
+            self._cycle, self._updates, self._plan, self.has_update = _told(state), [], None, True
+        if (
+            self.has_update and state["core"]["step"] == self._cycle
+        ):  # else an update was dropped, and its cycle comes again
+            if state["plan"] is not None and state["plan"] != self._plan:
+                self._plan = state["plan"]
+                self._decided(time, self._cycle, state)
+            dispatch = state["dispatch"]
+            if dispatch is not None and dispatch["cycle"] == self._cycle:
+                self._events.dispatched(time, [str(one.atom) for one in actions_of(dispatch["actions"])])
 
     def _in_force(self) -> List[StreamUpdate]:
         """Of several updates of one step the last; one that begins anew goes through the cycles before."""
-        anew = [number for number, update in enumerate(self._taken) if Anew() in update.items]
+        anew = [number for number, update in enumerate(self._updates) if Anew() in update.items]
         if anew:
-            return self._taken[anew[-1] :]
-        return list({one.step: one for one in self._taken if (one.step or 1) > self._told}.values())
+            return self._updates[anew[-1] :]
+        return list({one.step: one for one in self._updates if (one.step or 1) > self._cycle}.values())
 
-    def _note(self, cycle: RecordedCycle, state: State) -> None:
-        """Note what was decided; a plan that was made shorter while actions ran comes behind the one before."""
-        plan = state["plan"]
-        if plan is not None and plan != self._plan:
-            self._plan = plan
-            actions = [str(one.atom) for one in plan_of(plan).actions if one.cycle >= cycle.cycle]
-            cycle.plans.append(RecordedPlan(horizon_of(state), tuple(actions)))
-        dispatch = state["dispatch"]
-        if dispatch is not None and dispatch["cycle"] == cycle.cycle:
-            cycle.dispatched = [str(one.atom) for one in actions_of(dispatch["actions"])]
+    def _decided(self, time: float, cycle: int, state: State) -> None:
+        """Pass on a plan, from ``cycle`` on, with the horizon of the plan in force or of the last search."""
+        entries = list(group(state, "log").values())
+        plans = [one for one in entries if one["do"] == "adopt"]
+        horizon = int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])
+        actions = [str(one.atom) for one in plan_of(state["plan"]).actions if one.cycle >= cycle]
+        self._events.plan(time, cycle, horizon, actions)
+
+    def _statuses(self, time: float, state: State) -> None:
+        """Pass on how goals stand, and how they ended."""
+        for key, goal in group(state, "goal").items():
+            state_now, waits = GoalState(goal["state"]), goal["waits"]
+            if key in self._clients and self._clients[key].cancelled:
+                state_now = TRANSITIONS.get((state_now, GoalEvent.CANCEL_REQUEST), state_now)
+            if self._states.get(key) != (state_now, waits):
+                self._states[key] = state_now, waits
+                self._events.feedback(time, key, "waiting: for its turn" if waits else state_now.value)
+                self._events.status(time, key, _NUMBERS[state_now], "")
+        present = group(state, "client")
+        for key, client in self._clients.items():
+            if key in self._ended or (client.ending is None and key in present):
+                continue
+            self._ended.add(key)
+            if client.ending is None:
+                self._events.status(time, key, _LOST, "how it ended is not in the journal")
+            else:
+                self._events.status(time, key, _NUMBERS[client.ending.state], client.ending.message)
 
 
 def _told(state: State) -> int:
-    """The cycle whose update was told last."""
+    """Return the cycle of the last update in force."""
     return int(state["core"]["told"])
 
 
-def horizon_of(state: State) -> int:
-    """Return the horizon of the plan in force, of the last search if there is none."""
-    entries = list(group(state, "log").values())
-    plans = [one for one in entries if one["do"] == "adopt"]
-    return int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])
+def _facts(update: StreamUpdate) -> List[str]:
+    """Return what an update states that came from outside: returns first, then other facts."""
+    heads = [one.head for one in update.items if isinstance(one, Statement) and one.head is not None]
+    told = [head for head in heads if not is_keyword(head, REQUEST)]
+    return [str(head) for head in sorted(told, key=lambda head: not is_keyword(head, RETURN))]

@@ -1,6 +1,6 @@
 """A run as it was recorded: its program and, cycle by cycle, what the core was told and what it decided.
 
-Whoever reads a recording, of whatever kind, gives it to a :class:`RunCollector` message by message.
+A :class:`RunCollector` puts it together from the events of the run.
 """
 
 import json
@@ -15,6 +15,7 @@ from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, Stre
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
+from rosoclingo.runs.run_events import RunEvents
 from rosoclingo.runs.topic_atoms import action_in
 
 #: The form of what :meth:`RunProgram.text` writes.
@@ -178,9 +179,8 @@ class RecordedRun:
 class _Open:
     """A run of which more may come: cycles by number, since topics overtake each other."""
 
-    def __init__(self, program: Optional[RunProgram] = None) -> None:
-        self.program = program
-        self.told = 0
+    def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, told: int = 0) -> None:
+        self.program, self.start, self.told = program, start, told
         self._leading: List[StreamUpdate] = []  # of a program that begins anew, up to the present cycle
         self.last: Optional[RecordedCycle] = None  # whose plan came last of all
         self._cycles: Dict[int, RecordedCycle] = {}
@@ -202,10 +202,11 @@ class _Open:
     def close(self) -> RecordedRun:
         """The run; raises RecordingError where updates are lacking."""
         cycles = [self._cycles[number] for number in sorted(self._cycles) if self._cycles[number].updates]
-        for expected, one in enumerate(cycles, 1):
+        first = 1 if self.start is None or not cycles else cycles[0].cycle
+        for expected, one in enumerate(cycles, first):
             if one.cycle != expected:
                 raise RecordingError(_lacking(expected, one.cycle - 1))
-        return RecordedRun(self.program, cycles)
+        return RecordedRun(self.program, cycles, self.start)
 
 
 def _lacking(first: int, last: int) -> str:
@@ -214,26 +215,31 @@ def _lacking(first: int, last: int) -> str:
     return f"the updates of {cycles} are lacking, without which the others cannot be solved again: {mend}"
 
 
-class RunCollector:
-    """Puts together what a recording holds, message by message in order; raises RecordingError.
+class RunCollector(RunEvents):
+    """Puts runs together from their events; each can raise RecordingError.
 
     Topics may overtake each other, but each is in order itself. A core that is started again begins another run.
     """
 
-    def __init__(self) -> None:
-        self._runs: List[_Open] = []
+    def __init__(self, start: Optional[History] = None, told: int = 0) -> None:
+        """Begin before the first cycle, or with a history after the update of the cycle ``told``."""
+        self._runs: List[_Open] = [] if start is None else [_Open(start=start, told=told)]
 
-    def program(self, text: str) -> None:
+    def program(self, time: float, text: str) -> None:
         """Take what a core said of its program when it began."""
         found = RunProgram.parse(text)
         if self._runs and self._runs[-1].program is not None and self._runs[-1].program.run == found.run:
             return
-        if self._runs and not self._runs[-1].told and self._runs[-1].program is None:
+        if (
+            self._runs
+            and self._runs[-1].program is None
+            and (self._runs[-1].start is not None or not self._runs[-1].told)
+        ):
             self._runs[-1].program = found
             return
         self._begin(found)
 
-    def update(self, text: str) -> None:
+    def update(self, time: float, text: str) -> None:
         """Take an update that was in force."""
         try:
             update = parse_update(text)
@@ -243,14 +249,16 @@ class RunCollector:
             self._begin()
         self._run.update(update)
 
-    def plan(self, cycle: int, horizon: int, actions: Sequence[str]) -> None:
+    def plan(
+        self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
+    ) -> None:
         """Take a plan that was told, with the last actions done."""
         ahead = tuple(text for text in actions if _cycle_of(text) >= cycle)
         found = self._run.at(cycle)
         found.plans.append(RecordedPlan(horizon, ahead))
         self._run.last = found
 
-    def dispatched(self, facts: Sequence[str]) -> None:
+    def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Take what went out to the interfaces; what is no action is passed over."""
         for text in facts:
             cycle = _cycle_of(text)
@@ -259,11 +267,10 @@ class RunCollector:
                 known = one.dispatched or []
                 one.dispatched = known if text in known else [*known, text]
 
-    def problem(self, text: str) -> None:
-        """Take a line of the core's log."""
-        cycle, problem = problem_in(text)
-        if cycle is not None and self._runs:
-            self._run.at(cycle).problems.append(problem)
+    def problem(self, time: float, cycle: int, text: str) -> None:
+        """Take a problem from the core's log."""
+        if self._runs:
+            self._run.at(cycle).problems.append(text)
 
     def runs(self) -> List[RecordedRun]:
         """Return the runs with updates, in order; raises RecordingError where there is none."""

@@ -1,12 +1,11 @@
 """A run as pages show it: tables of goals, cycles, actions, places and lines, as JSON.
 
-Fed from public topics, live or from a bag, or from a journal. Times are seconds of the run's clock since the first
-thing that anybody asked, told or did.
+Times are seconds of the run's clock since the first thing that anybody asked, told or did.
 """
 
 import json
 import math
-from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, parse_update
@@ -19,6 +18,7 @@ from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account, reason_of
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.run_events import GoalTold, RunEvents
 from rosoclingo.runs.run_tables import ActionWords, Record, Revision, Shapes, Table, Track, Words, simplified
 from rosoclingo.runs.sentences import sentences_of
 from rosoclingo.runs.topic_atoms import return_in
@@ -45,18 +45,8 @@ PENDING, WAITING = "pending", "waiting"
 MOST = 50000
 
 
-class GoalTold(NamedTuple):
-    """How a goal stands: its status as in actionlib_msgs/GoalStatus; ``came`` is when the core had it, else 0."""
-
-    key: str
-    request: str
-    status: int
-    reason: str
-    came: float = 0.0
-
-
-class RunView:
-    """Puts together what topics tell of a run; ``about`` is what else the page says of it (title, verdict)."""
+class RunView(RunEvents):
+    """Puts the events of a run into tables; ``about`` is what else the page says of it (title, verdict)."""
 
     def __init__(self, about: Optional[Mapping[str, Any]] = None) -> None:
         self.about: Record = {"labels": {}, "map": None, "run": 1, **(about or {})}
@@ -88,7 +78,7 @@ class RunView:
         self.about.update(values)
         self._about_changed = self._revision.next()
 
-    def program(self, text: str, time: float = 0.0) -> None:
+    def program(self, time: float, text: str) -> None:
         """Take what a core said of its program when it began."""
         try:
             found = RunProgram.parse(text)
@@ -181,7 +171,7 @@ class RunView:
         ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times) if times else (None, None)
         plan = {"time": now, "horizon": horizon, "actions": ahead, "ground": ground, "solve": solve}
         self._cycle(cycle, now)["plans"].append(plan)
-        self._account.plan(now, cycle, actions)
+        self._account.plan(now, cycle, horizon, actions)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Record actions that went out, once each, and what ends them early."""
@@ -238,10 +228,14 @@ class RunView:
         if last is None or last["points"][-1:] != kept[-1:] or now - last["time"] >= PATHS_APART:
             self.tables["paths"].add(time=now, points=kept)
 
+    def floor(self, image: Optional[Record]) -> None:
+        """Record the picture of the map."""
+        self.tell(map=image)
+
     def clock(self, time: float) -> None:
         """Take the time, though nothing else has come."""
         if self._start is not None:
-            self._account.pass_time(self._now(time))
+            self._account.clock(self._now(time))
 
     def finish(self) -> None:
         """Write the lines that are still held back."""

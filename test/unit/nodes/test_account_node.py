@@ -103,7 +103,7 @@ def test_account_prefers_the_topic_of_packages(account):
 
 
 def test_account_compares_cycles_from_the_scenario_s_beginning(account):
-    account.take("~task_plan", SimpleNamespace(cycle=7, actions=[]), 1.0)
+    account.take("~task_plan", SimpleNamespace(cycle=7, horizon=7, actions=[], ground_time=0.0, solve_time=0.0), 1.0)
     account.take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
     expect = {"actions": ["_action_lib(go,x,1)"]}
     assert account.differences(expect, 6) == []

@@ -1,6 +1,7 @@
 import pytest
 
 from rosoclingo.runs.account import PATIENCE, Account
+from rosoclingo.runs.run_events import GoalTold
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.sentences import Sentences
 
@@ -20,17 +21,17 @@ def kinds(lines):
 
 
 def run(account):
-    account.plan(10.0, 1, [])
+    account.plan(10.0, 1, 9, [])
     account.goal(11.0, "a", "goal(office2,office1,1)")
     account.update(11.0, "#step 1.\n_request(goal(office2,office1,1),2).\n#end step.\n")
-    account.plan(11.1, 1, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
+    account.plan(11.1, 1, 9, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
     account.dispatched(11.1, ["_action_lib(move_base,office2,1)"])
     account.status(11.2, "a", 1, "")
     account.returned(12.0, "move_base", ["_return(move_base,office2,1)"])
     account.update(
         12.0, "#step 2.\n:- not _action_lib(move_base,office2,1).\n_return(move_base,office2,1).\n#end step.\n"
     )
-    account.plan(12.1, 2, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
+    account.plan(12.1, 2, 9, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
 
 
 def test_a_line_for_each_event(account, lines):
@@ -46,7 +47,7 @@ def test_a_line_for_each_event(account, lines):
 @pytest.mark.parametrize("first", ["goal", "fact", "action", "cancel"])
 def test_account_counts_seconds_as_a_report_does(first, account, lines):
     view = RunView()
-    account.plan(10.0, 1, [])
+    account.plan(10.0, 1, 9, [])
     view.plan(10.0, 1, 1, [])
     for one in (account, view):
         if first == "fact":
@@ -68,9 +69,9 @@ def test_account_counts_seconds_as_a_report_does(first, account, lines):
 
 
 def test_topics_that_overtake_each_other_are_put_in_order(account, lines):
-    account.plan(0.0, 1, [])
+    account.plan(0.0, 1, 9, [])
     account.dispatched(1.0, ["_action_lib(go,x,1)"])
-    account.plan(1.0, 1, ["_action_lib(go,x,1)"])
+    account.plan(1.0, 1, 9, ["_action_lib(go,x,1)"])
     account.update(1.0, "#step 1.\n_request(g(1),2).\n#end step.\n")
     account.goal(1.1, "a", "g(1)")
     assert kinds(lines) == ["plan", "request", "update", "plan", "action"]
@@ -88,10 +89,10 @@ def test_an_update_waits_for_what_it_tells_of_however_that_was_written(account, 
 
 
 def test_a_plan_without_actions_waits_for_its_update_but_for_the_first(account, lines):
-    account.plan(0.0, 1, [])
-    account.plan(0.1, 1, [])
+    account.plan(0.0, 1, 9, [])
+    account.plan(0.1, 1, 9, [])
     account.update(0.2, "#step 1.\n_seen(ball).\n#end step.\n")
-    account.plan(0.3, 2, [])
+    account.plan(0.3, 2, 9, [])
     account.update(0.4, "#step 2.\n_seen(ball).\n#end step.\n")
     assert kinds(lines) == ["plan", "plan", "update", "update", "plan"]
 
@@ -110,10 +111,10 @@ def test_nothing_is_held_back_for_ever(account, lines):
 
 
 def test_texts_that_are_no_atoms_are_shown_as_they_are(account, lines):
-    account.plan(0.0, 1, [])
+    account.plan(0.0, 1, 9, [])
     account.returned(0.0, "camera", ["_seen(ball)", "((("])
     account.update(0.0, "garbage")
-    account.plan(0.0, 1, ["((("])
+    account.plan(0.0, 1, 9, ["((("])
     account.dispatched(0.0, ["((("])
     account.finish()
     assert "_seen(ball) from camera" in lines[1]
@@ -148,8 +149,8 @@ def test_cancels_name_their_goal(account, lines):
 def test_summary(account):
     run(account)
     account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
-    account.packages([("3", "office2"), ("2", "carried"), ("5", "office3"), ("4", "office1"), ("1", "office2")])
-    account.robot("office2")
+    account.packages(12.1, [("3", "office2"), ("2", ""), ("5", "office3"), ("4", "office1"), ("1", "office2")])
+    account.summary.robot = "office2"
     assert account.summary.lines() == [
         "goal(office2,office1,1): succeeded",
         "packages carried: 2",
@@ -170,8 +171,8 @@ def test_summary_of_a_run_in_which_nothing_happened(account):
 
 def test_differences(account):
     run(account)
-    account.robot("office2")
-    account.packages([("1", "office2")])
+    account.summary.robot = "office2"
+    account.packages(12.1, [("1", "office2")])
     assert account.summary.differences({}) == []
     assert account.summary.differences({"goals": ["active"], "robot": "office2", "packages": {"1": "office2"}}) == []
     found = account.summary.differences({"goals": ["succeeded"], "packages": {"1": "office1"}, "actions": []})
@@ -180,9 +181,9 @@ def test_differences(account):
 
 def test_differences_leave_out_an_earlier_goal_whose_end_comes_late():
     account = Account(lambda line: None)
-    account.goals(0.0, [("old", "g(1)", 1, "")])
+    account.goals(0.0, [GoalTold("old", "g(1)", 1, "")])
     account.goal(1.0, "new", "g(2)")
-    account.goals(2.0, [("old", "g(1)", 5, ""), ("new", "g(2)", 3, "")])
+    account.goals(2.0, [GoalTold("old", "g(1)", 5, ""), GoalTold("new", "g(2)", 3, "")])
     expect = {"goals": ["succeeded"]}
     assert account.summary.differences(expect, sent=["new"]) == []
     assert account.summary.differences(expect) != []
@@ -209,16 +210,16 @@ def test_an_action_that_is_sent_again_is_the_same_but_in_another_run(account, li
 
 def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
     told = [
-        ("a", "g(1)", 3, "g(1) is met"),
-        ("b", "g(2)", 1, "g(2) is accepted"),
-        ("c", "g(3)", 0, "8 goals at a time are planned for"),
+        GoalTold("a", "g(1)", 3, "g(1) is met"),
+        GoalTold("b", "g(2)", 1, "g(2) is accepted"),
+        GoalTold("c", "g(3)", 0, "8 goals at a time are planned for"),
     ]
     account.goals(5000.0, told)
-    account.plan(5000.0, 412, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
+    account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
     account.dispatched(5000.1, ["_action_lib(go,y,412)"])
     account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
     account.status(5001.0, "a", 3, "g(1) is met")
-    account.goals(5002.0, [*told, ("d", "g(4)", 0, "")])
+    account.goals(5002.0, [*told, GoalTold("d", "g(4)", 0, "")])
     account.goal(5002.0, "d", "g(4)")
     account.status(5003.0, "b", 3, "g(2) is met")
     assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [
@@ -236,21 +237,21 @@ def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
 
 def test_what_waits_is_told_as_time_passes(account, lines):
     account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
-    account.pass_time(PATIENCE)
+    account.clock(PATIENCE)
     assert lines == []
-    account.pass_time(PATIENCE + 0.1)
+    account.clock(PATIENCE + 0.1)
     assert kinds(lines) == ["update"]
 
 
 def test_the_state_is_told_where_that_is_wanted(lines):
     account = Account(lines.append, with_state=True)
-    account.plan(0.0, 1, [])
-    account.state(0.0, ["_status(1,accepted,now)", "at(a,now)", "lit(now)"])
-    account.state(1.0, ["_action_lib(go,b,now)", "at(a,now)", "lit(now)"])
-    account.state(2.0, ["at(b,now)", "lit(now)"])
+    account.plan(0.0, 1, 9, [])
+    account.beliefs(0.0, 1, ["_status(1,accepted,now)", "at(a,now)", "lit(now)"])
+    account.beliefs(1.0, 1, ["_action_lib(go,b,now)", "at(a,now)", "lit(now)"])
+    account.beliefs(2.0, 1, ["at(b,now)", "lit(now)"])
     assert [line.split("state")[1].strip() for line in lines[1:]] == ["+at(a,now) +lit(now)", "+at(b,now) -at(a,now)"]
     silent = Account(lines.append)
-    silent.state(0.0, ["at(a,now)"])
+    silent.beliefs(0.0, 1, ["at(a,now)"])
     silent.finish()
     assert len(lines) == 3
 

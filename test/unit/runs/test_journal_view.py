@@ -13,7 +13,7 @@ from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import checksum
-from rosoclingo.runs.journal_view import LACKS, TIMELESS, journal_view
+from rosoclingo.runs.journal_run import LACKS, TIMELESS, journal_view
 from rosoclingo.runs.recorded_run import RecordingError
 
 LABELS = {"office1": {"x": 1.0, "y": 2.0}, "office2": {"x": 5.0, "y": 2.0, "yaw": 1.5}}

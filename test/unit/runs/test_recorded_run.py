@@ -22,14 +22,14 @@ def cycles(collector):
 
 def test_topics_overtake_each_other():
     collector = RunCollector()
-    collector.plan(1, 1, [])
-    collector.dispatched([GO.format(1)])
-    collector.plan(1, 3, [GO.format(1), GO.format(2)])
-    collector.program(program("first"))
-    collector.update(update(1))
-    collector.problem("cycle 2: it rains")
-    collector.plan(2, 3, [GO.format(1), GO.format(2)])
-    collector.update(update(2))
+    collector.plan(0.0, 1, 1, [])
+    collector.dispatched(0.0, [GO.format(1)])
+    collector.plan(0.0, 1, 3, [GO.format(1), GO.format(2)])
+    collector.program(0.0, program("first"))
+    collector.update(0.0, update(1))
+    collector.problem(0.0, 2, "it rains")
+    collector.plan(0.0, 2, 3, [GO.format(1), GO.format(2)])
+    collector.update(0.0, update(2))
     (run,) = collector.runs()
     assert run.program.run == "first"
     assert [one.plans[-1] for one in run.cycles] == [
@@ -43,23 +43,23 @@ def test_topics_overtake_each_other():
 
 def test_what_goes_out_twice_or_is_no_action():
     collector = RunCollector()
-    collector.update(update(1))
-    collector.dispatched(['_run("x")', GO.format(1), "_cancel(go,1,1)", "no term ("])
-    collector.dispatched([GO.format(1)])  # to one who comes late
+    collector.update(0.0, update(1))
+    collector.dispatched(0.0, ['_run("x")', GO.format(1), "_cancel(go,1,1)", "no term ("])
+    collector.dispatched(0.0, [GO.format(1)])  # to one who comes late
     assert collector.runs()[0].cycles[0].dispatched == [GO.format(1)]
 
 
 def test_a_core_that_is_started_again_begins_another_run():
     collector = RunCollector()
-    collector.program(program("first"))
-    collector.update(update(1))
-    collector.plan(1, 3, [GO.format(1)])
-    collector.plan(1, 1, [])  # the next one's as it begins, which overtakes its program
-    collector.program(program("second"))
-    collector.program(program("second"))
-    collector.update(update(1))
-    collector.update(update(2))
-    collector.update(update(1))  # a third one, whose program was not heard
+    collector.program(0.0, program("first"))
+    collector.update(0.0, update(1))
+    collector.plan(0.0, 1, 3, [GO.format(1)])
+    collector.plan(0.0, 1, 1, [])  # the next one's as it begins, which overtakes its program
+    collector.program(0.0, program("second"))
+    collector.program(0.0, program("second"))
+    collector.update(0.0, update(1))
+    collector.update(0.0, update(2))
+    collector.update(0.0, update(1))  # a third one, whose program was not heard
     runs = collector.runs()
     assert [run.program and run.program.run for run in runs] == ["first", "second", None]
     assert [[one.cycle for one in run.cycles] for run in runs] == [[1], [1, 2], [1]]
@@ -69,13 +69,13 @@ def test_a_core_that_is_started_again_begins_another_run():
 def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
     collector = RunCollector()
     for step in range(1, 130):
-        collector.update(update(step))
-    collector.update(update(100, "#anew. #closed 1..99."))
-    collector.update(update(130, "#closed 100..129."))
-    collector.update(update(131))
+        collector.update(0.0, update(step))
+    collector.update(0.0, update(100, "#anew. #closed 1..99."))
+    collector.update(0.0, update(130, "#closed 100..129."))
+    collector.update(0.0, update(131))
     assert cycles(collector)[0][-2:] == [(130, 2, 0), (131, 1, 0)]
     collector = RunCollector()
-    collector.update(update(1, "#anew."))
+    collector.update(0.0, update(1, "#anew."))
     assert cycles(collector) == [[(1, 1, 0)]]
 
 
@@ -89,13 +89,13 @@ def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
 )
 def test_what_is_lacking_is_told(steps, text):
     collector = RunCollector()
-    collector.program(program("first"))
+    collector.program(0.0, program("first"))
     for step in steps:
-        collector.update(update(step))
+        collector.update(0.0, update(step))
     with pytest.raises(RecordingError, match=text):
         collector.runs()
 
 
 def test_an_update_that_is_none_is_told():
     with pytest.raises(RecordingError, match="an update is damaged: 1:5"):
-        RunCollector().update("step")
+        RunCollector().update(0.0, "step")

@@ -157,7 +157,7 @@ def test_a_search_that_was_left_has_no_plan_even_where_the_log_does_not_say_so_a
 def test_an_update_that_is_refused_ends_it():
     collector = RunCollector()
     for step in range(1, 7):
-        collector.update(f"#step {step} : 0. #end step.")
+        collector.update(0.0, f"#step {step} : 0. #end step.")
     program = ReactiveProgram.from_text(
         "#program cumulative(t). { m(1..2,t) }. :- #sum { 250000000*t,X : m(X,t) } > 300000000*t."
     )

@@ -115,7 +115,7 @@ def floor(*facts):
 
 def test_what_the_program_wants_to_have_drawn(opened):
     view = RunView()
-    view.program(floor("door(hall,study).", '_draws(dirt,mark,"dirt: {}").'))
+    view.program(0.0, floor("door(hall,study).", '_draws(dirt,mark,"dirt: {}").'))
     view.goal(0.0, "a", "g(1)")
     view.beliefs(1.0, 1, ["on(cup,study,now)", "me(hall,now)"])
     view.beliefs(2.0, 1, ["on(cup,study,now)", "me(study,now)", "shut(study,hall,now)", "dirt(much,hall,now)"])
@@ -135,7 +135,7 @@ def test_what_the_program_wants_to_have_drawn(opened):
 
 def test_what_is_seen_counts_more_than_what_is_believed(opened):
     view = delivery()
-    view.program(floor())
+    view.program(0.0, floor())
     view.beliefs(132.4, 6, ["on(9,study,now)", "me(hall,now)"])
     view.tell(labels={**LABELS, "hall": [3.0, 1.0, 0.0], "study": [3.5, 1.0, 0.0]})
     assert opened(view).text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
@@ -191,7 +191,7 @@ def test_the_verdict(opened, verdict):
 def test_hostile_texts_are_text(opened, text):
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
     quoted = text.replace("\\", "\\\\").replace('"', '\\"')
-    view.program(floor(f'_draws(sign,mark,"{quoted}").'))
+    view.program(0.0, floor(f'_draws(sign,mark,"{quoted}").'))
     view.tell(labels={**view.about["labels"], text: [1.0, 1.0, 0.0]})
     view.goal(0.0, text, text)
     view.status(1.0, text, 5, text)

@@ -8,8 +8,9 @@ from told_runs import GOAL, delivery, plan_of
 
 from rosoclingo.runs import run_view
 from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
+from rosoclingo.runs.run_events import GoalTold
 from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
-from rosoclingo.runs.run_view import GoalTold, RunView
+from rosoclingo.runs.run_view import RunView
 
 
 @pytest.fixture(scope="module")
@@ -253,7 +254,7 @@ WAY, SHUT = ("way", ["a", "b"], ""), ("blocked", ["a", "b"], "shut")
 
 def test_what_the_program_wants_to_have_drawn_is_kept_when_it_changes():
     view = RunView()
-    view.program(floor())
+    view.program(0.0, floor())
     view.goal(10.0, "a", "g(1)")
     for time, atoms in ((11.0, ["odd"]), (12.0, ["shut(a,b,now)"]), (13.0, ["odd", "shut(a,b,now)"]), (14.0, [])):
         view.beliefs(time, 1, atoms)
@@ -264,8 +265,8 @@ def test_beliefs_may_come_before_the_program():
     view = RunView()
     view.goal(10.0, "a", "g(1)")
     view.beliefs(11.0, 1, ["shut(a,b,now)"])
-    view.program(floor())
-    view.program(floor())
+    view.program(0.0, floor())
+    view.program(0.0, floor())
     assert drawn(view) == [(1.0, [WAY, SHUT])]
     assert drawn(view.renewed()) == [(1.0, [WAY, SHUT])]
 
@@ -273,8 +274,8 @@ def test_beliefs_may_come_before_the_program():
 def test_the_log_tells_of_declarations_that_are_none_once():
     view = RunView()
     program = RunProgram("r", (ProgramFile("floor.lp", "_draws(path,roads).", False),), {}, "").text()
-    view.program(program, 5.0)
-    view.program(program, 6.0)
+    view.program(5.0, program)
+    view.program(6.0, program)
     view.goal(10.0, "a", "g(1)")
     view.finish()
     lines = [(one["kind"], one["text"].partition(":")[0]) for one in records(view.changes(), "log")]
@@ -283,7 +284,7 @@ def test_the_log_tells_of_declarations_that_are_none_once():
 
 def test_the_log_has_the_program_s_words():
     view = RunView()
-    view.program(floor())
+    view.program(0.0, floor())
     view.goal(10.0, "a", "g(1)")
     view.dispatched(11.0, ["_action_lib(go,b,1)"])
     view.finish()
@@ -358,12 +359,12 @@ def test_lines_that_wait_are_written_when_time_passes():
 def test_labels_come_with_the_program():
     view = RunView()
     program = RunProgram("r", (), {}, "", {"labels": {"kitchen": [1.0, 2.0, 0.5]}})
-    view.program(program.text())
+    view.program(0.0, program.text())
     assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
     for damaged in ("no JSON", program.text().replace(f'"format": {FORMAT}', '"format": 99'), '{"format": 1}'):
-        view.program(damaged)
+        view.program(0.0, damaged)
     odd = RunProgram("r", (), {}, "", {"labels": {"Kitchen Sink": "here"}})
-    view.program(odd.text())
+    view.program(0.0, odd.text())
     assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
 
 

@@ -6,10 +6,10 @@ from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
 import rosbag
 
-from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
 from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.nodes.run_topics import PATHS, RunTopics
 from rosoclingo.reasoning.journal.database import file_of, is_journal
-from rosoclingo.runs.journal_view import journal_view
+from rosoclingo.runs.journal_run import journal_view
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.run_view import RunView
 
@@ -48,14 +48,15 @@ def read_view(path: Path, core: Optional[str] = None, about: Optional[Mapping[st
 def _bag_view(path: Path, core: Optional[str], about: Optional[Mapping[str, Any]]) -> RunView:
     with opened(path) as bag:
         topics = set(bag.get_type_and_topic_info().topics)
-        reader = RunTopics(RunView(about), core_in(topics, core))
+        view = RunView(about)
+        reader = RunTopics(view, core_in(topics, core))
         names = {_found(name, reader.full(name), topics): name for name in reader.takes}
         for name, kind, data, time in _fresh(bag, names, reader):
             message = kind()
             message.deserialize(data)
             reader.takes[name](time, message)
-        reader.view.finish()
-        return reader.view
+        view.finish()
+        return view
 
 
 def _found(name: str, topic: str, topics: "set[str]") -> str:

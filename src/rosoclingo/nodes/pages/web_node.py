@@ -28,7 +28,7 @@ from rosoclingo.nodes.pages.access import LOCAL, Access
 from rosoclingo.nodes.pages.order_desk import OrderDesk
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
-from rosoclingo.nodes.pages.run_topics import PATHS, RunTopics
+from rosoclingo.nodes.run_topics import PATHS, RunTopics
 from rosoclingo.runs.orders import OrderError, read_orders
 from rosoclingo.runs.run_view import RunView
 
@@ -101,9 +101,10 @@ class WebNode:
         except OSError as error:
             mend = "choose another ~port or ~host"
             raise ParameterError(f"the page cannot be served on {host}:{port}: {error.strerror}; {mend}") from None
-        self._topics = RunTopics(RunView({"title": title}), rospy.resolve_name("rosoclingo"))
+        self._view = RunView({"title": title})
+        self._topics = RunTopics(self._view, rospy.resolve_name("rosoclingo"))
         self._subscribers: Dict[str, rospy.Subscriber] = {}
-        self._server = PageServer(lambda: self._topics.view, self._look, web(), Access(token), sockets, self._take)
+        self._server = PageServer(lambda: self._view, self._look, web(), Access(token), sockets, self._take)
         full = self._topics.full
         self._goals = rospy.Publisher(full("rosoclingo/goal"), ROSoClingoActionGoal, queue_size=100)
         self._cancels = rospy.Publisher(full("rosoclingo/cancel"), GoalID, queue_size=100)
@@ -128,16 +129,15 @@ class WebNode:
 
     def _look(self) -> Dict[str, Any]:
         """Keep the view in bounds, and tell what else the page shows: whether the core is there."""
-        view = self._topics.view
-        view.clock(rospy.get_time())
-        if view.full:
-            self._topics.view = view.renewed()
+        self._view.clock(rospy.get_time())
+        if self._view.full:
+            self._topics.events = self._view = self._view.renewed()
         plan = self._subscribers.get("~task_plan")
         core = plan is not None and plan.get_num_connections() > 0
-        return {"core": core, "orders": self._desk.shown(self._topics.view)}
+        return {"core": core, "orders": self._desk.shown(self._view)}
 
     def _take(self, message: Dict[str, Any]) -> Dict[str, Any]:
-        return self._desk.take(message, self._topics.view)
+        return self._desk.take(message, self._view)
 
     def _send(self, text: str) -> str:
         """Send a goal and return its id."""

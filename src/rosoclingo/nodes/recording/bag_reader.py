@@ -2,16 +2,17 @@
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Set
+from typing import Iterator, List, Optional, Set
 
 import rosbag
 
+from rosoclingo.nodes.run_topics import RunTopics
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
 
 __all__ = ["bag_runs", "core_in", "opened"]
 
-#: The topic of the program, below the core's name.
-PROGRAM = "program"
+#: The topics of a replay, named as :func:`full_name` takes them.
+REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
 
 
 def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
@@ -63,17 +64,11 @@ def core_in(topics: Set[str], wanted: Optional[str] = None) -> str:
     return cores[0]
 
 
-def _read(bag: rosbag.Bag, core: str, topics: Iterable[str]) -> List[RecordedRun]:
-    """Give all messages of a core to a collector."""
+def _read(bag: rosbag.Bag, core: str, topics: Set[str]) -> List[RecordedRun]:
+    """Give the messages of a core that a replay needs to a collector."""
     collector = RunCollector()
-    outlet = core.rpartition("/")[0] + "/out_rosoclingo"
-    takes: Dict[str, Callable[[Any], None]] = {
-        f"{core}/{PROGRAM}": lambda message: collector.program(message.data),
-        f"{core}/updates": lambda message: collector.update(message.data),
-        f"{core}/task_plan": lambda message: collector.plan(message.cycle, message.horizon, message.actions),
-        outlet: lambda message: collector.dispatched(message.facts),
-        "/rosout": lambda message: collector.problem(message.msg) if message.name == core else None,
-    }
-    for topic, message, _ in bag.read_messages([topic for topic in takes if topic in topics]):
-        takes[topic](message)
+    reader = RunTopics(collector, core)
+    takes = {reader.full(name): reader.takes[name] for name in REPLAYED}
+    for topic, message, moment in bag.read_messages([topic for topic in takes if topic in topics]):
+        takes[topic](moment.to_sec(), message)
     return collector.runs()

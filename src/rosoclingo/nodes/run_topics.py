@@ -1,4 +1,4 @@
-"""From the messages of a run's topics, live or out of a bag, to what pages show."""
+"""The events of a run from the messages of a core's topics, live or from a bag."""
 
 from typing import Any, Callable, Dict, Optional
 
@@ -7,7 +7,7 @@ from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import yaw_of
 from rosoclingo.runs.recorded_run import problem_in
-from rosoclingo.runs.run_view import GoalTold, RunView
+from rosoclingo.runs.run_events import GoalTold, RunEvents
 from rosoclingo.runs.topic_atoms import run_in
 from rosoclingo.runs.topic_names import full_name
 
@@ -18,32 +18,32 @@ PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/Glo
 
 
 class RunTopics:
-    """Takes messages of a core's topics and gives them to ``view``, which may be exchanged.
+    """Takes messages of a core's topics and gives them to ``events``, which can be exchanged.
 
     ``takes`` has a function of the time and a message for each topic, named as :func:`full_name` takes it.
     """
 
-    def __init__(self, view: RunView, core: str = "/rosoclingo") -> None:
-        self.view = view
+    def __init__(self, events: RunEvents, core: str = "/rosoclingo") -> None:
+        self.events = events
         self._core = core
-        self._pose = PoseTopics(lambda time, pose: self.view.pose(time, *pose))
+        self._pose = PoseTopics(lambda time, pose: self.events.pose(time, *pose))
         self.takes: Dict[str, Callable[[float, Any], None]] = {
-            "~program": lambda time, message: self.view.program(message.data, time),
-            "rosoclingo/goal": lambda time, message: self.view.goal(time, message.goal_id.id, message.goal.request),
-            "rosoclingo/cancel": lambda time, message: self.view.cancel(time, message.id),
+            "~program": lambda time, message: self.events.program(time, message.data),
+            "rosoclingo/goal": lambda time, message: self.events.goal(time, message.goal_id.id, message.goal.request),
+            "rosoclingo/cancel": lambda time, message: self.events.cancel(time, message.id),
             "rosoclingo/status": self._statuses,
-            "rosoclingo/feedback": lambda time, message: self.view.feedback(
+            "rosoclingo/feedback": lambda time, message: self.events.feedback(
                 time, message.status.goal_id.id, message.feedback.status
             ),
             "rosoclingo/result": lambda time, message: self._status(time, message.status),
-            "~updates": lambda time, message: self.view.update(time, message.data),
+            "~updates": lambda time, message: self.events.update(time, message.data),
             "~task_plan": self._plan,
             "~goals": self._goals,
-            "~state": lambda time, message: self.view.beliefs(time, message.cycle, message.atoms),
+            "~state": lambda time, message: self.events.beliefs(time, message.cycle, message.atoms),
             "out_rosoclingo": self._dispatched,
-            "in_rosoclingo": lambda time, message: self.view.returned(time, message.interface, message.facts),
+            "in_rosoclingo": lambda time, message: self.events.returned(time, message.interface, message.facts),
             "packages": self._packages,
-            "map": lambda _time, message: self.view.tell(map=_image(message)),
+            "map": lambda _time, message: self.events.floor(_image(message)),
             **dict.fromkeys(PATHS, self._path),
             **self._pose.takes,
             "/rosout": self._log,
@@ -62,33 +62,33 @@ class RunTopics:
             self._status(time, one)
 
     def _status(self, time: float, one: Any) -> None:
-        self.view.status(time, one.goal_id.id, one.status, one.text)
+        self.events.status(time, one.goal_id.id, one.status, one.text)
 
     def _goals(self, time: float, message: Any) -> None:
         told = [GoalTold(one.id.id, one.request, one.status, one.reason, one.came.to_sec()) for one in message.goals]
-        self.view.goals(time, told)
+        self.events.goals(time, told)
 
     def _plan(self, time: float, message: Any) -> None:
         times = (message.ground_time, message.solve_time)
-        self.view.plan(time, message.cycle, message.horizon, message.actions, times)
+        self.events.plan(time, message.cycle, message.horizon, message.actions, times)
 
     def _dispatched(self, time: float, message: Any) -> None:
         if message.interface != CORE:
-            self.view.dispatched(time, message.facts)
+            self.events.dispatched(time, message.facts)
             return
         for run in filter(None, map(run_in, message.facts)):  # the core tells of itself
-            self.view.begin(run)
+            self.events.begin(run)
 
     def _packages(self, time: float, message: Any) -> None:
-        self.view.packages(time, ((one.id, "" if one.carried else one.location) for one in message.packages))
+        self.events.packages(time, ((one.id, "" if one.carried else one.location) for one in message.packages))
 
     def _path(self, time: float, message: Any) -> None:
-        self.view.path(time, [(one.pose.position.x, one.pose.position.y) for one in message.poses])
+        self.events.path(time, [(one.pose.position.x, one.pose.position.y) for one in message.poses])
 
     def _log(self, time: float, message: Any) -> None:
         cycle, problem = problem_in(message.msg)
         if cycle is not None and message.name == self._core:
-            self.view.problem(time, cycle, problem)
+            self.events.problem(time, cycle, problem)
 
 
 def _image(message: Any) -> Optional[Dict[str, Any]]:
