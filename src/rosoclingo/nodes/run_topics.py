@@ -4,10 +4,10 @@ from typing import Any, Callable, Dict, Optional
 
 from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
+from rosoclingo.runs.events import GoalTold, RunEvents
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import yaw_of
 from rosoclingo.runs.recorded_run import problem_in
-from rosoclingo.runs.run_events import GoalTold, RunEvents
 from rosoclingo.runs.topic_atoms import run_in
 from rosoclingo.runs.topic_names import full_name
 

@@ -32,8 +32,8 @@ from rosoclingo.reasoning.keywords import (
 )
 from rosoclingo.runs.believed_places import CARRIED, believed_places
 from rosoclingo.runs.drawing import Drawings, drawings_of
+from rosoclingo.runs.events import GoalTold, RunEvents
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_events import GoalTold, RunEvents
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 

@@ -17,8 +17,8 @@ from rosoclingo.reasoning.journal.keeper import Client
 from rosoclingo.reasoning.keywords import REQUEST, RETURN, is_keyword
 from rosoclingo.reasoning.records import actions_of, group, keys_of, log_of, plan_of, symbol_of
 from rosoclingo.reasoning.returns import Dispatch
+from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
-from rosoclingo.runs.run_events import RunEvents
 from rosoclingo.runs.run_view import RunView
 
 __all__ = ["journal_run", "journal_view"]

@@ -15,7 +15,7 @@ from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, Stre
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
-from rosoclingo.runs.run_events import RunEvents
+from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.topic_atoms import action_in
 
 #: The form of what :meth:`RunProgram.text` writes.

@@ -17,8 +17,8 @@ from rosoclingo.reasoning.keywords import (
 from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account, reason_of
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
+from rosoclingo.runs.events import GoalTold, RunEvents
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_events import GoalTold, RunEvents
 from rosoclingo.runs.run_tables import ActionWords, Record, Revision, Shapes, Table, Track, Words, simplified
 from rosoclingo.runs.sentences import sentences_of
 from rosoclingo.runs.topic_atoms import return_in

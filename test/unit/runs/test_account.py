@@ -1,7 +1,7 @@
 import pytest
 
 from rosoclingo.runs.account import PATIENCE, Account
-from rosoclingo.runs.run_events import GoalTold
+from rosoclingo.runs.events import GoalTold
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.sentences import Sentences
 

@@ -7,8 +7,8 @@ import pytest
 from told_runs import GOAL, delivery, plan_of
 
 from rosoclingo.runs import run_view
+from rosoclingo.runs.events import GoalTold
 from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
-from rosoclingo.runs.run_events import GoalTold
 from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
 from rosoclingo.runs.run_view import RunView
 
