@@ -54,7 +54,7 @@ IMPROVING = 0.5
 #: Seconds of wall time that actions have been under way before answers to what may come are prepared.
 PREPARING = 0.1
 
-#: Seconds of wall time between two looks at what goes on with time, once answers are prepared.
+#: Seconds of wall time between two turns of the worker, once answers are prepared.
 IDLE = 0.25
 
 #: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
@@ -162,7 +162,7 @@ class CoreNode:
             record=found.state,
         )
         self._keeper.attach(self._core, found.state)
-        self._results = Results("rosoclingo", resumed=found.state is not None)
+        self._results = Results(resumed=found.state is not None)
         self._worker = Worker(self._settle)
         self._given_up = UnmetGoals(program, self._worker, self._keeper.given_up)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
@@ -190,6 +190,7 @@ class CoreNode:
         arrived = partial(self._worker.put, self._take_arrivals)
         self._server = GoalServer("rosoclingo", self._goal_arrived, self._cancel_arrived, arrived, self._results.add)
         self._go_on_with_clients()
+        self._results.open("rosoclingo")
         self._facts.connect()
         rospy.on_shutdown(self._shut_down)
         start_server(self._server)
@@ -275,7 +276,8 @@ class CoreNode:
         self._tick()
         if improvable or self._facts.waiting:
             return 0.0
-        return IDLE if time.monotonic() - self._last_cycle >= 2 * PREPARING else None
+        quiet = time.monotonic() - self._last_cycle >= 2 * PREPARING and not self._solvers.is_prefetching
+        return IDLE if quiet else None
 
     def _go_on(self) -> bool:
         """Do what is due; tell whether the plan may be improved while nothing comes."""

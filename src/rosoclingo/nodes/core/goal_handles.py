@@ -121,9 +121,12 @@ class Results:
     They are of goals that ended before the core was killed, and of those that end before all clients are there again.
     """
 
-    def __init__(self, name: str, resumed: bool) -> None:
+    def __init__(self, resumed: bool) -> None:
         self._messages: List[ROSoClingoActionResult] = []
         self._until = time.monotonic() + (RESENT if resumed else 0.0)
+
+    def open(self, name: str) -> None:
+        """Let clients of the action server ``name`` connect, once all results from before are added."""
         topic = rospy.remap_name(name) + "/result"
         prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, greeting=lambda: list(self._messages))
 
