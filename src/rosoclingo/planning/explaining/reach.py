@@ -9,6 +9,7 @@ answer, for any number of steps.
 from itertools import islice, product
 from math import prod
 from typing import (
+    Callable,
     Container,
     Dict,
     FrozenSet,
@@ -92,7 +93,7 @@ class Comparison(NamedTuple):
     def bound_by(self, known: Set[str]) -> Iterator[str]:
         """Yield the variable to which an equation gives a value."""
         for one, other in ((self.left, self.right), (self.right, self.left)):
-            if self.operator == "=" and is_variable(one[0]) and _names(other) <= known:
+            if self.operator == "=" and len(one) == 1 and is_variable(one[0]) and _names(other) <= known:
                 yield one[0].name
 
 
@@ -261,17 +262,20 @@ class Reach:
 
     def _texts(self, rule: HeadRule, number: int, numbered: bool) -> Iterator[str]:
         """Yield the rule in clingo's language, in each of the ways in which its atoms can be true."""
-        exact = self._exact[number]
-        kept = set(exact)
-        ways = [self._ways(one, kept) for one in rule.body if one.signature not in self.free]
+        exact, conditions = self._exact[number], [one for one in rule.body if one.signature not in self.free]
         tests = [
             [f"{left}{one.operator}{right}" for left in one.left for right in one.right]
             for one in rule.comparisons
             if one.names <= exact
         ]
+        kept = set(exact)
+        ways = [self._ways(one, kept, _loosened) for one in conditions]
+        if prod(map(len, ways)) > _MOST_WAYS:
+            kept = set(exact)
+            ways = [self._ways(one, kept, _loosest) for one in conditions]
+        if prod([*map(len, ways), *map(len, tests)]) > _MOST:
+            raise UncertainError("a rule has too many alternatives")
         growing = self._growing.get(number, set())
-        if prod([*map(len, ways), *map(len, tests)]) > _MOST_WAYS:  # less is kept of each
-            ways, tests, exact = [], [], set()
         for way in product(*ways):
             bound = exact.union(*map(names_of, way)) - growing
             values = {name: clingo.Function(name) for name in bound}
@@ -283,12 +287,14 @@ class Reach:
                     if numbered:
                         yield f"{_BY_RULE}({number},{head}) :- {body}."
 
-    def _ways(self, condition: Condition, kept: Set[str]) -> List[clingo.Symbol]:
+    def _ways(
+        self, condition: Condition, kept: Set[str], loosened: Callable[[clingo.Symbol, Set[str]], List[clingo.Symbol]]
+    ) -> List[clingo.Symbol]:
         """Return the patterns of atoms by which a condition can be true; a variable is bound where it is first met."""
         found: List[clingo.Symbol] = []
         for pattern in condition.patterns:
             rows = [
-                _loosened(one, kept) if (condition.signature, number) in self._open else [_asked(one)]
+                loosened(one, kept) if (condition.signature, number) in self._open else [_asked(one)]
                 for number, one in enumerate(pattern.arguments)
             ]
             found += [clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)]
@@ -390,6 +396,11 @@ def _loosened(pattern: clingo.Symbol, kept: Set[str]) -> List[clingo.Symbol]:
         return [pattern, ANY]
     rows = [_loosened(one, kept) for one in pattern.arguments]
     return [*(clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)), ANY]
+
+
+def _loosest(pattern: clingo.Symbol, kept: Set[str]) -> List[clingo.Symbol]:
+    """Return one pattern for all values that a pattern fits, parts of which can be anything."""
+    return _loosened(pattern, kept) if is_variable(pattern) else [_ANYTHING]
 
 
 def _asked(pattern: clingo.Symbol) -> clingo.Symbol:
