@@ -1,5 +1,6 @@
 """Which values the arguments of predicates can have, read from the rules alone: no value that can come is missed."""
 
+from functools import lru_cache
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -49,11 +50,10 @@ class ArgumentValues:
             pass
 
     @classmethod
+    @lru_cache(maxsize=1)
     def of(cls, program: ReactiveProgram) -> "ArgumentValues":
         """Return the values of a program, found once for all callers."""
-        if not isinstance(program.survey.values, cls):
-            program.survey.values = cls(program)
-        return program.survey.values
+        return cls(program)
 
     def is_possible(self, signature: Signature) -> bool:
         """Tell whether some atom of the predicate can be true."""

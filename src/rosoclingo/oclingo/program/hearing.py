@@ -5,7 +5,7 @@ that restrict a rule's atoms, such as ``room`` in ``wanted(R,t) :- _request(visi
 relays an atom, ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived atom.
 """
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -55,11 +55,10 @@ class Hearing:
         self._tables: Dict[Signature, Optional[List[Tuple[clingo.Symbol, bool]]]] = {}
 
     @classmethod
+    @lru_cache(maxsize=1)
     def of(cls, program: ReactiveProgram) -> "Hearing":
         """Return the hearing of a program, the same one for all callers."""
-        if not isinstance(program.survey.hearing, cls):
-            program.survey.hearing = cls(program)
-        return program.survey.hearing
+        return cls(program)
 
     def prepare(self, signature: Signature) -> None:
         """Analyse the rules that look at a predicate, and at the predicates that they relay its atoms to."""

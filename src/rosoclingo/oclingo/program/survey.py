@@ -115,8 +115,6 @@ class Survey:
         self.unvalued: Set[str] = set()
         self.shows = False
         self._steps: Dict[int, Dict[int, int]] = {}  # by the atom's term, which the program keeps
-        self.values: object = None  # what argument_values finds of it
-        self.hearing: object = None  # the program's Hearing, once it exists
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:
