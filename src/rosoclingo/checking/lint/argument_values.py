@@ -80,7 +80,7 @@ class ArgumentValues:
         rule = self.rules[number]
         known: Dict[str, Tuple[Condition, FrozenSet[clingo.Symbol]]] = {}
         conditions = [one for one in rule.body if not self._is_free(one.signature) and len(one.patterns) == 1]
-        for condition in conditions if not self._reach.applies(number) else ():
+        for condition in conditions if len(conditions) > 1 and not self._reach.applies(number) else ():
             for name, its in self._bound(condition).items():
                 if name not in known:
                     known[name] = condition, its

@@ -176,7 +176,7 @@ class Reach:
         return self._atoms[signature]
 
     def applies(self, rule: int) -> bool:
-        """Return whether the conditions of a rule, given by its number, can hold."""
+        """Return whether the conditions of a rule, given by its number, can hold together; for several known ones."""
         return self._control.symbolic_atoms[clingo.Function(_APPLIES, [clingo.Number(rule)])] is not None
 
     def derived_by(self, rule: int) -> List[clingo.Symbol]:
@@ -281,7 +281,8 @@ class Reach:
             values = {name: clingo.Function(name) for name in bound}
             for test in product(*tests):
                 body = ", ".join([*map(str, way), *test])
-                yield f"{_APPLIES}({number}) :- {body}."
+                if len(conditions) > 1:
+                    yield f"{_APPLIES}({number}) :- {body}."
                 for head in (filled(pattern, values) for pattern in rule.head.patterns):
                     yield f"{head} :- {body}."
                     if numbered:
