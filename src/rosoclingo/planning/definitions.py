@@ -1,10 +1,11 @@
 """The statements of a snapshot as rules of one control."""
 
-from typing import Collection, Container, Dict, Iterable, Set
+from typing import Collection, Dict, Iterable, Set
 
 import clingo
 
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import BackendSession, ControlAtoms
 from rosoclingo.planning.snapshot import TimedStatement
 
@@ -18,11 +19,9 @@ class Definitions(ControlAtoms):
     A permanent statement closes its head for later updates. A statement that lapses or is assumable does not.
     """
 
-    def __init__(
-        self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
-    ) -> None:
-        """Use a control, its session, the literals of declared externals, and of those that rules define."""
-        super().__init__(control, session, declared, defined)
+    def __init__(self, control: clingo.Control, session: BackendSession, externals: ExternalIndex) -> None:
+        """Use a control, its session and its externals."""
+        super().__init__(control, session, externals)
         self._closed: Dict[clingo.Symbol, int] = {}  # head -> the update that closed it
         self._heads: Set[clingo.Symbol] = set()  # of all statements
         self._in_bodies: Set[clingo.Symbol] = set()

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from typing import (
     Any,
     Collection,
-    Dict,
     FrozenSet,
     Iterable,
     Iterator,
@@ -34,7 +33,7 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
-from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession, Externals, Heads
+from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusal, unused_fact
@@ -63,6 +62,9 @@ CLOSED_PIECE = 16
 
 BASE = range(-(2**31), 1 - 2**31)
 """Stands for the base part in :attr:`Grounding.ground_parts`."""
+
+FIRST = range(1, 2)
+"""The step for which externals of the base part count."""
 
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """Name and parameters of the program part with the facts of compacted steps."""
@@ -139,15 +141,11 @@ class Grounding:
         self._hidden: Set[clingo.Symbol] = set()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
-        self._observer, self._heads = Externals(), Heads()
-        self._pieces: Dict[int, range] = {}  # by their first step
-        self._externals = ExternalIndex(self._control, program, self._pieces)
-        self.definitions = Definitions(self._control, self._session, self._externals.declared, self._heads.externals)
+        self._externals = ExternalIndex(self._control, program)
+        self.definitions = Definitions(self._control, self._session, self._externals)
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
-        for observer in (self._observer, self._heads) if program.defines_externals else (self._observer,):
-            self._control.register_observer(observer)
         with self._refusing():
             program.load_into(self._control, predicts)
         self._clasp = ClaspSearch(self._control, program)
@@ -159,7 +157,7 @@ class Grounding:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
         snapshot = self.snapshot
         self._open_facts = self._declare_open()
-        self._ground([("base", [])], 1, BASE)
+        self._ground([("base", [])], BASE, noted=FIRST)
         self._externals.end_base()
         self._add_past(self.past.facts)
         self._ground_closed(horizon)
@@ -184,7 +182,7 @@ class Grounding:
         ]
         facts = self.snapshot.permanent_facts(self._assumables.facts)
         self._externals.stepless.update(opened)
-        self._ground([self.program.open_part(atom, atom in facts) for atom in opened], 1)
+        self._ground([self.program.open_part(atom, atom in facts) for atom in opened], noted=FIRST)
         return facts.intersection(opened)
 
     def _add_past(self, facts: Iterable[clingo.Symbol]) -> None:
@@ -193,18 +191,17 @@ class Grounding:
         text = "".join(f"#external {atom}.\n" if atom in assumable else f"{atom}.\n" for atom in facts)
         if text:
             self._control.add(*PAST, text)
-            self._ground([(PAST[0], [])], self.past.first - 1)
+            self._ground([(PAST[0], [])], noted=range(self.past.first - 1, self.past.first))
         for atom in assumable:
             self._add(TimedStatement(Statement(atom), FOREVER, 0))
 
-    def _ground(self, parts: Parts, step: int, steps: range = range(0)) -> None:
+    def _ground(self, parts: Parts, steps: range = range(0), noted: Optional[range] = None) -> None:
+        """Ground ``parts``, those of ``steps``; their externals are noted for the steps ``noted`` if they differ."""
         self._session.close()
         with self._refusing():
             self._control.ground(parts)
         self.ground_parts.append((steps, parts))
-        self._externals.note(self._observer.fresh, step)
-        self._observer.fresh.clear()
-        self._heads.sort(self._externals.declared)
+        self._externals.note(noted or steps)
         self._actions.expire()
         self._ends.expire()
         for signature in HIDDEN:
@@ -224,10 +221,7 @@ class Grounding:
             raise DroppedError("stopped while the program was grounded again; the request was discarded")
         steps = range(self.horizon + 1, last + 1)
         self.horizon = last
-        self._pieces[steps[0]] = steps
-        self._ground(
-            [(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps[0], steps
-        )
+        self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
         for window in (one for one in self.program.windows if one > 0):
             for step in steps:
                 guard = self._control.symbolic_atoms[self.program.guard(window, step)]

@@ -1,8 +1,9 @@
 """The atoms of one control, sorted by step."""
 
-from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Sequence, Set, Tuple
 
 import clingo
+from clingo.backend import Observer
 
 from rosoclingo.oclingo.program.action_rules import BEYOND
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -35,54 +36,80 @@ class AtomIndex:
 
 
 class ExternalIndex(AtomIndex):
-    """The externals, sorted by the step that declares them.
+    """The externals of one control, sorted by the step that declares them.
 
     Attributes:
-        declared: the literal of an external -> the step with which it was ground: of a block of steps the first.
         stepless: atoms that no step declares.
 
     """
 
-    def __init__(
-        self,
-        control: clingo.Control,
-        program: ReactiveProgram,
-        blocks: Mapping[int, range],
-    ) -> None:
-        """Take the ``blocks`` of steps ground at once, by the first of each."""
+    def __init__(self, control: clingo.Control, program: ReactiveProgram) -> None:
+        """Index the externals of ``control``, which has nothing of the ``program`` yet."""
         super().__init__(control, program.external_signatures - {BEYOND})
-        self._program, self._blocks = program, blocks
-        self.declared: Dict[int, int] = {}
+        self._program = program
+        self._fresh, self._heads = _Externals(), _Heads()
+        self._declared: Dict[int, range] = {}  # literal -> the steps that were ground at once when it was declared
+        self._defined: Set[int] = set()  # literals of externals that rules define
         self.stepless: Set[clingo.Symbol] = set()
-        self._unsorted: Dict[int, List[clingo.Symbol]] = {}  # by the first steps of their blocks
+        self._unsorted: Dict[range, List[clingo.Symbol]] = {}  # by the steps that were ground at once
         self._atoms: Dict[int, List[clingo.Symbol]] = {}  # by their steps
         self._of_base: FrozenSet[int] = frozenset()
         self._base_atoms: Set[clingo.Symbol] = set()
+        for observer in (self._fresh, self._heads) if program.defines_externals else (self._fresh,):
+            control.register_observer(observer)
 
-    def note(self, literals: Iterable[int], step: int) -> None:
-        """Note externals that were declared with ``step``."""
-        for literal in literals:
-            self.declared.setdefault(literal, step)
+    def note(self, steps: range) -> None:
+        """Note what was declared and defined when ``steps`` were ground at once; base counts as step 1."""
+        for literal in self._fresh.literals:
+            self._declared.setdefault(literal, steps)
+        self._defined.update(literal for literal in self._heads.literals if literal in self._declared)
+        self._fresh.literals.clear()
+        self._heads.literals.clear()
         self.expire()
+
+    def is_external(self, literal: int) -> bool:
+        """Return whether ``literal`` is that of a declared external that no rule defines."""
+        return literal in self._declared and literal not in self._defined
 
     def end_base(self) -> None:
         """Take what was noted up to now for the externals of base."""
-        self._of_base = frozenset(self.declared)
+        self._of_base = frozenset(self._declared)
 
     def between(self, first: int, last: int, base: bool) -> List[clingo.Symbol]:
         """Return what steps first..last declare, with what ``base`` declares, which counts as 1, or without."""
         for atom, literal in self.fresh():
-            if literal in self.declared and atom not in self.stepless:
-                self._unsorted.setdefault(self.declared[literal], []).append(atom)
+            if literal in self._declared and atom not in self.stepless:
+                self._unsorted.setdefault(self._declared[literal], []).append(atom)
                 if literal in self._of_base:
                     self._base_atoms.add(atom)
-        for step in [one for one in self._unsorted if one <= last]:  # of later ones nobody wants to know yet
-            self._sort(step, self._unsorted.pop(step))
+        for steps in [one for one in self._unsorted if one[0] <= last]:  # of later ones nobody wants to know yet
+            for atom in self._unsorted.pop(steps):
+                self._atoms.setdefault(self._program.declaring_step(atom, steps), []).append(atom)
         found = [atom for step, atoms in self._atoms.items() if first <= step <= last for atom in atoms]
         return found if base else [atom for atom in found if atom not in self._base_atoms]
 
-    def _sort(self, step: int, atoms: Iterable[clingo.Symbol]) -> None:
-        """Sort the atoms of the block that begins with ``step``."""
-        block = self._blocks.get(step, range(step, step + 1))
-        for atom in atoms:
-            self._atoms.setdefault(self._program.declaring_step(atom, block), []).append(atom)
+
+class _Externals(Observer):
+    """Notes the literals of externals that clingo declares."""
+
+    def __init__(self) -> None:
+        self.literals: Set[int] = set()
+
+    def external(self, atom: int, value: clingo.TruthValue) -> None:
+        """Note an external."""
+        self.literals.add(atom)
+
+
+class _Heads(Observer):
+    """Notes the literals that rules define."""
+
+    def __init__(self) -> None:
+        self.literals: Set[int] = set()
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """Note what a rule defines."""
+        self.literals.update(head)
+
+    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
+        """Note what a rule with a weighted body defines."""
+        self.literals.update(head)

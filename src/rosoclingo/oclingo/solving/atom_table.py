@@ -4,12 +4,13 @@ An external that gets a lapsing definition stays open behind it: the definition 
 rule by which a fresh external, its next *cell*, defines it as well.
 """
 
-from typing import Container, ContextManager, Dict, Optional, Sequence, Set, Tuple
+from typing import ContextManager, Dict, Optional, Set
 
 import clingo
-from clingo.backend import Backend, Observer
+from clingo.backend import Backend
 
 from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 
 OPEN, HOLDS, RELEASED = clingo.TruthValue.False_, clingo.TruthValue.True_, clingo.TruthValue.Release
 
@@ -53,11 +54,9 @@ class ControlAtoms:
     A body atom that is not ground yet gets a stand-in, which is tied to the atom once it is ground.
     """
 
-    def __init__(
-        self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
-    ) -> None:
-        """Take the control, its session, the literals of declared externals, and those of them that rules define."""
-        self._control, self._session, self._declared, self._defined = control, session, declared, defined
+    def __init__(self, control: clingo.Control, session: BackendSession, externals: ExternalIndex) -> None:
+        """Take the control, its session and its externals."""
+        self._control, self._session, self._externals = control, session, externals
         self._facts: Set[clingo.Symbol] = set()
         self._absent: Dict[clingo.Symbol, int] = {}  # body atom that is not ground yet -> its stand-in
 
@@ -75,7 +74,7 @@ class ControlAtoms:
         # clingo's own ``is_external`` is no help: it is True for what a rule makes equivalent to an external, and lost
         # once the program can never be satisfied
         known = self._control.symbolic_atoms[atom]
-        return known is not None and known.literal in self._declared and known.literal not in self._defined
+        return known is not None and self._externals.is_external(known.literal)
 
     def resolve_absent(self) -> None:
         """Tie the stand-ins of body atoms to the atoms that have been ground since."""
@@ -105,11 +104,9 @@ class ControlAtoms:
 class AtomTable(ControlAtoms):
     """Atoms of one control, seen as what updates may say of them."""
 
-    def __init__(
-        self, control: clingo.Control, session: BackendSession, declared: Container[int], defined: Container[int]
-    ) -> None:
-        """Take the control, its session, the literals of declared externals, and those of them that rules define."""
-        super().__init__(control, session, declared, defined)
+    def __init__(self, control: clingo.Control, session: BackendSession, externals: ExternalIndex) -> None:
+        """Take the control, its session and its externals."""
+        super().__init__(control, session, externals)
         self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
         self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
         self._closed: Set[clingo.Symbol] = set()
@@ -162,40 +159,3 @@ class AtomTable(ControlAtoms):
             following = self._cells[atom] = self._session.new_external()
             self._session.backend.add_rule([literal], [following])
         return literal
-
-
-class Externals(Observer):
-    """Notes which externals clingo declares."""
-
-    def __init__(self) -> None:
-        self.fresh: Set[int] = set()
-
-    def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """Record an external."""
-        self.fresh.add(atom)
-
-
-class Heads(Observer):
-    """Notes what rules define.
-
-    Attributes:
-        externals: the literals of externals that rules define.
-
-    """
-
-    def __init__(self) -> None:
-        self._fresh: Set[int] = set()
-        self.externals: Set[int] = set()
-
-    def sort(self, declared: Container[int]) -> None:
-        """Take those of what was noted for externals whose literals are ``declared``."""
-        self.externals.update(literal for literal in self._fresh if literal in declared)
-        self._fresh.clear()
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Record what a rule defines."""
-        self._fresh.update(head)
-
-    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """Record what a rule with a weighted body defines."""
-        self._fresh.update(head)

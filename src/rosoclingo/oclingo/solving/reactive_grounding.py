@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
-from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession, Externals, Heads
+from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
 from rosoclingo.oclingo.solving.stream_state import StreamState
@@ -52,13 +52,9 @@ class ReactiveGrounding:
         self.messages = Messages()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
-        self._observer, self._heads = Externals(), Heads()
-        self._blocks: Dict[int, range] = {}  # by their first step
-        self._externals = ExternalIndex(self._control, program, self._blocks)
-        self.atoms = AtomTable(self._control, self._session, self._externals.declared, self._heads.externals)
+        self._externals = ExternalIndex(self._control, program)
+        self.atoms = AtomTable(self._control, self._session, self._externals)
         self._actions = ActionIndex(self._control, self._session)
-        for observer in (self._observer, self._heads) if program.defines_externals else (self._observer,):
-            self._control.register_observer(observer)
         program.load_into(self._control)
         self._clasp = ClaspSearch(self._control, program)
         self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
@@ -66,30 +62,27 @@ class ReactiveGrounding:
         self._hidden: Set[clingo.Symbol] = set()  # auxiliary atoms, left out of answers
         self.horizon = program.first_step - 1
         self.declare(open_atoms, facts)
-        self._ground([("base", [])], 1)
+        self._ground([("base", [])], range(1, 2))
         self._externals.end_base()
 
     def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
         """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
         declared = list(atoms)
         self._externals.stepless.update(declared)
-        self._ground([self.program.open_part(atom, atom in facts) for atom in declared], 1)
+        self._ground([self.program.open_part(atom, atom in facts) for atom in declared], range(1, 2))
         self.atoms.resolve_absent()
 
-    def _ground(self, parts: Parts, step: int) -> None:
+    def _ground(self, parts: Parts, steps: range) -> None:
         self._session.close()
         self._control.ground(parts)
-        self._externals.note(self._observer.fresh, step)
-        self._observer.fresh.clear()
-        self._heads.sort(self._externals.declared)
+        self._externals.note(steps)
         self._actions.expire()
 
     def ground_to(self, last: int) -> None:
         """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
         steps = range(self.horizon + 1, last + 1)
         self.horizon = last
-        self._blocks[steps[0]] = steps
-        self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps[0])
+        self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
         for step in steps:
             self._windows += [(self.program.guard(one, step), step, step + one - 1) for one in self.program.windows]
         self._hidden.update(guard for guard, *_ in self._windows)
