@@ -9,11 +9,8 @@ from pathlib import Path
 import pytest
 from service_helpers import TIMEOUT, running
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver
 from rosoclingo.oclingo.service import connection as service_client
-from rosoclingo.oclingo.service import protocol
 from rosoclingo.oclingo.service import server as service
-from rosoclingo.oclingo.service.server import Service, listen
 
 CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
 
@@ -302,17 +299,6 @@ def test_an_update_that_grounds_without_end_is_dropped():
         assert "the time limit of 1 s was reached" in reply.text
         while client.ask("#step 1. #endstep.").sets != [["e(1)"]]:
             pass
-
-
-@pytest.mark.slow
-def test_service_over_a_solver_in_this_process():
-    listener = listen("127.0.0.1", 0)
-    with socket.create_connection(listener.getsockname()) as connection:
-        connection.sendall(b"#step 1. e(1). #endstep.\0#stop.\0")
-        Service(ReactiveSolver(ReactiveProgram.from_text(ECHO)), listener).run()
-        data = connection.recv(4096)
-    assert data.startswith(protocol.GREETING)
-    assert data.endswith(b"End of Step.\n\0")
 
 
 @pytest.mark.mostly_slow

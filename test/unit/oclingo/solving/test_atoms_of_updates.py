@@ -316,18 +316,6 @@ def test_the_last_step_that_may_be_grounded():
     assert solver.solve().outcome is SolveOutcome.SATISFIABLE
 
 
-def test_a_solver_begins_at_the_first_step():
-    solver = solver_of(WALK)
-    assert (solver.step, solver.horizon) == (1, 1)
-
-
-def test_a_stop_ends_the_search(external):
-    assert play(external, "#step 1.").outcome is SolveOutcome.SATISFIABLE
-    update = parse_update("#step 9. #endstep.")
-    assert external.update(update, lambda: True).outcome is SolveOutcome.INTERRUPTED
-    assert external.solve().outcome is SolveOutcome.SATISFIABLE, "the next one begins anew"
-
-
 def test_a_dropped_update_leaves_what_was_in_force():
     solver = solver_of("#external e/1. #cumulative t. b(X,t) :- e(X). #volatile t.")
     play(solver, "#step 1. #volatile. new(x).")

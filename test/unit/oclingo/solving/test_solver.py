@@ -140,14 +140,6 @@ def test_what_is_unsatisfiable_for_good_names_the_bound():
     assert play(solver, "#step 3 : 50.").horizon == 9
 
 
-def test_an_update_is_refused_as_a_whole():
-    solver = solver_of("#cumulative t. #external e(t). #volatile t.", horizon_limit=5)
-    play(solver, "#step 1. e(1).")
-    with pytest.raises(SolverError, match="beyond the horizon limit 5"):
-        play(solver, "#step 9. e(2).")
-    assert atoms(play(solver, "#step 2.")) == ["e(1)"]
-
-
 def test_redefinition_at_run_time_is_refused_and_the_state_kept():
     solver = solver_of("#cumulative t. { m(t) }. p(t/4) :- m(t), t > 3. #volatile t.")
     play(solver, "#step 4.")
