@@ -40,6 +40,7 @@ class ReactiveProgram:
         sources: the texts that it was made of.
         texts: these and all that they include, in order.
         constants: values of ``#const`` names that were given from outside, as symbols.
+        values: the values of all constants.
         first_step: the first grounded step (1 unless ``#iinit`` says less).
         windows: the distinct lengths w of ``#volatile t : w.``, in steps.
         forgets: the ``#forget t : term.`` directives.
@@ -76,7 +77,6 @@ class ReactiveProgram:
         self._said: Optional[List[Fault]] = None  # what clingo says of the first steps, once they have been ground
         parsed = read_sources(sources, self._directives, self.remarks, whole)
         self.texts = tuple(one.source for one in parsed)
-        self._delays: Optional[Delays] = None
         self._known_delays: Dict[Signature, Optional[int]] = {}
         self.parts: List[Part] = rewrite(parsed, self._directives)
         opened = {one.signature for one in self._directives.opened}
@@ -118,11 +118,6 @@ class ReactiveProgram:
         """Tell whether some rule has a head of this name and arity."""
         return Signature(name, arity) in self.head_signatures
 
-    @property
-    def values(self) -> Mapping[str, clingo.Symbol]:
-        """The values of all constants."""
-        return self._values
-
     @cached_property
     def step_signatures(self) -> Set[Signature]:
         """The predicates that rules in the parts of steps define."""
@@ -142,12 +137,14 @@ class ReactiveProgram:
 
         The cycle is the last argument; see :mod:`~rosoclingo.oclingo.program.delays`.
         """
-        if self._delays is None:
-            self._delays = Delays(self.parts, self._values)
         signature = Signature(name, arity)
         if signature not in self._known_delays:
             self._known_delays[signature] = self._delays.of(signature)
         return self._known_delays[signature]
+
+    @cached_property
+    def _delays(self) -> Delays:
+        return Delays(self.parts, self.values)
 
     def time_position(self, name: str, arity: int) -> Optional[int]:
         """Return which argument of such an atom, or of such a term that is shown, is its cycle; None where none is."""
@@ -158,7 +155,7 @@ class ReactiveProgram:
 
     @cached_property
     def _time_positions(self) -> Dict[Signature, int]:
-        return time_positions(self.parts, self._values)
+        return time_positions(self.parts, self.values)
 
     def load_into(self, control: clingo.Control, foresees: bool = False) -> None:
         """Add all statements to ``control``, with those that tell what returns bear on where it ``foresees``.
@@ -292,19 +289,19 @@ class ReactiveProgram:
         self._action_cycles: List[Pattern] = []
         for part in self.parts:
             for statement, one in part.atoms:
-                pattern = Pattern(one.term, part.parameter, statement, self._values)
+                pattern = Pattern(one.term, part.parameter, statement, self.values)
                 if one.signature in self.external_signatures:
                     pattern.prepare()  # it is asked for by each update
                 if one.head and one.signature == ACTION:
                     alone = cycle_alone(one.term)
-                    self._action_cycles.append(Pattern(alone, part.parameter, statement, self._values))
+                    self._action_cycles.append(Pattern(alone, part.parameter, statement, self.values))
                 if one.head:
                     external = statement.ast_type == ASTType.External
                     table = self._declarations if external else self._heads
                     table.setdefault(one.signature, Patterns()).append(pattern)
                 if not one.head or one.signature in self.open_signatures:
                     self._patterns.setdefault(one.signature, Patterns()).append(pattern)
-        self.return_rules = return_rules(self.parts, self._values)
+        self.return_rules = return_rules(self.parts, self.values)
 
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""
@@ -329,18 +326,18 @@ class ReactiveProgram:
     def _evaluate_directives(self, control: Optional[clingo.Control]) -> List[Fault]:
         """Give windows, the first step and the constants in patterns their values; return what has none."""
         faults: List[Fault] = []
-        self._values = constant_values(self.parts, self.constants, control)
-        self.windows = sorted({number_of(one, self._values, faults) for one in self._directives.windows} | {1})
-        first = [number_of(one, self._values, faults) for one in self._directives.first_steps]
+        self.values = constant_values(self.parts, self.constants, control)
+        self.windows = sorted({number_of(one, self.values, faults) for one in self._directives.windows} | {1})
+        first = [number_of(one, self.values, faults) for one in self._directives.first_steps]
         self.first_step = min([1, *first[-1:]])
         self.forgets = self._directives.forgets
         for one in self.forgets:
-            number_of(one, self._values, faults, **{one.parameter: 1})
+            number_of(one, self.values, faults, **{one.parameter: 1})
         return faults
 
     def forgotten_at(self, step: int) -> List[int]:
         """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
-        return [number_of(one, self._values, [], **{one.parameter: step}) for one in self.forgets]
+        return [number_of(one, self.values, [], **{one.parameter: step}) for one in self.forgets]
 
     def _check(self) -> List[Fault]:
         """Return all faults that show before anything is grounded, or in the first steps; note what is odd."""
@@ -353,20 +350,20 @@ class ReactiveProgram:
             faults += error.faults
         faults += self._evaluate_directives(control)
         odd = checks.missing_parts(self.parts)
-        odd += checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self._values)
+        odd += checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self.values)
         if checks.uses_keywords(self.parts):
             faults += [one for one in odd if "volatile part" not in one.message]
             odd = [one for one in odd if one not in faults]
-        self.survey = Survey(self.parts, self._values, self._directives.opened)
+        self.survey = Survey(self.parts, self.values, self._directives.opened)
         self.remarks += [*odd, *undefined(self.survey), *messages.new_remarks(self.parameter_at)]
         self.remarks += given_values(self.survey, self.constants)
-        if not faults and control is not None and suspicious_heads(self.parts, self._values):
+        if not faults and control is not None and suspicious_heads(self.parts, self.values):
             faults += self._try(control, messages)
         return faults
 
     def redefinition_of(self, atom: str) -> List[Fault]:
         """Return a fault for each rule that may have defined ``atom``, so far defined by another step's, once more."""
-        suspects = suspicious_heads(self.parts, self._values)
+        suspects = suspicious_heads(self.parts, self.values)
         try:
             named = {signature_of(parse_atom(atom))}
         except ProgressionError:  # clingo has no name for it
