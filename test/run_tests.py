@@ -40,7 +40,6 @@ ON_BOTH = ("configured_interfaces", "core_words", "goal_server", "scenario_playe
 WAITING = (
     "configured_interfaces",
     "core_defence",
-    "core_disk",
     "core_killed",
     "core_start",
     "master_restarted",

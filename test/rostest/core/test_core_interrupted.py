@@ -9,13 +9,15 @@ import unittest
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from rosoclingo.msg import TaskPlan
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Hands, Updates
-from interface_helpers import Process, executable, init_node, process_of, wait_until
+from interface_helpers import PATIENCE, Process, executable, init_node, process_of, wait_until
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
 
@@ -177,6 +179,7 @@ class CoreInterrupted(unittest.TestCase):
             with core("moving", **settings) as process:
                 wait_until(lambda: len(hands.seen) == 4, "the core that goes on to send them again")
                 self.assertEqual({*hands.seen}, actions)
+                rospy.wait_for_message("moving/rosoclingo/task_plan", TaskPlan, PATIENCE)  # it has begun
                 process.signal(signal.SIGINT)
                 code, error = process.wait()
                 self.assertEqual(code, 0, error)
