@@ -127,6 +127,7 @@ def test_commands_print_any_text_in_any_locale(folder, command, words, environme
     assert re.search(words, output + errors), (output, errors)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 @pytest.mark.parametrize("command", [("gringo3to5", "küche3.lp"), ("golog", "küche.golog")])
 def test_programs_are_printed_in_utf8_in_any_locale(folder, command, environment):
@@ -134,6 +135,7 @@ def test_programs_are_printed_in_utf8_in_any_locale(folder, command, environment
     assert '("Küche")' in output
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 def test_standard_input_is_utf8_in_any_locale(folder, environment):
     output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode())

@@ -157,6 +157,7 @@ def test_a_suitcase_opens_once_both_latches_are_up():
     assert run.end == "succeeded"
 
 
+@pytest.mark.slow
 def test_the_barber_sleeps_while_nobody_is_there():
     run = Played("barber", "shop")
     assert run.done() == "sleep"

@@ -72,6 +72,7 @@ FACTS = st.one_of(
 STREAMS = st.lists(st.lists(FACTS, max_size=3, unique=True).map(" ".join), min_size=1, max_size=4)
 
 
+@pytest.mark.slow
 @SETTINGS
 @settings(max_examples=settings.default.max_examples // 3)
 @example(["_request(go(3),2). _shut(1,0).", "", "_opened(1,2).", "_shut(2,3).", "_request(cancel(3),5)."])

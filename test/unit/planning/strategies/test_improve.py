@@ -212,6 +212,7 @@ def test_predicted_updates_after_improve_need_no_search(searches):
     assert len(searches) == 9, "those of the comparison"
 
 
+@pytest.mark.slow
 def test_improve_uses_one_grounding_until_an_unpredicted_update(monkeypatch):
     built, make = [], Grounding.__init__
     monkeypatch.setattr(Grounding, "__init__", lambda *given, **named: built.append(1) or make(*given, **named))
@@ -343,6 +344,7 @@ def price(plan):
     return sum(wall.number * paint.number % 5 for wall, paint in walls)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("walls", [1, 4, 8])
 @pytest.mark.parametrize("steps", [0, 2])
 def test_improve_lowers_the_cost_of_a_program_that_optimizes(walls, steps):

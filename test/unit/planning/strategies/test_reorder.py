@@ -47,6 +47,7 @@ def test_reordered_continues_open_chains_on_the_way():
     assert found[found.index("go b") + 1] == "put 1"
 
 
+@pytest.mark.slow
 @pytest.mark.once
 def test_reordered_takes_ways_back_in_some_searches():
     ring = plan_of("go a; go b; go c; go d; take 1; go a; go b; go c; go d; take 2; go a")
@@ -113,6 +114,7 @@ def some_plan(packages, carried, draw):
     return acts, world
 
 
+@pytest.mark.slow
 @pytest.mark.once
 @given(
     st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=6), st.integers(0, 2), st.randoms()

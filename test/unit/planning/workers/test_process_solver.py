@@ -295,6 +295,7 @@ def idling(pool):
     return solver, worse, action
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("event", ["", "stopped", "killed"])
 def test_worker_improves_the_plan_in_force(event):
     """One that was started since, too; a stop does not wait for it."""

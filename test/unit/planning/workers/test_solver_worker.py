@@ -26,6 +26,7 @@ def worker():
     one.kill()
 
 
+@pytest.mark.slow
 def test_worker_that_hangs_is_not_waited_for(worker):
     assert worker.finish(None) == {}
     os.kill(worker.pid, signal.SIGSTOP)
