@@ -22,7 +22,7 @@ import numpy as np
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, PlanOutcome, Pose2D
 from rosoclingo.robot.navigation.grid import load_map
-from rosoclingo.robot.navigation.inflated_ways import InflatedWays
+from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
 ROOT = Path(__file__).resolve().parents[1]
 LENGTHS = ROOT / "test" / "data" / "navfn_lengths.json"
@@ -96,13 +96,13 @@ class Way(NamedTuple):
 
 def ways_of(costmap: Costmap, costs: np.ndarray) -> List[Way]:
     """Return ways between cells at random."""
-    random, planner, ways, found = np.random.default_rng(1), GridPlanner(), InflatedWays(costmap), []
+    random, planner, found = np.random.default_rng(1), GridPlanner(), []
     free = np.argwhere(costs < 253)
     while len(found) < PAIRS:
         ends = free[random.integers(len(free), size=2)]
         poses = [Pose2D(*costmap.grid.centre(*map(int, one)), 0.0) for one in ends]
         plan = planner.plan(costmap, *poses, 0.0)
-        told = ways.lengths_to(poses[0], poses[1:])[0]
+        told = navfn_lengths(costmap, poses[0], poses[1:])[0]
         if plan.outcome is PlanOutcome.FOUND and plan.length > 2.0 and told is not None:
             found.append(Way([int(number) for one in ends for number in one[::-1]], plan.length, told))
     return found

@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from rosoclingo.robot.navigation.compiled.clearance import update_clearance
-from rosoclingo.robot.navigation.compiled.places import Ground, update_places
+from rosoclingo.robot.navigation.compiled.clearance import update_clearance, update_open
 
 GRIDS = arrays(np.uint8, st.tuples(st.integers(3, 20), st.integers(3, 20)), elements=st.sampled_from([0, 0, 0, 0, 1]))
 
@@ -18,11 +17,14 @@ def clearance_of(occupied, reach=50.0):
     return out
 
 
-def ground_of(occupied, radius, reach=8.0, unknown=None):
-    inland = clearance_of(np.zeros_like(occupied) if unknown is None else unknown, reach)
-    ground = Ground(clearance_of(occupied, reach), occupied, inland, np.full(occupied.shape, 7, dtype=np.uint8), radius)
-    update_places(ground, 0, occupied.shape[0], 0, occupied.shape[1])
-    return ground
+def open_cells(occupied, radius, reach=8.0):
+    """The cells in which a disc can be."""
+    out = np.full(occupied.shape, 7, dtype=np.uint8)
+    closed = np.zeros(occupied.shape, dtype=bool)
+    update_open(
+        clearance_of(occupied, reach), occupied, closed, radius, 0, occupied.shape[0], 0, occupied.shape[1], out
+    )
+    return out
 
 
 def distance(occupied, x, y):

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
         RotateRecovery,
         default_recoveries,
     )
-    from rosoclingo.robot.navigation.scan_delay import ScanDelay
 
 __all__ = [
     "ClearCostmap",
@@ -61,7 +60,6 @@ __all__ = [
     "Result",
     "RolloutFollower",
     "RotateRecovery",
-    "ScanDelay",
     "State",
     "Tick",
     "Velocity",
@@ -99,7 +97,6 @@ __getattr__ = loader(
         "Result": "navigation_types",
         "RolloutFollower": "follower",
         "RotateRecovery": "recovery_behaviors",
-        "ScanDelay": "scan_delay",
         "State": "navigation_types",
         "Tick": "navigation_types",
         "Velocity": "local_planner",

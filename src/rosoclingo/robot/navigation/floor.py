@@ -10,7 +10,7 @@ from rosoclingo.robot.navigation.costmap import Costmap, CostmapLimits
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import load_map
 from rosoclingo.robot.navigation.grid_planner import GridPlanner, PlanOutcome
-from rosoclingo.robot.navigation.inflated_ways import InflatedWays
+from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
 #: A place is on the way between two others where the way over it is longer by no more than this part.
 DETOUR = 0.1
@@ -63,10 +63,10 @@ def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Fl
         faults += [fault] if fault else []
     if faults:
         raise FloorError("\n".join(faults))
-    names, distances, ways = tuple(sorted(labels.names)), {}, InflatedWays(costmap)
+    names, distances = tuple(sorted(labels.names)), {}
     for number, a in enumerate(names):
         others = names[number + 1 :]
-        lengths = ways.lengths_to(_pose(labels[a]), [_pose(labels[b]) for b in others])
+        lengths = navfn_lengths(costmap, _pose(labels[a]), [_pose(labels[b]) for b in others])
         for b, length in zip(others, lengths):
             plan = planner.plan(costmap, _pose(labels[a]), _pose(labels[b]), 0.0)
             if plan.outcome is PlanOutcome.FOUND:

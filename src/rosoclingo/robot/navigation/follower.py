@@ -12,22 +12,19 @@ from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import STOP, Command, FollowOutcome, LocalPlanner, Velocity
 from rosoclingo.robot.navigation.navigation_types import FollowerLimits
-from rosoclingo.robot.navigation.squeeze import Squeeze
-from rosoclingo.robot.navigation.trail import Trail
-from rosoclingo.robot.navigation.way_out import WayOut
 
 __all__ = ["RolloutFollower"]
 
 # A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
 NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
-EXACT = 0.01  # m: who is there is at the goal
+EXACT = 0.01  # m: a robot that is there is at the goal
 CLOSE = 0.005  # m that are kept free even where it is tight, unless there are less already
 RUSH = 0.08  # s: by so much times the speed above creeping more room is needed, as commands come late
 STEPS = 12  # places looked at along a trial
 WINDOW = 1.5  # m of the path within which the robot is looked for
-# Who has come less than GAIN (m) further in LULL (s) goes on in straight legs, and after PATIENCE (s) looks for room;
-# after twice that it says so. HOLD (m): a tight place is left behind after that much.
-GAIN, LULL, PATIENCE, HOLD = 0.05, 5.0, 10.0, 0.3
+# A robot that has come less than GAIN (m) further in LULL (s) tries what needs less room; after PATIENCE (s) it reports
+# the place as blocked.
+GAIN, LULL, PATIENCE = 0.05, 3.0, 8.0
 
 
 class RolloutFollower(LocalPlanner):
@@ -47,18 +44,12 @@ class RolloutFollower(LocalPlanner):
         self._whole = Body(radius, footprint)
         self._circle = Body(self._whole.outer)  # in which it can turn
         self._body = self._whole
-        self._squeeze = Squeeze(limits.creep_vel_x, limits.max_vel_theta, limits.turn_gain)
-        self._way_out = WayOut(limits.creep_vel_x)
-        self._held: Optional[Pose2D] = None  # where a tight place began
-        self._trail = Trail()
-        self._deepest: Optional[Pose2D] = None  # where it began to back out, while it does
-        self._least, self._lull = math.inf, 0.0  # what is left of the path at least, and since when (s)
+        self._least, self._lull = -1.0, 0.0  # what is left of the path at least, and since when (s)
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
-            self._arrived, self._held, self._lull, self._deepest = False, None, 0.0, None
-            self._way_out.end()
+            self._arrived, self._lull = False, 0.0
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -79,98 +70,62 @@ class RolloutFollower(LocalPlanner):
                 return command
             self._arrived = False  # nearer to the goal there may be room
         self._watch(now)
-        if self._deepest is not None:
-            return self._back(now, self._deepest).stopping_first(velocity)
-        self._trail.note(pose)
-        narrow = self._is_narrow(now)
-        if self.footprint and self._lull < LULL and not narrow and self._has_room(now, pose[:2]):
+        if self.footprint and self._lull < LULL and not self._is_narrow(now) and self._has_room(now, pose[:2]):
             # Where it has the room to turn, and on a way that has, it is to keep that.
             self._body = self._circle
             now = self._body.situation(costmap, pose, velocity, period)
-        if self._held is None and self._lull < LULL and not narrow:
-            carrot = self._carrot(now)
-            command = self._towards(now, carrot) if carrot is not None else Command(FollowOutcome.BLOCKED)
+        carrot = self._carrot(now)
+        if carrot is not None and self._lull < LULL:
+            command = self._towards(now, carrot)
             if command.outcome is not FollowOutcome.BLOCKED:
                 return command
-        return self._through(now).stopping_first(velocity)
+        return self._creep(now).stopping_first(velocity)
 
     def length_left(self, pose: Pose2D) -> float:
         """Return what is left of the path; see :class:`LocalPlanner`."""
         if not len(self._points):
             return math.inf
-        self._advance(pose)
-        x, y = points_at(self._points, self._along, self._index, np.array([self._place]))[0]
+        self._index, self._place = place_on(self._points, self._along, self._index, WINDOW, pose.x, pose.y)
+        x, y = self._at(0.0)
         return math.hypot(x - pose.x, y - pose.y) + float(self._along[-1] - self._place)
 
+    def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
+        """Tell whether turning on the spot at ``rate`` rad/s touches nothing that the robot does not touch now."""
+        return self._whole.may_turn(self._whole.situation(costmap, pose, STOP, 0.0), 0.4 * rate)
+
     def _watch(self, now: Situation) -> None:
-        """Keep for how long the robot has come no further; on a long way out it is not to."""
+        """Keep for how long the robot has come no further."""
         left = self.length_left(now.pose)
-        self._lull += 0.0 if self._way_out.leads_far else now.period
+        self._lull += now.period
         if self._least < 0.0:  # a new path
             self._least = left
         elif left < self._least - GAIN:
             self._least, self._lull = left, 0.0
 
-    def _through(self, now: Situation) -> Command:
-        """Go on in a tight place, or get out of it."""
-        if self._held is None:
-            self._held = now.pose
-        elif self._held.distance(now.pose) > HOLD and self._body.spare(now, self.limits.margin) >= self.limits.margin:
-            self._held = None  # until the next look
-        places = self._place + np.append(self._ahead[1:] * 0.5, self._ahead[-1])
-        points = points_at(self._points, self._along, self._index, np.concatenate(([self._place], places)))
-        velocity = self._way_out.go_on(self._whole, now)
-        if velocity is None and self._lull < PATIENCE:
-            far = np.hypot(*(points - now.pose[:2]).T) > 0.02
-            velocity = self._squeeze.command(self._body, now, points[far]) if far.any() else None
-            if velocity is None and not self._has_room(now, now.pose[:2]):
-                velocity = self._way_out.begin(self._whole, now)
-        if velocity is not None:
-            return Command(FollowOutcome.DRIVING, velocity)
-        if self._lull < PATIENCE or self._has_room(now, now.pose[:2]):
-            return self._escape(now, points[0])
-        self._deepest = now.pose
-        return self._back(now, now.pose)
-
-    def _back(self, now: Situation, deepest: Pose2D) -> Command:
-        """Go back the way the robot came, until it can turn; where it could not get on is to be gone round."""
-        if self._has_room(now, now.pose[:2]):
-            self._deepest = None
-            return self._give_up(deepest[:2])
-        point = self._trail.back(now.pose)
-        if point is not None:
-            speeds = np.array([-1.0, -0.5]) * self.limits.creep_vel_x
-            found = self._best(now, point, Trial(speeds, np.full(2, -CLOSE), 0.0, (1.0, 0.0, 0.0), self._slow_turn()))
-            if found is not None:
-                return Command(FollowOutcome.DRIVING, found)
-        self._deepest = None
-        return self._escape(now, self._points[self._index])
-
-    def _give_up(self, at: Tuple[float, float]) -> Command:
-        """Say that there is no getting on past a point (m) of the path; then start afresh."""
-        self._held, self._lull = None, 0.0
-        return Command(FollowOutcome.BLOCKED, STOP, at)
+    def _at(self, ahead: float) -> Tuple[float, float]:
+        """Return the point (m) of the path so far ahead (m)."""
+        x, y = points_at(self._points, self._along, self._index, np.array([self._place + ahead]))[0]
+        return float(x), float(y)
 
     def _has_room(self, now: Situation, *points: Sequence[float]) -> bool:
         """Tell whether the robot can turn at points (m); a disc always can."""
-        if not self.footprint:
-            return True
         cells = now.costmap.all_to_cells(np.array(points))
-        return bool(least_at(now.costmap.clearance, cells) * now.costmap.resolution >= self._body.outer)
+        return bool(least_at(now.costmap.clearance, cells) * now.costmap.resolution >= self._whole.outer)
 
     def _is_narrow(self, now: Situation) -> bool:
         """Tell whether the path ahead leads where the robot cannot turn: it must get straight in."""
-        ahead = points_at(self._points, self._along, self._index, self._place + self._ahead)
-        return bool(self.footprint) and not self._has_room(now, *ahead)
+        return not self._has_room(now, *points_at(self._points, self._along, self._index, self._place + self._ahead))
 
-    def _escape(self, now: Situation, point: Sequence[float]) -> Command:
-        """Creep, backwards too, or turn to where there is more room."""
-        parts = (1.0, 0.5, 0.0, -0.5, -1.0) if self._body.footprint else (1.0, 0.5, -0.5, -1.0)
-        speeds, needs = np.array(parts) * self.limits.creep_vel_x, np.full(len(parts), -CLOSE)
-        found = self._best(now, point, Trial(speeds, needs, 2.0 * self.radius, (0.1, 0.0, 1.0), self._slow_turn()))
-        if found is None or self._lull > 2.0 * PATIENCE:
-            ahead = points_at(self._points, self._along, self._index, np.array([self._place + NEAR]))[0]
-            return self._give_up((float(ahead[0]), float(ahead[1])))
+    def _creep(self, now: Situation) -> Command:
+        """Go on slowly, backwards too, with as little room as there is; report the path as blocked after a while."""
+        parts = np.array([1.0, 0.5, 0.25, 0.0, -0.5, -1.0])
+        rate = self._body.slow_turn(self.limits.creep_vel_x, self.limits.max_vel_theta)
+        needs, weights = np.full(len(parts), -CLOSE), (1.0, 0.25, 0.6)
+        trial = Trial(parts * self.limits.creep_vel_x, needs, self.limits.comfort, weights, rate)
+        found = self._best(now, self._at(NEAR), trial)
+        if found is None or self._lull > PATIENCE:
+            self._lull = 0.0
+            return Command(FollowOutcome.BLOCKED, STOP, self._at(NEAR))
         return Command(FollowOutcome.DRIVING, found)
 
     def _towards(self, now: Situation, carrot: Tuple[float, float]) -> Command:
@@ -192,13 +147,10 @@ class RolloutFollower(LocalPlanner):
         # The slowest need no more room than there is.
         needs[speeds <= max(limits.creep_vel_x, speeds[-2])] = -limits.margin
         found = self._best(now, carrot, Trial(speeds, needs, limits.comfort, (1.0, 0.25, 0.6), limits.max_vel_theta))
-        # Who faces a point and can only turn is stuck.
+        # A robot that faces a point and can only turn is stuck.
         if found is None or (found.linear < 0.02 and abs(now.bearing(carrot)) <= FACING):
             return Command(FollowOutcome.BLOCKED)
         return Command(FollowOutcome.DRIVING, found)
-
-    def _slow_turn(self) -> float:
-        return self._body.slow_turn(self.limits.creep_vel_x, self.limits.max_vel_theta)
 
     def _speeds(self, now: Situation) -> np.ndarray:
         """Return the speeds (m/s) within reach of the accelerations, and a stop to turn on the spot."""
@@ -242,7 +194,6 @@ class RolloutFollower(LocalPlanner):
 
     def _carrot(self, now: Situation) -> Optional[Tuple[float, float]]:
         """Return the point furthest ahead on the path that a straight line leads to, None where that is too near."""
-        self._advance(now.pose)
         costmap = now.costmap
         points = points_at(self._points, self._along, self._index, self._place + self._ahead)
         inner = self._body.inner / costmap.resolution
@@ -255,10 +206,6 @@ class RolloutFollower(LocalPlanner):
             np.array([inner, inner - 0.25, inner - 0.5]),
         )
         return (float(points[i, 0]), float(points[i, 1])) if i >= 0 else None
-
-    def _advance(self, pose: Pose2D) -> None:
-        """Move on to the path's place nearest to the robot; never back to a segment before."""
-        self._index, self._place = place_on(self._points, self._along, self._index, WINDOW, pose.x, pose.y)
 
     def _turn(self, now: Situation, error: float, final: bool = False) -> Command:
         """Turn on the spot by ``error`` rad; ``final``: that is all that is left to do."""
@@ -273,7 +220,3 @@ class RolloutFollower(LocalPlanner):
                 turn = now.eased(math.copysign(rate, angle), self.limits.acc_lim_theta)
                 return Command(FollowOutcome.DRIVING, Velocity(0.0, turn))
         return Command(FollowOutcome.BLOCKED)
-
-    def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
-        """Tell whether turning on the spot at ``rate`` rad/s touches nothing that the robot does not touch now."""
-        return self._whole.may_turn(self._whole.situation(costmap, pose, STOP, 0.0), 0.4 * rate)

@@ -2,27 +2,23 @@
 
 import enum
 import math
-from typing import Callable, List, NamedTuple, Optional, Tuple
+from typing import Iterator, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.places import Ground, nearest_place, places_of
-from rosoclingo.robot.navigation.compiled.search import find_cells
-from rosoclingo.robot.navigation.compiled.straightening import ease, pull, straighten, tighten
-from rosoclingo.robot.navigation.costmap import SPARE, Costmap
+from rosoclingo.robot.navigation.compiled.clearance import square_distance
+from rosoclingo.robot.navigation.compiled.marching import ease, march, thin, way_down
+from rosoclingo.robot.navigation.compiled.path import least_along
+from rosoclingo.robot.navigation.costmap import SPARE, Costmap, Ground
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.navigation.landmarks import CostWeights, Landmarks
 
 __all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
 
 STRAIGHT = 5.0  # weight of room on ways that are narrower than the robot's turning circle
-PULLS = 1  # of pulling a path straight part by part
-# Cells: a way that short is looked for in sixteen directions too, with part of the weight of comfort. In eight, one of
-# two ways round may seem up to 8 % longer than it is, which evens out on long ways.
-SHORT, PART = 250, 0.5
-ROUNDS = 6  # of pulling a path tight
-EASE = 0.03  # m more than its radius and SPARE that a way keeps free where it bends, if there is room
-JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is a place of the ways
+JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is an open cell
+# A way keeps so much (m) more than its radius free, and half a cell, where it can: else it costs DEAR more.
+EASE, DEAR = 0.03, 3.0
+BENT = 0.1  # cells: points of a path are left out where it is straighter than that
 
 
 class PlanOutcome(enum.Enum):
@@ -87,136 +83,126 @@ class GlobalPlanner:
 
     It is made with its parameters, the mapping under the last part of its class path. All calls come from one thread,
     beside that which drives the robot; the costmap does not change meanwhile.
-    ``wanted`` tells whether anybody still waits for the plan: a planner that takes long asks it now and then, and
-    returns the outcome GIVEN_UP where nobody does.
+    ``dropped`` (bool, one item) is set by another thread when nobody waits for the plan any more: a planner that takes
+    long asks :meth:`wanted` now and then, and returns the outcome GIVEN_UP.
     """
 
     def __init__(self, parameters: Optional[dict] = None) -> None:
         self.parameters = dict(parameters or {})
-        self.wanted: Callable[[], bool] = lambda: True
+        self.dropped = np.zeros(1, dtype=bool)
+
+    def wanted(self) -> bool:
+        """Return whether anybody still waits for the plan."""
+        return not self.dropped[0]
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return a path, or why there is none. ``tolerance`` (m) is default_tolerance unless given."""
         raise NotImplementedError
 
-    def prepare(self, costmap: Costmap) -> bool:
-        """Do some of what makes later plans faster, and be brief; tell whether more is left to do.
-
-        It is called again and again while nothing is driven, until it tells that nothing is left for this map.
-        """
-        return False
-
 
 class GridPlanner(GlobalPlanner):
-    """Cheapest path by A* on the clearance field, straightened: never closer to anything than the robot's radius."""
+    """Cheapest path by fast marching on the clearance field, as navfn: no closer to anything than the robot's radius.
+
+    In tight places half a cell closer.
+    """
 
     def __init__(self, parameters: Optional[dict] = None) -> None:
         super().__init__(parameters)
         self.limits = GridPlannerLimits(**self.parameters)
-        self._landmarks: Optional[Landmarks] = None
 
     def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
         """Return the path; see :class:`GlobalPlanner`."""
-        for i in range(len(costmap.grounds)):
-            found = self._plan_on(costmap, (costmap.grounds[i], costmap.static_grounds[i]), start, goal, tolerance)
-            if found.outcome is PlanOutcome.FOUND:
-                return found
+        reach = self.limits.default_tolerance if tolerance is None else max(0.0, tolerance)
+        found = self._plan(costmap, start, goal, reach)
         if found.outcome is not PlanOutcome.NO_PATH or not costmap.has_marks:
             return found
         # Whom to blame: is there a way on the map alone?
-        alone = self._plan_on(costmap, (costmap.static_grounds[-1],) * 2, start, goal, tolerance)
+        alone = self._plan(costmap.alone(), start, goal, reach)
         return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
 
-    def _plan_on(
-        self, costmap: Costmap, grounds: Tuple[Ground, Ground], start: Pose2D, goal: Pose2D, tolerance: Optional[float]
-    ) -> Plan:
-        """Plan on one ground; the other one is that of the map alone."""
-        ground, static_ground = grounds
+    def _plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, reach: float) -> Plan:
+        for ground in costmap.grounds:
+            found = self._plan_on(costmap, ground, start, goal, reach)
+            if found.outcome is PlanOutcome.FOUND:
+                break
+        return found
+
+    def _plan_on(self, costmap: Costmap, ground: Ground, start: Pose2D, goal: Pose2D, reach: float) -> Plan:
         if not costmap.grid.contains(start.x, start.y):
             return _failed(PlanOutcome.START_OFF_MAP)
         if not costmap.grid.contains(goal.x, goal.y):
             return _failed(PlanOutcome.GOAL_OFF_MAP)
-        reach = self.limits.default_tolerance if tolerance is None else max(0.0, tolerance)
         last = _end(costmap, ground, goal, reach)
         if last is None:
-            if _end(costmap, static_ground, goal, reach) is not None:
-                return _failed(PlanOutcome.GOAL_IN_UNMAPPED)
-            unknown = costmap.grid.cells[costmap.grid.cell(goal.x, goal.y)] < 0
-            return _failed(PlanOutcome.GOAL_UNKNOWN if unknown else PlanOutcome.GOAL_IN_OBSTACLE)
+            return _failed(self._fault_of_goal(costmap, goal, reach))
         first = _end(costmap, ground, start, self.limits.escape_distance)
         if first is None:
             return _failed(PlanOutcome.START_BLOCKED)
-        weights = self._weights(costmap)
-        narrow = ground.radius < costmap.grounds[0].radius
-        if narrow:
-            # Where it cannot turn the robot is to get straight in and straight out.
-            weights = CostWeights(costmap.grounds[0].radius, STRAIGHT)
-        landmarks = self._costs_of_landmarks(costmap, weights)
-        cells = find_cells(ground, *weights, *first.cell, *last.cell, 8, landmarks, self.wanted)
-        if cells is not None and 0 < len(cells) < SHORT and not narrow:
-            fine = weights._replace(weight=PART * weights.weight)
-            cells = find_cells(ground, *fine, *first.cell, *last.cell, 16, landmarks[:0], self.wanted)
-        if cells is None or not len(cells):
-            return _failed(PlanOutcome.GIVEN_UP if cells is None else PlanOutcome.NO_PATH)
-        points = np.concatenate([first.points, places_of(ground.places, cells), last.points])
-        pull(points, ground, *weights, PULLS)
-        points = straighten(points, ground, *weights)
-        tighten(points, ground, *weights, ROUNDS)
-        points = straighten(points, ground, *weights)
-        ease(points, ground, EASE / costmap.resolution)
-        return Plan(PlanOutcome.FOUND, self._in_metres(costmap, points), ground.radius * costmap.resolution - SPARE)
-
-    def prepare(self, costmap: Costmap) -> bool:
-        """Find landmarks on the map, part by part; see :class:`GlobalPlanner`."""
-        if self._landmarks is None or self._landmarks.ground is not costmap.static_grounds[-1]:
-            self._landmarks = Landmarks(costmap.static_grounds[-1], self._weights(costmap))
-        self._landmarks.go_on()
-        return not self._landmarks.done
-
-    def _costs_of_landmarks(self, costmap: Costmap, weights: CostWeights) -> np.ndarray:
-        """Return what the search is led by (float32; n, cells), n 0 where nothing has been prepared for this map."""
-        found = self._landmarks
-        if found is None or found.ground is not costmap.static_grounds[-1] or found.weights != weights:
-            return np.empty((0, costmap.grounds[-1].places.size), dtype=np.float32)
-        return found.costs
-
-    def _weights(self, costmap: Costmap) -> CostWeights:
-        comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
-        return CostWeights(max(1.0, comfort / costmap.resolution), self.limits.comfort_weight)
-
-    def _in_metres(self, costmap: Costmap, points: np.ndarray) -> np.ndarray:
-        """Return the points in m, with more of them put in at ``spacing``."""
+        found = march(self._costs(costmap, ground), *last.cell, *first.cell, self.dropped)
+        if not math.isfinite(found[first.cell]):
+            return _failed(PlanOutcome.NO_PATH if self.wanted() else PlanOutcome.GIVEN_UP)
+        way = way_down(found, *first.at, *last.at)[:, ::-1] + 0.5
+        ease(way, costmap.occupied, ground.radius + EASE / costmap.resolution)
+        points = thin(np.concatenate([first.points, way, last.points]), self.limits.spacing / costmap.resolution, BENT)
         metres = points * costmap.resolution + (costmap.grid.origin_x, costmap.grid.origin_y)
-        return dense(metres, self.limits.spacing)
+        return Plan(PlanOutcome.FOUND, metres, ground.radius * costmap.resolution - SPARE)
+
+    def _fault_of_goal(self, costmap: Costmap, goal: Pose2D, reach: float) -> PlanOutcome:
+        alone = costmap.alone()
+        if costmap.has_marks and any(_end(alone, ground, goal, reach) is not None for ground in alone.grounds):
+            return PlanOutcome.GOAL_IN_UNMAPPED
+        unknown = costmap.grid.cells[costmap.grid.cell(goal.x, goal.y)] < 0
+        return PlanOutcome.GOAL_UNKNOWN if unknown else PlanOutcome.GOAL_IN_OBSTACLE
+
+    def _costs(self, costmap: Costmap, ground: Ground) -> np.ndarray:
+        """Return what a way of the length of a cell costs in each (float32): 1, and more next to things."""
+        comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
+        comfort, weight = max(1.0, comfort / costmap.resolution), self.limits.comfort_weight
+        if ground.radius < costmap.grounds[0].radius:
+            # Where it cannot turn the robot is to get straight in and straight out.
+            comfort, weight = costmap.grounds[0].radius, STRAIGHT
+        costs = 1.0 + weight * np.maximum(0.0, 1.0 - costmap.clearance / np.float32(comfort))
+        ease = np.float32(EASE / costmap.resolution + 0.5)
+        costs += DEAR * np.clip((np.float32(ground.radius) + ease - costmap.clearance) / ease, 0.0, 1.0)
+        return np.where(ground.open > 0, costs, np.float32(np.inf))
 
 
 class _End(NamedTuple):
-    """Where a way begins or ends: a ``cell`` with a place, and its ``points`` (n, 2) beyond that: one or none."""
+    """Where a way begins or ends: ``at`` (row, column; 0 in the middle of the first) in an open ``cell``.
+
+    ``points`` (n, 2; x, y in cells) are those beyond that: one or none.
+    """
 
     cell: Tuple[int, int]
+    at: Tuple[float, float]
     points: np.ndarray
 
 
 def _end(costmap: Costmap, ground: Ground, pose: Pose2D, reach: float) -> Optional[_End]:
-    """Return how a pose is joined to the ways: by a straight line, else by the nearest place within ``reach`` m."""
+    """Return how a pose is joined to the ways: by a straight line, else by the nearest open cell within ``reach`` m."""
     x, y = costmap.to_cells(pose.x, pose.y)
-    bare = ground._replace(radius=costmap.limits.robot_radius / costmap.resolution)
-    row, column = nearest_place(bare, x, y, JOINED + 1.5 * (ground.radius - bare.radius), True)
-    if row >= 0:
-        return _End((row, column), np.array([[x, y]]))
-    row, column = nearest_place(ground, x, y, reach / costmap.resolution, False)
-    return _End((row, column), np.empty((0, 2))) if row >= 0 else None
+    row, column = costmap.grid.cell(pose.x, pose.y)
+    bare = costmap.limits.robot_radius / costmap.resolution
+    if square_distance(costmap.occupied, x, y, bare + 1.0) >= bare:
+        if ground.open[row, column]:
+            return _End((row, column), (y - 0.5, x - 0.5), np.empty((0, 2)))
+        for cell in _open_cells(ground, x, y, JOINED + 1.5 * (ground.radius - bare)):
+            if least_along(costmap.clearance, x, y, cell[1] + 0.5, cell[0] + 0.5) > 0.0:
+                return _End(cell, (float(cell[0]), float(cell[1])), np.array([[x, y]]))
+    for cell in _open_cells(ground, x, y, reach / costmap.resolution):
+        return _End(cell, (float(cell[0]), float(cell[1])), np.empty((0, 2)))
+    return None
 
 
-def dense(points: np.ndarray, spacing: float) -> np.ndarray:
-    """Return points (n, 2) with the gaps between them divided evenly, into parts no longer than ``spacing``."""
-    if len(points) < 2:
-        return points
-    parts: List[np.ndarray] = []
-    for a, b in zip(points[:-1], points[1:]):
-        count = max(1, math.ceil(math.hypot(*(b - a)) / spacing))
-        parts.append(a + (b - a) * (np.arange(count)[:, None] / count))
-    return np.concatenate([*parts, points[-1:]])
+def _open_cells(ground: Ground, x: float, y: float, reach: float) -> Iterator[Tuple[int, int]]:
+    """Yield the open cells whose middle is within ``reach`` of a point (cells), the nearest first."""
+    top, left = max(0, math.floor(y - reach)), max(0, math.floor(x - reach))
+    near = ground.open[top : math.ceil(y + reach) + 1, left : math.ceil(x + reach) + 1]
+    cells = np.argwhere(near) + np.array([top, left])
+    away = np.hypot(cells[:, 0] + 0.5 - y, cells[:, 1] + 0.5 - x)
+    for i in np.argsort(away, kind="stable"):
+        if away[i] <= reach:
+            yield int(cells[i, 0]), int(cells[i, 1])
 
 
 def _failed(outcome: PlanOutcome) -> Plan:

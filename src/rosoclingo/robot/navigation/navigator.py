@@ -37,6 +37,7 @@ SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 # counts once more for each detour and each way left: what seems to be open and closed in turns must not draw it to and
 # fro.
 WORTHWHILE = 0.9
+TIGHT = 0.75  # cells by which a way can come nearer to things than it should
 MOVED = 0.1  # m that the robot may have moved while it was planned
 
 
@@ -299,9 +300,8 @@ class Navigator:
     def _first_block(self, pose: Pose2D) -> Optional[Tuple[float, float]]:
         """Return the point (m) of the way at which it is blocked, None where it is not."""
         costmap = self.costmap
+        radius = max(self.follower.radius, self.plan.radius) / costmap.resolution
         cells = costmap.all_to_cells(self.plan.points)
         x, y = costmap.to_cells(pose.x, pose.y)
-        bare = self.follower.radius / costmap.resolution
-        radius = max(bare, self.plan.radius / costmap.resolution)
-        block = first_block(costmap.grounds[0], cells, x, y, radius, bare)
+        block = first_block(costmap.clearance, costmap.closed, cells, x, y, radius - TIGHT)
         return None if math.isnan(block[0]) else costmap.to_metres(*block)

@@ -16,7 +16,7 @@ from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D, load_map
 from rosoclingo.robot.navigation.floor import Floor, FloorError, floor_of, floor_program
 from rosoclingo.robot.navigation.grid import OccupancyGrid
-from rosoclingo.robot.navigation.inflated_ways import InflatedWays
+from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
 ROOT = Path(__file__).resolve().parents[4]
 OFFICE = (ROOT / "worlds" / "office.yaml", ROOT / "config" / "office_labels.yaml")
@@ -75,11 +75,10 @@ def test_measures_are_numbers_from_0_on(measure, value):
         floor_program(*map(str, OFFICE), CostmapLimits()._replace(**{measure: value}))
 
 
-def test_a_label_at_a_wall_is_joined_to_the_ways_and_one_far_in_it_is_not(hall):
-    ways = InflatedWays(hall)
-    start, near, far = Pose2D(2.0, 3.0, 0.0), Pose2D(2.0, 0.15, 0.0), Pose2D(6.02, 1.0, 0.0)
-    assert ways.lengths_to(start, [near, far]) == [pytest.approx(2.85, rel=0.02), None]
-    assert ways.lengths_to(far, [start, near]) == [None, None]
+def test_navfn_finds_no_way_to_where_the_robot_cannot_stand(hall):
+    start, near, far = Pose2D(2.0, 3.0, 0.0), Pose2D(2.0, 0.5, 0.0), Pose2D(6.02, 1.0, 0.0)
+    assert navfn_lengths(hall, start, [near, far]) == [pytest.approx(2.5, rel=0.02), None]
+    assert navfn_lengths(hall, far, [start, near]) == [None, None]
 
 
 def test_what_cannot_be_reached_has_no_distance(hall):

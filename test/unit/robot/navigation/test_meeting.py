@@ -81,8 +81,8 @@ def test_a_footprint_that_backs_away_from_a_point_does_not_swing_a_corner_over_i
 
 def test_unmarked_is_what_neither_map_nor_marks_explain():
     costmap = Costmap(room())
-    angles = np.array([0.0, 0.5 * math.pi, math.pi])
-    ranges = np.array([1.0, 4.0, 0.9])  # something ahead, far away, the wall (noise included)
+    angles = np.array([-0.01, 0.0, 0.01, 0.5 * math.pi, math.pi])
+    ranges = np.array([1.0, 1.0, 1.0, 4.0, 0.9])  # something ahead, far away, the wall (noise included)
     costmap.observe(Pose2D(1.0, 3.0), angles, ranges, 8.0)
     assert costmap.unmarked == pytest.approx(np.array([[2.0, 3.0]]))
     for _ in range(8):

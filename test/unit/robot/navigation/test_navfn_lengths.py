@@ -7,12 +7,12 @@ import pytest
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, PlanOutcome, Pose2D
 from rosoclingo.robot.navigation.grid import load_map
-from rosoclingo.robot.navigation.inflated_ways import InflatedWays
+from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
 ROOT = Path(__file__).resolve().parents[4]
 LENGTHS = json.loads((ROOT / "test" / "data" / "navfn_lengths.json").read_text())
 NEAR = 0.03  # of navfn's length
-WIDER = 0.04  # the same for the planner, which keeps half a cell more free
+WIDER, CORNERS = 0.04, 0.5  # the same for the planner, and m by which it keeps more free where it goes round things
 PLAIN, INFLATED = (0.0, 10.0), (0.55, 10.0)  # radius (m), scaling (1/m)
 
 pytestmark = [pytest.mark.slow, pytest.mark.once]
@@ -31,9 +31,8 @@ def measured(name, inflation):
 @pytest.mark.parametrize("inflation", [PLAIN, INFLATED])
 def test_places_tells_the_lengths_of_navfn(name, inflation):
     costmap, found = measured(name, inflation)
-    ways = InflatedWays(costmap)
     for goal, start, length in found[::4]:
-        assert ways.lengths_to(goal, [start]) == [pytest.approx(length, rel=NEAR)]
+        assert navfn_lengths(costmap, goal, [start]) == [pytest.approx(length, rel=NEAR)]
 
 
 @pytest.mark.parametrize("name", ["office", "house"])
@@ -42,4 +41,4 @@ def test_the_planner_s_ways_are_as_long_as_the_shortest_of_navfn(name):
     for start, goal, length in found[::4]:
         plan = GridPlanner().plan(costmap, start, goal, 0.0)
         assert plan.outcome is PlanOutcome.FOUND
-        assert plan.length == pytest.approx(length, rel=WIDER)
+        assert (1.0 - WIDER) * length <= plan.length <= (1.0 + WIDER) * length + CORNERS

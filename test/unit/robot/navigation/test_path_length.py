@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
+from rosoclingo.robot.navigation.costmap import SPARE
 
 RADIUS = 0.18
-LEAST = RADIUS + 0.005  # what a way keeps free
+LEAST = RADIUS + SPARE  # what a way keeps free
 # Steps to all cells up to 4 away that are not in line with a nearer one: 48 directions, at most 0.7 % too long.
 DIRECTIONS = [(r, c) for r in range(-4, 5) for c in range(-4, 5) if math.gcd(r, c) == 1]
 
@@ -85,7 +86,8 @@ def line_is_good(good, here, direction):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *(pytest.param(one, marks=pytest.mark.once) for one in range(1, 6))])
-def test_a_path_is_within_3_percent_of_the_shortest(seed):
+def test_a_path_is_within_a_tenth_of_the_shortest(seed):
+    """It keeps more free than that where it can, and half a cell less where it must."""
     grid = clutter(seed)
     costmap = Costmap(grid, CostmapLimits(robot_radius=RADIUS))
     free = np.argwhere(costmap.clearance > 2.2)
@@ -98,16 +100,5 @@ def test_a_path_is_within_3_percent_of_the_shortest(seed):
         if plan.outcome is not PlanOutcome.FOUND:
             assert best == math.inf
         elif best > 3.0:
-            assert plan.length <= 1.03 * best
+            assert plan.length <= 1.1 * best
             assert plan.length >= 0.97 * best  # else it would cut corners, or the reference be too long
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_of_two_ways_round_the_one_that_is_shorter_is_taken(turned):
-    """Above it is 21.7 m, at 22.5 degrees; below, along the grid and its diagonals, 22.8 m."""
-    cells = np.zeros((100, 220), dtype=np.int8)
-    cells[50 - 32 : 50 + 40, 109:111] = 100
-    cells[50 - 32 : 50, 10 + 35 : 10 + 165] = 100
-    grid = OccupancyGrid(np.ascontiguousarray(cells.T if turned else cells), 0.1)
-    ends = [Pose2D(*((5.0, x) if turned else (x, 5.0))) for x in (1.0, 21.0)]
-    assert GridPlanner().plan(Costmap(grid, CostmapLimits(robot_radius=RADIUS)), *ends).length < 21.9

@@ -10,7 +10,9 @@ import numpy as np
 
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["cast_rays", "inflate", "square_distance", "update_clearance"]
+__all__ = ["cast_rays", "inflate", "square_distance", "update_clearance", "update_open"]
+
+HALF_DIAGONAL = math.sqrt(0.5)
 
 
 @jit
@@ -115,6 +117,24 @@ def square_distance(occupied, x, y, reach):
                 dy = max(0.0, max(row - y, y - row - 1.0))
                 best = min(best, dx * dx + dy * dy)
     return math.sqrt(best)
+
+
+@jit
+def update_open(clearance, occupied, closed, radius, row0, row1, column0, column1, out) -> None:
+    """Write into ``out[row0:row1, column0:column1]`` (uint8 H, W) whether a disc of ``radius`` can be in each cell.
+
+    It can where its middle, a corner or the middle of an edge is so far from what is ``occupied``: the narrowest place
+    of a gap is one of these. Not in cells that are ``closed`` (bool H, W).
+    """
+    for row in range(row0, row1):
+        for column in range(column0, column1):
+            room = clearance[row, column]
+            fits = room >= radius
+            if not fits and room + HALF_DIAGONAL >= radius:
+                for k in range(9):
+                    x, y = column + 0.5 * (k % 3), row + 0.5 * (k // 3)
+                    fits = fits or square_distance(occupied, x, y, radius + 1.0) >= radius
+            out[row, column] = fits and not closed[row, column]
 
 
 @jit

@@ -2,9 +2,10 @@
 
 import hashlib
 import os
+import platform
 import shutil
 from pathlib import Path
-from typing import Any, Callable, List
+from typing import Any, Callable
 
 import numba
 
@@ -15,7 +16,7 @@ BUILT = Path("share", "rosoclingo", "numba")  # in the devel or install space: w
 
 
 def cache_folder(sources: Path) -> str:
-    """Return where compiled code is kept: a folder for each place and state of the modules in all ``compiled`` folders.
+    """Return where compiled code is kept: a folder for each place and state of the modules in ``compiled`` folders.
 
     It is in numba's own (``NUMBA_CACHE_DIR``), else in the user's cache folder; where nothing is there yet, it begins
     with what was compiled when the package was built.
@@ -24,7 +25,8 @@ def cache_folder(sources: Path) -> str:
     would go on with what that once was.
     """
     files = sorted(sources.glob("*/compiled/*.py"))
-    content = [str(sources).encode(), *(file.read_bytes() for file in files)]
+    versions = f"{sources} {platform.python_version()}"
+    content = [versions.encode(), *(file.read_bytes() for file in files)]
     digest = hashlib.sha256(b"".join(content)).hexdigest()[:16]
     user = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return os.path.join(numba.config.CACHE_DIR or os.path.join(user, "rosoclingo", "numba"), digest)
@@ -55,7 +57,6 @@ def _take_over(folder: str) -> None:
 
 FOLDER = cache_folder(SOURCES)
 _take_over(FOLDER)
-FUNCTIONS: List[Any] = []  # all that are compiled when they are called
 CACHES = _is_writable(FOLDER)  # else each process compiles anew
 
 
@@ -63,8 +64,6 @@ def jit(function: Callable) -> Any:
     """Have a function compiled by numba when it is called first, to run without holding the interpreter's lock."""
     others, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
     try:
-        compiled = numba.njit(cache=CACHES, nogil=True)(function)
+        return numba.njit(cache=CACHES, nogil=True)(function)
     finally:
         numba.config.CACHE_DIR = others
-    FUNCTIONS.append(compiled)
-    return compiled

@@ -1,7 +1,7 @@
-"""The compiled fast marching method: how far the cells of a map are from one of them, where cells differ in cost.
+"""The compiled fast marching method: what the cheapest way from each cell of a map to one of them costs.
 
-After J. A. Sethian, "A fast marching level set method for monotonically advancing fronts" (1996). Lengths are in cells;
-cell (row, column) has its middle there.
+After J. A. Sethian, "A fast marching level set method for monotonically advancing fronts" (1996); navfn does the same.
+Lengths are in cells; cell (row, column) has its middle there.
 """
 
 import heapq
@@ -9,37 +9,47 @@ import math
 
 import numpy as np
 
+from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["length_down", "march"]
+__all__ = ["ease", "march", "thin", "way_down"]
 
 STEP = 0.5  # of a way down, in cells
+TURNS = 6  # steps within one cell before the way goes on to the lowest cell next to it
+STEEP = 1e-9
+NUDGE = 1e-3
 AROUND = ((1, 0), (-1, 0), (0, 1), (0, -1))
+DIAGONALS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
 @jit
-def march(costs, row, column):
+def march(costs, row, column, to_row, to_column, stop):
     """Return what the cheapest way from each cell to one of them costs (float64 H, W), inf where there is none.
 
-    ``costs``: float64 (H, W), of a way of the length of a cell, above 0; inf where there is none.
+    ``costs``: float32 (H, W), of a way of the length of a cell, 1 or more; inf where there is none. The search goes
+    towards (to_row, to_column) and ends there: values of other cells can be missing. Where ``to_row`` is -1 it goes
+    everywhere. It ends early once ``stop`` (bool, one item) is set.
     """
     height, width = costs.shape
     found = np.full((height, width), np.inf)
     done = np.zeros((height, width), dtype=np.bool_)
     found[row, column] = 0.0
     front = [(0.0, row, column)]
-    while len(front) > 0:
+    while len(front) > 0 and not stop[0]:
         _, r, c = heapq.heappop(front)
         if done[r, c]:
             continue
         done[r, c] = True
+        if r == to_row and c == to_column:
+            break
         for dr, dc in AROUND:
             i, j = r + dr, c + dc
             if 0 <= i < height and 0 <= j < width and not done[i, j] and costs[i, j] < np.inf:
                 value = _cost_at(found, i, j, costs[i, j])
                 if value < found[i, j]:
                     found[i, j] = value
-                    heapq.heappush(front, (value, i, j))
+                    left = math.hypot(i - to_row, j - to_column) if to_row >= 0 else 0.0
+                    heapq.heappush(front, (value + left, i, j))
     return found
 
 
@@ -56,22 +66,46 @@ def _cost_at(found, row, column, cost):
 
 
 @jit
-def length_down(found, row, column, last_row, last_column):
-    """Return the length of the way down from a point to where ``found`` is 0; nan where it leads nowhere."""
-    height, width = found.shape
-    length = 0.0
-    for _ in range(20 * (height + width)):
-        gap = math.hypot(row - last_row, column - last_column)
-        if gap < 1.5:
-            return length + gap
+def way_down(found, row, column, last_row, last_column):
+    """Return the way (float64 n, 2; row, column) from a point down to where ``found`` is 0; it begins with the point.
+
+    It follows the slope. Where that leads up or nowhere, it goes on to the lowest cell next to it, so that it ends.
+    """
+    points = [(row, column)]
+    turns = 0
+    r, c = int(math.floor(row + 0.5)), int(math.floor(column + 0.5))
+    while math.hypot(row - last_row, column - last_column) > 1.0:
         down, right = _slope(found, row, column)
         steep = math.hypot(down, right)
-        if steep < 1e-9:
-            return np.nan
-        row -= STEP * down / steep
-        column -= STEP * right / steep
-        length += STEP
-    return np.nan
+        next_row, next_column = row, column
+        if steep > STEEP:
+            next_row, next_column = row - STEP * down / steep, column - STEP * right / steep
+        i, j = int(math.floor(next_row + 0.5)), int(math.floor(next_column + 0.5))
+        turns = turns + 1 if i == r and j == c else 0
+        inside = 0 <= i < found.shape[0] and 0 <= j < found.shape[1]
+        if steep <= STEEP or turns > TURNS or not inside or found[i, j] > found[r, c]:
+            i, j = _lowest(found, r, c)
+            if i == r and j == c:
+                break
+            next_row, next_column, turns = float(i), float(j), 0
+        row, column, r, c = next_row, next_column, i, j
+        points.append((row, column))
+    points.append((last_row, last_column))
+    return np.array(points)
+
+
+@jit
+def _lowest(found, row, column):
+    """Return the lowest of a cell and those around it; a diagonal step keeps off cells in which nobody can be."""
+    height, width = found.shape
+    best_row, best_column = row, column
+    for dr, dc in AROUND + DIAGONALS:
+        i, j = row + dr, column + dc
+        if not (0 <= i < height and 0 <= j < width) or max(found[i, column], found[row, j]) == np.inf:
+            continue
+        if found[i, j] < found[best_row, best_column]:
+            best_row, best_column = i, j
+    return best_row, best_column
 
 
 @jit
@@ -101,3 +135,47 @@ def _growth(before, here, after):
     if here == np.inf:
         return (1.0 if before < np.inf else 0.0) - (1.0 if after < np.inf else 0.0)
     return (here - before if before < np.inf else 0.0) + (after - here if after < np.inf else 0.0)
+
+
+@jit
+def ease(points, occupied, enough) -> None:
+    """Move points (float64 n, 2; x, y) of a way off what is nearer than ``enough``, by half a cell at most.
+
+    A march knows only the middles of cells; the middle of a narrow gap can lie between two of them.
+    """
+    for i in range(1, points.shape[0] - 1):
+        x, y = points[i, 0], points[i, 1]
+        away = square_distance(occupied, x, y, enough)
+        dx = square_distance(occupied, x + NUDGE, y, enough + NUDGE) - away
+        dy = square_distance(occupied, x, y + NUDGE, enough + NUDGE) - away
+        length = math.hypot(dx, dy)
+        part = min(0.5, enough - away)
+        while length > 0.0 and part > 0.05:
+            nx, ny = x + part * dx / length, y + part * dy / length
+            if square_distance(occupied, nx, ny, enough) > away + 0.5 * part:
+                points[i, 0], points[i, 1] = nx, ny
+                break
+            part *= 0.7
+
+
+@jit
+def thin(points, spacing, tolerance):
+    """Return the points (float64 n, 2) of a way that are left, at most ``spacing`` apart.
+
+    Those left out are no further than ``tolerance`` from the line between their neighbours.
+    """
+    kept = [0]
+    last = points.shape[0] - 1
+    for i in range(1, last):
+        first = kept[-1]
+        dx, dy = points[i + 1, 0] - points[first, 0], points[i + 1, 1] - points[first, 1]
+        length = math.hypot(dx, dy)
+        needed = length > spacing
+        for k in range(first + 1, i + 1):
+            off = abs((points[k, 0] - points[first, 0]) * dy - (points[k, 1] - points[first, 1]) * dx)
+            needed = needed or off > tolerance * length
+        if needed:
+            kept.append(i)
+    if last > 0:
+        kept.append(last)
+    return points[np.array(kept)]

@@ -1,4 +1,4 @@
-"""The compiled evidence of rays: which cells they mark and clear.
+"""The compiled evidence of scans: which cells they mark and clear.
 
 Lengths are in cells, as in :mod:`rosoclingo.robot.navigation.compiled.clearance`.
 """
@@ -11,19 +11,12 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["Evidence", "Mapped", "Rules", "count_rays", "hits_apart"]
+__all__ = ["Mapped", "count_scan", "hits_apart"]
 
-
-class Evidence(NamedTuple):
-    """What rays have told of each cell so far.
-
-    ``counts`` (uint8 H, W): hits and passes; ``marks`` (uint8 H, W): non-zero where something is; ``spots`` (uint8 H,
-    W, 2): where in the cell it was hit, in 1/256 of the cell from its lower left.
-    """
-
-    counts: np.ndarray
-    marks: np.ndarray
-    spots: np.ndarray
+# A scan shows something in a cell in which one of so many of its rays ends; in one that is marked, fewer are enough.
+PART, PART_MARKED = 4, 10
+# It counts for GAIN, one that looks through the cell for -1. From SURE on the cell is marked, at 0 it is cleared.
+GAIN, SURE, LIMIT = 2, 4, 6
 
 
 class Mapped(NamedTuple):
@@ -33,64 +26,38 @@ class Mapped(NamedTuple):
     clearance: np.ndarray
 
 
-class Rules(NamedTuple):
-    """How rays count.
-
-    A hit counts for ``gain``, thrice that in a cell that is marked, to ``limit`` at most; from ``sure`` on a cell is
-    marked. Hits no further than ``known`` from what is mapped are left out. A ray clears what it passes no further than
-    ``near``, or half of what is between two rays ``spacing`` rad apart.
-    """
-
-    gain: int
-    limit: int
-    sure: int
-    known: float
-    near: float
-    spacing: float
-
-
 @jit
-def count_rays(evidence, mapped, x, y, angles, lengths, hits, rules):
-    """Count what rays from (x, y) crossed and hit, and mark and clear by that.
+def count_scan(counts, marks, mapped, x, y, angles, lengths, hits, known):
+    """Count what the rays of a scan from (x, y) crossed and hit (bool n), and mark and clear cells by that.
 
-    A cell's count goes up where a ray ends at the spot, if it ``hits`` (bool n) there. It goes down by 1 for each ray
-    that crosses the cell before its ``lengths`` end and passes the spot: what fills a part of a cell only is not
-    cleared by what passes beside it, and what noise scatters over a cell does not outweigh what passes.
-    A mark is set where the count reaches ``rules.sure``, cleared where it comes down to 0, and else stays: noise does
-    not set and clear a cell in turns. Returns the window (row0, row1, column0, column1; half-open)
-    of the marks changed, empty (0, 0, 0, 0) where none was.
+    ``counts``, ``marks``: uint8 (H, W). Rays that end no further than ``known`` from what is mapped hit nothing new.
+    Returns the window (row0, row1, column0, column1; half-open) of the marks changed, (0, 0, 0, 0) where none was.
     """
-    height, width = evidence.marks.shape
-    low_r, high_r, low_c, high_c = height, -1, width, -1
-    for i in range(angles.shape[0]):
-        r0, r1, c0, c1 = _clear_along(evidence, x, y, angles[i], lengths[i], rules)
-        low_r, high_r, low_c, high_c = min(low_r, r0), max(high_r, r1), min(low_c, c0), max(high_c, c1)
-    for i in range(angles.shape[0]):
-        if not hits[i]:
-            continue
-        dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        px, py = x + dx * lengths[i], y + dy * lengths[i]
-        column, row = int(math.floor(px)), int(math.floor(py))
-        if not (0 <= row < height and 0 <= column < width) or _is_next(mapped, px, py, rules.known):
-            continue
-        again = evidence.counts[row, column] == 0 or _passes(
-            column - x, row - y, dx, dy, evidence.spots[row, column], rules.near, rules.spacing
-        )
-        if _hit(evidence, row, column, px - column, py - row, rules, again):
-            low_r, high_r = min(low_r, row), max(high_r, row)
-            low_c, high_c = min(low_c, column), max(high_c, column)
-    if high_r < 0:
-        return 0, 0, 0, 0
-    return low_r, high_r + 1, low_c, high_c + 1
-
-
-@jit
-def _clear_along(evidence, x, y, angle, length, rules):
-    """Count a ray where it crosses cells; return the first and last row and column of the marks cleared."""
-    counts, marks, spots = evidence
     height, width = marks.shape
-    low_r, high_r, low_c, high_c = height, -1, width, -1
-    dx, dy = math.cos(angle), math.sin(angle)
+    reach = lengths.max() + 1.0 if lengths.shape[0] else 0.0
+    top, left = max(0, int(y - reach)), max(0, int(x - reach))
+    rows, columns = min(height, int(y + reach) + 1) - top, min(width, int(x + reach) + 1) - left
+    ended = np.zeros((max(0, rows), max(0, columns)), np.int32)
+    passed = np.zeros(ended.shape, np.int32)
+    for i in range(angles.shape[0]):
+        dx, dy = math.cos(angles[i]), math.sin(angles[i])
+        _pass(passed, x - left, y - top, dx, dy, lengths[i])
+        px, py = x + dx * lengths[i], y + dy * lengths[i]
+        if hits[i] and 0.0 <= px < width and 0.0 <= py < height and not _is_next(mapped, px, py, known):
+            ended[int(py) - top, int(px) - left] += 1
+    low_r, high_r, low_c, high_c = height, 0, width, 0
+    for r in range(ended.shape[0]):
+        for c in range(ended.shape[1]):
+            if ended[r, c] + passed[r, c] and _is_changed(counts, marks, r + top, c + left, ended[r, c], passed[r, c]):
+                low_r, high_r = min(low_r, r + top), max(high_r, r + top + 1)
+                low_c, high_c = min(low_c, c + left), max(high_c, c + left + 1)
+    return (low_r, high_r, low_c, high_c) if high_r else (0, 0, 0, 0)
+
+
+@jit
+def _pass(passed, x, y, dx, dy, length):
+    """Count a ray in the cells that it crosses before the one in which it ends."""
+    height, width = passed.shape
     column, row = int(math.floor(x)), int(math.floor(y))
     last_c, last_r = int(math.floor(x + dx * length)), int(math.floor(y + dy * length))
     step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
@@ -99,37 +66,26 @@ def _clear_along(evidence, x, y, angle, length, rules):
     next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
     next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
     for _ in range(abs(last_c - column) + abs(last_r - row)):
-        if (
-            0 <= row < height
-            and 0 <= column < width
-            and counts[row, column]
-            and _passes(column - x, row - y, dx, dy, spots[row, column], rules.near, rules.spacing)
-        ):
-            counts[row, column] -= 1
-            if counts[row, column] == 0 and marks[row, column]:
-                marks[row, column] = 0
-                low_r, high_r = min(low_r, row), max(high_r, row)
-                low_c, high_c = min(low_c, column), max(high_c, column)
+        if 0 <= row < height and 0 <= column < width:
+            passed[row, column] += 1
         if next_c < next_r:
             next_c, column = next_c + per_c, column + step_c
         else:
             next_r, row = next_r + per_r, row + step_r
-    return low_r, high_r, low_c, high_c
 
 
 @jit
-def _hit(evidence, row, column, x, y, rules, again):
-    """Note a hit at (x, y; 0 .. 1) in a cell, count it if it is at the spot ``again``; tell whether it marks it."""
-    counts, marks, spots = evidence
-    _note(spots[row, column], x, y, counts[row, column] == 0)
-    if not again:
+def _is_changed(counts, marks, row, column, ended, passed):
+    """Count a scan in a cell; tell whether that marks or clears it."""
+    count, marked = int(counts[row, column]), marks[row, column] > 0
+    if ended * (PART_MARKED if marked else PART) >= ended + passed:
+        count = min(LIMIT, count + GAIN)
+    elif passed:
+        count = max(0, count - 1)
+    counts[row, column] = count
+    if marked == (count > 0 if marked else count >= SURE):
         return False
-    # It takes fewer hits to stay marked than to become so: else noise would open and close a passage in turns.
-    gain = 3 * rules.gain if marks[row, column] else rules.gain
-    counts[row, column] = min(counts[row, column] + gain, rules.limit)
-    if counts[row, column] < rules.sure or marks[row, column]:
-        return False
-    marks[row, column] = 1
+    marks[row, column] = not marked
     return True
 
 
@@ -142,34 +98,17 @@ def _is_next(mapped, x, y, reach):
 
 
 @jit
-def _passes(x, y, dx, dy, spot, near, spacing):
-    """Tell whether a ray from the origin towards (dx, dy) passes the ``spot`` in a cell at (x, y)."""
-    x, y = x + (spot[0] + 0.5) / 256.0, y + (spot[1] + 0.5) / 256.0
-    return abs(x * dy - y * dx) <= max(near, 0.5 * spacing * math.hypot(x, y))
-
-
-@jit
-def _note(spot, x, y, first) -> None:
-    """Move a spot towards where in its cell (0 .. 1) something was hit: the first time all the way, then a part."""
-    for axis in range(2):
-        at = min(255.0, 256.0 * (x if axis == 0 else y))
-        spot[axis] = np.uint8(at if first else spot[axis] + 0.25 * (at - spot[axis]))
-
-
-@jit
 def hits_apart(known, x, y, angles, ranges, hits, near, apart):
     """Return the points (float64 n, 2) that rays from (x, y) ``hit``, more than ``apart`` from what is ``known``.
 
-    Only those closer than ``near``, and on the grid.
+    Only those closer than ``near``, on the grid, and with such a point on either side: one alone is noise.
     """
     height, width = known.occupied.shape
-    points = np.empty((angles.shape[0], 2))
-    size = 0
-    for i in range(angles.shape[0]):
+    count = angles.shape[0]
+    points, found = np.empty((count, 2)), np.zeros(count + 2, dtype=np.bool_)
+    for i in range(count):
         if hits[i] and ranges[i] < near:
             px, py = x + ranges[i] * math.cos(angles[i]), y + ranges[i] * math.sin(angles[i])
-            column, row = int(math.floor(px)), int(math.floor(py))
-            if 0 <= row < height and 0 <= column < width and not _is_next(known, px, py, apart):
-                points[size, 0], points[size, 1] = px, py
-                size += 1
-    return points[:size].copy()
+            points[i, 0], points[i, 1] = px, py
+            found[i + 1] = 0.0 <= px < width and 0.0 <= py < height and not _is_next(known, px, py, apart)
+    return points[found[:-2] & found[1:-1] & found[2:]]

@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
-from rosoclingo.robot.navigation.compiled.places import line_is_clear
 
 __all__ = [
     "first_block",
@@ -45,30 +43,23 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def first_block(ground, points, x, y, radius, bare):
-    """Return where (x, y) a disc of ``radius`` (cells) cannot go on along points (float64 n, 2), NaN for nowhere.
+def first_block(clearance, closed, points, x, y, radius):
+    """Return where (x, y) points (float64 n, 2; cells) come nearer to something than ``radius``, NaN for nowhere.
 
-    At their end one of ``bare``. What is behind the robot at (x, y) does not matter, and near to it a way may be as
-    tight as it is there.
+    Or into a cell that is ``closed`` (bool H, W). What is behind the robot at (x, y) does not matter, and near to it a
+    way may be as tight as it is there.
     """
-    near = 2.0 * radius + 3.0
-    last = points[points.shape[0] - 1]
     best, start = np.inf, 0
     for i in range(points.shape[0]):
         away = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
         if away < best:
             best, start = away, i
-    here = min(radius, square_distance(ground.occupied, x, y, radius + 0.5) - 1e-3)
+    here = min(radius, point_clearance(clearance, x, y) - 0.1)
     for i in range(start, points.shape[0] - 1):
         x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
-        least = here if math.hypot(x0 - x, y0 - y) < near else radius
-        if radius > bare and math.hypot(x1 - last[0], y1 - last[1]) < near:
-            least = min(bare, least)
-        if not line_is_clear(ground, x0, y0, x1, y1, least):
-            part = 0.0
-            while part < 0.95 and line_is_clear(ground, x0, y0, x0 + part * (x1 - x0), y0 + part * (y1 - y0), least):
-                part += 0.1
-            return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+        least = here if math.hypot(x0 - x, y0 - y) < 2.0 * radius + 3.0 else radius
+        if least_along(clearance, x0, y0, x1, y1) < least or closed[int(y1), int(x1)]:
+            return x1, y1
     return np.nan, np.nan
 
 

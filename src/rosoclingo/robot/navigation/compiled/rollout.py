@@ -8,10 +8,7 @@ from rosoclingo.robot.navigation.compiled.footprints import body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-__all__ = ["best_arc", "best_command", "furthest_leg", "spare_after", "turn_spare"]
-
-FINE = 0.1  # cells: the least step along an arc
-GAIN = 0.05  # part of the room looked for by which an arc that leads to less has to gain
+__all__ = ["best_command", "turn_spare"]
 
 
 @jit
@@ -22,7 +19,7 @@ def _arc(v, w, time):
 
 
 @jit
-def spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
+def _spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
     """Return the least body clearance along an arc of ``horizon`` s; stops looking where that is below ``least``."""
     dt = horizon / steps
     found = np.inf
@@ -52,60 +49,6 @@ def turn_spare(near, body, x, y, yaw, turn, least):
 
 
 @jit
-def _straight_spare(near, body, x, y, to_x, to_y, least):
-    """Return the least body clearance while driving straight on; stops looking where that is below ``least``."""
-    length = math.hypot(to_x - x, to_y - y)
-    yaw = math.atan2(to_y - y, to_x - x)
-    fine = max(0.1, 0.05 * body[0, 2])
-    done, found = 0.0, np.inf
-    while True:
-        part = done / length if length > 0.0 else 0.0
-        here = body_clearance(near, body, x + (to_x - x) * part, y + (to_y - y) * part, yaw, least + 2.0)
-        found = min(found, here)
-        if done >= length or found < least:
-            return found
-        done = min(length, done + max(fine, here - least - 0.5))
-
-
-@jit
-def furthest_leg(near, body, pose, points, floors):
-    """Return (index, turn, spare) of the last of ``points`` that the body can turn to and then drive to straight.
-
-    ``pose``: x, y (cells), yaw. The first of ``floors`` (cells, descending) that is possible at all is kept; a body
-    that has not got as much room now may keep what it has. ``turn`` (rad): the short or the long way round; the index
-    is -1 where nothing is possible. A leg ends where the body can turn to the next of the points.
-    """
-    now = body_clearance(near, body, pose[0], pose[1], pose[2], floors[0])
-    last = points.shape[0] - 1
-    for floor in floors:
-        least = min(floor, now - 1e-3)
-        for i in range(last, -1, -1):
-            x, y = points[i, 0], points[i, 1]
-            yaw = math.atan2(y - pose[1], x - pose[0])
-            spare = _straight_spare(near, body, pose[0], pose[1], x, y, least)
-            if spare < least:
-                continue
-            if i < last and body.shape[0] > 1:
-                dx, dy = points[i + 1, 0] - x, points[i + 1, 1] - y
-                on = _between(yaw, math.atan2(dy, dx)) if dx * dx + dy * dy > 1e-9 else 0.0
-                if turn_spare(near, body, x, y, yaw, on, least) < least:
-                    continue
-            turn = _between(pose[2], yaw)
-            if turn_spare(near, body, pose[0], pose[1], pose[2], turn, least) >= least:
-                return i, turn, min(spare, now)
-            turn -= math.copysign(2.0 * math.pi, turn)
-            if turn_spare(near, body, pose[0], pose[1], pose[2], turn, least) >= least:
-                return i, turn, min(spare, now)
-    return -1, 0.0, now
-
-
-@jit
-def _between(yaw, other):
-    """Return the turn from one yaw to another, the short way round."""
-    return math.atan2(math.sin(other - yaw), math.cos(other - yaw))
-
-
-@jit
 def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizon, steps, weights):
     """Return (index of speed, index of turn) of the best command, -1 where none is safe.
 
@@ -130,7 +73,7 @@ def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizo
             score = weights[0] * away + weights[1] * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
-            spare = spare_after(
+            spare = _spare_after(
                 near,
                 body,
                 pose[0],
@@ -147,36 +90,3 @@ def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizo
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
     return best_i, best_j
-
-
-@jit
-def best_arc(near, body, pose, curvatures, longest, room, least):
-    """Return (index of curvature, signed length) of the arc that leads soonest to where ``room`` is clear.
-
-    ``pose``: x, y (cells), yaw; ``curvatures`` (1/cell); ``longest`` (cells). The body keeps ``least`` (cells) on it,
-    or what it has now if that is less. Where no arc leads to so much room: the one to where there is most; the length
-    is 0.0 where none leads to more than there is.
-    """
-    now = body_clearance(near, body, pose[0], pose[1], pose[2], 2.0)
-    least = min(least, now - 1e-3)
-    shortest, most = np.inf, point_clearance(near.clearance, pose[0], pose[1]) + GAIN * room
-    best_i, best_length, more_i, more_length = 0, 0.0, 0, 0.0
-    for i in range(curvatures.shape[0]):
-        for sign in (1.0, -1.0):
-            x, y, yaw, done, spare = pose[0], pose[1], pose[2], 0.0, now
-            while done < min(longest, shortest):
-                step = max(FINE, 0.5 * (spare - least) / (1.0 + abs(curvatures[i]) * body[0, 2]))
-                half, chord = _arc(sign * step, sign * curvatures[i] * step, 1.0)
-                x, y = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
-                yaw, done = yaw + 2.0 * half, done + step
-                spare = body_clearance(near, body, x, y, yaw, 2.0)
-                if spare < least:
-                    break
-                clear = point_clearance(near.clearance, x, y)
-                if clear >= room:
-                    if done < shortest:
-                        shortest, best_i, best_length = done, i, sign * done
-                    break
-                if clear > most:
-                    most, more_i, more_length = clear, i, sign * done
-    return (best_i, best_length) if best_length != 0.0 else (more_i, more_length)

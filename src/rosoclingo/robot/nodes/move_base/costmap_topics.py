@@ -5,14 +5,13 @@ from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import PolygonStamped
+from geometry_msgs.msg import Point32, PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.robot.navigation import Costmap, Pose2D
-from rosoclingo.robot.nodes.array_messages import PointsPolygon
 from rosoclingo.robot.nodes.sendable import sendable
 
 
@@ -93,7 +92,10 @@ class CostmapTopics:
         """Publish where the robot's corners (n, 2; m) are at a pose in a frame."""
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         places = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
-        self._outline.publish(PointsPolygon(places, frame, rospy.Time.now()))
+        message = PolygonStamped()
+        message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
+        message.polygon.points = [Point32(x, y, 0.0) for x, y in places.tolist()]
+        self._outline.publish(message)
 
 
 class _Listener(rospy.SubscribeListener):  # type: ignore[misc]

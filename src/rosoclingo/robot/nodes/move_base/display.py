@@ -4,16 +4,15 @@ import math
 from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
-import rospy
 from nav_msgs.msg import Path
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import Costmap, Pose2D
-from rosoclingo.robot.nodes.array_messages import path_message
 from rosoclingo.robot.nodes.move_base.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
 from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace, local_planner_namespace
+from rosoclingo.robot.nodes.move_base.reports import path_message
 
 GLOBAL, LOCAL = 0, 1
 
@@ -54,7 +53,7 @@ class Display:
     def plan(self, points: np.ndarray, final_yaw: float) -> None:
         """Show a new path (m; in the map)."""
         if self._plan.get_num_connections():
-            self._plan.publish(path_message(points, self._frame, rospy.Time.now(), final_yaw))
+            self._plan.publish(path_message(points, self._frame, final_yaw))
         if self._global_plan.get_num_connections():
             self._global_plan.publish(self._in_local_frame(points, final_yaw))
 
@@ -110,9 +109,9 @@ class Display:
 
     def _in_local_frame(self, points: np.ndarray, final_yaw: float) -> Path:
         if self._view is None:
-            return path_message(points, self._frame, rospy.Time.now(), final_yaw)
+            return path_message(points, self._frame, final_yaw)
         back = self._view.local_in_map.inverse()
         if any(back):
             c, s = math.cos(back.yaw), math.sin(back.yaw)
             points = points @ np.array([[c, s], [-s, c]]) + (back.x, back.y)
-        return path_message(points, self._view.local_frame, rospy.Time.now(), final_yaw + back.yaw)
+        return path_message(points, self._view.local_frame, final_yaw + back.yaw)

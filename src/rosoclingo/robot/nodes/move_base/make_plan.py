@@ -9,11 +9,11 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.srv import GetPlan, GetPlanResponse
 
 from rosoclingo.common.worker import Worker, ending
-from rosoclingo.robot.navigation import PlanOutcome, Pose2D
-from rosoclingo.robot.nodes.array_messages import PlanResponse, path_message
+from rosoclingo.robot.navigation import Costmap, PlanOutcome, Pose2D
 from rosoclingo.robot.nodes.localization import to_pose2d
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
+from rosoclingo.robot.nodes.move_base.reports import path_message
 from rosoclingo.robot.nodes.move_base.sensing import Sensing
 
 
@@ -27,7 +27,7 @@ class Wanted(NamedTuple):
 class PlanService:
     """Has plans made beside all else; the answer is an empty path where there is none.
 
-    ``place`` tells the robot's pose, and whether there is a map to plan on.
+    ``place`` returns the costmap and the robot's pose, None for what is not known.
 
     Services:
         ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): from a start, or where the robot is if the start names no
@@ -39,7 +39,7 @@ class PlanService:
         worker: Worker,
         sensing: Sensing,
         planning: PlanningThread,
-        place: Callable[[], Tuple[bool, Optional[Pose2D]]],
+        place: Callable[[], Tuple[Optional[Costmap], Optional[Pose2D]]],
     ) -> None:
         self._worker, self._sensing, self._planning, self._place = worker, sensing, planning, place
         self.services = tuple(
@@ -64,18 +64,18 @@ class PlanService:
             rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
             return response
         if plan.outcome is PlanOutcome.FOUND:
-            return PlanResponse(path_message(plan.points, self._sensing.map_frame, rospy.Time.now(), wanted.yaw))
+            return GetPlanResponse(path_message(plan.points, self._sensing.map_frame, wanted.yaw))
         rospy.logwarn("make_plan: %s", plan.outcome.value)
         return response
 
     def _ask(self, request: Any) -> Optional[Wanted]:
         """Ask for a plan, in the worker's thread; return None where there is no map, start or goal."""
-        has_map, pose = self._place()
+        costmap, pose = self._place()
         goal = self._in_map(request.goal)
         start = self._in_map(request.start) if request.start.header.frame_id else pose
-        if not has_map or goal is None or start is None:
+        if costmap is None or goal is None or start is None:
             return None
-        return Wanted(self._planning.also(start, goal, request.tolerance), goal.yaw)
+        return Wanted(self._planning.also(costmap, start, goal, request.tolerance), goal.yaw)
 
     def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
         """Return a pose in the map; a missing orientation is fine, only a position is asked for."""

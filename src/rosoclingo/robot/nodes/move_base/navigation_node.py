@@ -96,7 +96,7 @@ class MoveBaseNode:
             ray clears.
         ~global_costmap/obstacle_layer/static_tolerance (float, default 0.04),
             ~global_costmap/obstacle_layer/most_tolerance (float, default 0.1): metres to something on the map within
-            which a hit is that thing; the latter with a noisy laser.
+            which a hit is that thing; the latter is added at most while the robot turns.
         ~GridPlanner/allow_unknown (bool, default false): plan through unknown cells.
         ~GridPlanner/default_tolerance (float, default 0.0): metres from a goal that cannot be reached.
         ~GridPlanner/comfort_weight (float, default 0.15), ~GridPlanner/comfort_distance (float, default 0.45): a path
@@ -152,7 +152,7 @@ class MoveBaseNode:
         self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
         self._display = Display(self._settings, self._worker)
         self._reports = Reports(self._settings.frames.map)
-        self._planning = PlanningThread(self._worker, self._planner)
+        self._planning = PlanningThread(self._planner)
         self._commands = CommandWatch(prompt_publisher("cmd_vel", Twist, 1).publish, self._settings.controller_period)
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
@@ -210,7 +210,6 @@ class MoveBaseNode:
             self._navigator = navigator
         else:
             self._navigator.take_map(costmap)
-        self._planning.take_map(costmap)
         self._display.new_map(costmap)
 
     def _settle(self) -> None:
@@ -218,8 +217,7 @@ class MoveBaseNode:
         now = self._sensing.now()
         if self._navigator is None or now <= 0.0:
             return
-        self._planning.tell()
-        self._planning.spare()
+        self._planning.log_delays()
         self._look(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)
@@ -342,9 +340,9 @@ class MoveBaseNode:
             self._drive(Velocity())
             self._server.set_preempted(MoveBaseResult(), "The goal was cancelled.")
 
-    def _place(self) -> Tuple[bool, Optional[Pose2D]]:
-        """Tell whether there is a map, and where the robot is as far as that is known."""
-        return self._navigator is not None, self._pose
+    def _place(self) -> Tuple[Optional[Costmap], Optional[Pose2D]]:
+        """Return the costmap and the robot's pose, None for what is not known."""
+        return self._navigator and self._navigator.costmap, self._pose
 
     def _clear(self) -> None:
         if self._navigator is not None and self._pose is not None:

@@ -1,10 +1,13 @@
 """What the move_base node publishes of a goal on its way, besides the action's own topics."""
 
+import math
 from typing import Any
 
+import numpy as np
 import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import RecoveryStatus
+from nav_msgs.msg import Path
 
 from rosoclingo.robot.navigation import Pose2D
 from rosoclingo.robot.nodes.localization import fill_pose
@@ -16,6 +19,15 @@ def stamped_pose(pose: Pose2D, frame: str) -> PoseStamped:
     message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
     fill_pose(message.pose, pose)
     return message
+
+
+def path_message(points: np.ndarray, frame: str, final_yaw: float = 0.0) -> Path:
+    """Return points (n, 2; m) as a path, stamped now; each pose looks to the next, the last one to ``final_yaw``."""
+    path = Path()
+    path.header.frame_id, path.header.stamp = frame, rospy.Time.now()
+    yaws = [*(math.atan2(y, x) for x, y in np.diff(points, axis=0)), final_yaw]
+    path.poses = [stamped_pose(Pose2D(x, y, yaw), frame) for (x, y), yaw in zip(points.tolist(), yaws)]
+    return path
 
 
 class Reports:

@@ -1,6 +1,5 @@
 """What the move_base node learns from tf, laser and odometry."""
 
-import functools
 import math
 from typing import Any, NamedTuple, Optional, Tuple
 
@@ -12,12 +11,14 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation import Costmap, Pose2D, ScanDelay, Velocity
+from rosoclingo.robot.navigation import Costmap, Pose2D, Velocity, normalize_angle
 from rosoclingo.robot.nodes.localization import from_transform
 from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
 
 # A time stamp is that much (s) ahead of this node's clock at most; else time has gone back.
 ON_ITS_WAY = 0.3
+# s by which a scan is taken for older than its stamp; it can be as much younger or older: Stage stamps it a step late.
+LATE = 0.05
 NEWEST = rospy.Time(0)
 
 
@@ -44,7 +45,6 @@ class Sensing:
         self._odom_frame = "odom"
         self._odom_in_map: Optional[Pose2D] = None  # as of the last look at where the robot is
         self._scan: Optional[Any] = None
-        self._delay = ScanDelay()
         self._angles: Tuple[Tuple[float, float, int], np.ndarray] = ((0.0, 0.0, 0), np.empty(0))
         self.velocity = Velocity()
         self.scanned_at = -math.inf
@@ -121,27 +121,21 @@ class Sensing:
         if scan is None:
             return False
         frame, stamp = scan.header.frame_id.lstrip("/"), scan.header.stamp
-        where = functools.lru_cache(maxsize=None)(functools.partial(self._laser_pose, frame, stamp))
-        if where(0.0) is None:  # odometry of that time may still come
+        earlier = rospy.Time.from_sec(max(0.0, stamp.to_sec() - LATE))
+        newest, pose = self._laser_pose(frame, stamp), self._laser_pose(frame, earlier)
+        if newest is None:  # odometry of that time may still come
             return False
         self._scan = None
         ranges, angles = np.asarray(scan.ranges, dtype=np.float64), self._beam_angles(scan)
         ranges = np.where(ranges < scan.range_min, np.nan, ranges)
-        before = self._delay.delay
-        rate = self._delay.see(costmap, angles, np.where(ranges < scan.range_max, ranges, np.nan), where)
-        if self._delay.delay != before:
-            rospy.loginfo(
-                "the laser's scans are %.2f s older than they say: their stamps are corrected", self._delay.delay
-            )
-        pose = where(self._delay.delay) or where(0.0)
-        return pose is not None and costmap.observe(pose, angles, ranges, scan.range_max, abs(rate) * self._delay.doubt)
+        pose = pose or newest
+        smear = abs(normalize_angle(newest.yaw - pose.yaw))
+        return costmap.observe(pose, angles, ranges, scan.range_max, smear)
 
-    def _laser_pose(self, frame: str, stamp: rospy.Time, before: float) -> Optional[Pose2D]:
-        """Return a laser's pose in the map some time (s) before a stamp; None where that is not known."""
-        if self._odom_in_map is None or stamp.to_sec() <= before:
-            return None
-        in_odom = self._lookup(self._odom_frame, frame, stamp - rospy.Duration.from_sec(before))
-        return self._odom_in_map.compose(in_odom) if in_odom else None
+    def _laser_pose(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
+        """Return a laser's pose in the map at a time; None where that is not known."""
+        in_odom = self._lookup(self._odom_frame, frame, stamp)
+        return self._odom_in_map.compose(in_odom) if self._odom_in_map is not None and in_odom else None
 
     def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
         """Return the pose of a frame in the map, None where tf does not know it; an empty name is the map itself."""

@@ -1,0 +1,121 @@
+"""The planner's march over a map: where the robot can be, what ways cost, and the way down, against brute force."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from occupied_grids import GRIDS, clearance_of, distance, open_cells
+from scipy.ndimage import label
+
+from rosoclingo.robot.navigation.compiled.clearance import update_open
+from rosoclingo.robot.navigation.compiled.marching import ease, march, thin, way_down
+
+RADII = st.floats(0.3, 3.0)
+GO_ON = np.zeros(1, dtype=bool)
+
+
+@given(GRIDS, RADII)
+def test_open_is_a_cell_with_a_point_of_its_raster_that_is_clear(occupied, radius):
+    found = open_cells(occupied, radius)
+    for (row, column), is_open in np.ndenumerate(found):
+        points = [(column + i / 2, row + j / 2) for i in range(3) for j in range(3)]
+        most = max(distance(occupied, *point) for point in points)
+        if abs(most - radius) > 1e-4 and abs(distance(occupied, *points[4]) - radius) > 1e-4:
+            assert is_open == (most >= radius)
+
+
+@given(GRIDS, RADII, st.data())
+def test_a_window_brings_open_cells_up_to_date(occupied, radius, data):
+    out = open_cells(occupied, radius)
+    row = data.draw(st.integers(0, occupied.shape[0] - 1))
+    column = data.draw(st.integers(0, occupied.shape[1] - 1))
+    occupied[row, column] ^= 1
+    span, closed = math.ceil(radius) + 2, np.zeros(occupied.shape, dtype=bool)
+    rows = max(0, row - span), min(occupied.shape[0], row + span + 1)
+    columns = max(0, column - span), min(occupied.shape[1], column + span + 1)
+    update_open(clearance_of(occupied, 8.0), occupied, closed, radius, *rows, *columns, out)
+    assert np.array_equal(out, open_cells(occupied, radius))
+
+
+def costs_on(occupied):
+    return np.where(occupied, np.inf, 1.0).astype(np.float32)
+
+
+@given(GRIDS, st.data())
+def test_a_way_leads_down_wherever_cells_are_joined(occupied, data):
+    """Through cells side by side, over none that is occupied but by half a cell, and ends at both ends."""
+    free = np.argwhere(occupied == 0)
+    assume(len(free) >= 2)
+    start, goal = (tuple(map(int, free[data.draw(st.integers(0, len(free) - 1))])) for _ in range(2))
+    parts, _ = label(occupied == 0)
+    towards = data.draw(st.booleans())
+    found = march(costs_on(occupied), *goal, *(start if towards else (-1, -1)), GO_ON)
+    assert math.isfinite(found[start]) == (parts[start] == parts[goal])
+    if not math.isfinite(found[start]):
+        return
+    way = way_down(found, *map(float, start), *map(float, goal))
+    assert tuple(way[0]) == start
+    assert tuple(way[-1]) == goal
+    assert np.hypot(*np.diff(way, axis=0).T).max(initial=0.0) < 1.5
+    for row, column in way:
+        assert found[math.floor(row + 0.5), math.floor(column + 0.5)] < np.inf
+
+
+def test_what_a_way_costs_is_its_length_on_an_empty_grid():
+    found = march(np.ones((41, 41), dtype=np.float32), 20, 20, -1, -1, GO_ON)
+    rows, columns = np.indices(found.shape)
+    away = np.hypot(rows - 20, columns - 20)
+    assert found[20, 30] == pytest.approx(10.0)
+    assert (found - away)[away > 5.0].max() < 1.2
+    assert (found - away).min() > -1e-9
+    way = way_down(found, 3.3, 36.1, 20.0, 20.0)
+    assert np.hypot(*np.diff(way, axis=0).T).sum() == pytest.approx(math.hypot(16.7, 16.1), rel=0.02)
+
+
+def test_dear_cells_are_gone_round_where_that_is_cheaper():
+    costs = np.ones((40, 40), dtype=np.float32)
+    costs[5:35, 18:22] = 9.0
+    way = way_down(march(costs, 20, 35, 20, 5, GO_ON), 20.0, 5.0, 20.0, 35.0)
+    inside = way[(way[:, 1] > 18.0) & (way[:, 1] < 21.5)]
+    assert (np.abs(inside[:, 0] - 20.0) > 14.0).all()
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 5.0), st.floats(0.01, 0.5))
+def test_points_left_of_a_way_are_near_enough_to_all(seed, spacing, tolerance):
+    random = np.random.default_rng(seed)
+    turns = np.cumsum(random.normal(0.0, 0.4, 60))
+    points = np.cumsum(0.5 * np.stack([np.cos(turns), np.sin(turns)], axis=1), axis=0)
+    left = thin(points, spacing, tolerance)
+    assert np.array_equal(left[[0, -1]], points[[0, -1]])
+    assert np.hypot(*np.diff(left, axis=0).T).max() <= max(spacing, 0.5) + 1e-9
+    indices = [int(np.flatnonzero((points == one).all(axis=1))[0]) for one in left]
+    for first, last in zip(indices, indices[1:]):
+        (ax, ay), (bx, by) = points[first], points[last]
+        for x, y in points[first + 1 : last]:
+            assert abs((x - ax) * (by - ay) - (y - ay) * (bx - ax)) <= tolerance * math.hypot(bx - ax, by - ay) + 1e-9
+
+
+@given(GRIDS, st.integers(0, 2**32 - 1), st.floats(0.5, 3.0))
+def test_points_are_moved_off_things_by_half_a_cell_at_most(occupied, seed, enough):
+    points = np.random.default_rng(seed).uniform(0.0, 20.0, (12, 2))
+    moved = points.copy()
+    ease(moved, occupied, enough)
+    assert np.array_equal(moved[[0, -1]], points[[0, -1]])
+    assert np.hypot(*(moved - points).T).max() <= 0.5 + 1e-9
+    for before, after in zip(points, moved):
+        assert min(enough, distance(occupied, *after)) >= min(enough, distance(occupied, *before)) - 1e-9
+
+
+@pytest.mark.parametrize("width", [4, 6])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_gap_is_passed_if_it_is_wide_enough_between_two_cells(width, turned):
+    occupied = np.zeros((30, 31), dtype=np.uint8)
+    occupied[12:15] = 1
+    occupied[:, 20 : 20 + width] = 0
+    occupied = np.ascontiguousarray(occupied.T) if turned else occupied
+    ends = ((5, 3), (25, 25)) if turned else ((3, 5), (25, 25))
+    for radius, found in ((0.5 * width - 0.1, True), (0.5 * width + 0.02, False)):
+        costs = np.where(open_cells(occupied, radius), 1.0, np.inf).astype(np.float32)
+        assert math.isfinite(march(costs, *ends[1], *ends[0], GO_ON)[ends[0]]) == found
