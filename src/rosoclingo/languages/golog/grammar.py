@@ -1,270 +1,278 @@
-"""How control programs are read, by recursive descent."""
+"""The grammar of control programs, and what is wrong with a text that it does not accept."""
 
-from typing import Callable, Dict, List, Tuple
+import re
+from functools import lru_cache
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from rosoclingo.languages.golog.formulas import read_condition, read_member, read_variables
-from rosoclingo.languages.golog.reader import Reader
-from rosoclingo.languages.golog.scanner import RESERVED, GologError, Token, scan
-from rosoclingo.languages.golog.tree import (
-    AnyAction,
-    Around,
-    Branch,
-    Check,
-    Choosing,
-    Condition,
-    ControlProgram,
-    Loop,
-    Not,
-    Procedure,
-    Sequence,
-    Several,
-    Statement,
-    Step,
-    Variable,
-)
+from lark import Token
+
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node
 from rosoclingo.oclingo.program.likeness import is_slip
 
-NOTHING = Sequence(())
+GREATEST = 2**31 - 1
+"""The greatest number that clingo knows; of greater ones it would take what is left of some of their bits."""
 
+_GRAMMAR = r"""
+include: "include" STRING ";"
+procedure: "proc" NAME ("(" variables? ")")? seq
+variables: variable ("," variable)*
+variable: VARIABLE
 
-def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
-    """Read a control program; what is wrong is added to ``faults``, with at most one of the syntax in a procedure."""
-    reader = Reader(scan(text, name, faults), name)
-    includes: List[Token] = []
-    procedures: List[Procedure] = []
-    while reader.next.kind != "end":
-        try:
-            if reader.took("include"):
-                includes.append(reader.take_kind("string", "a file's name", 'write include "FILE";'))
-                reader.take(";", "behind include")
-            else:
-                procedures.append(_procedure(reader))
-        except GologError as error:
-            faults.append(error.fault)
-            while not reader.sees("proc", "include") and reader.next.kind != "end":
-                reader.read()
-    return ControlProgram(tuple(includes), tuple(procedures))
+?seq: "{" (_long | _short ";" | ";")* _short? "}"
+_short: step | any | test | await | achieve | interrupts
+_long: if | while | pick | choice | conc | prio | order | star | search | retry | try | undoing
+step: compound
+any: "any"
+test: "test" _condition
+await: "await" _condition
+achieve: "achieve" _condition
+interrupts: "interrupts" "{" every+ "}" until
+every: "when" variables ":" _condition seq | "when" _condition seq
+until: "until" _condition
+if: "if" _condition seq ("else" (if | seq))?
+while: "while" _condition seq
+pick: "pick" variables ":" _condition seq | "pick" choice_of seq
+choice_of: variable "in" _values -> member
+choice: "choose" seq ("or" seq)+
+conc: "interleave" seq ("with" seq)+
+prio: "prefer" seq ("over" seq)+
+order: "any" "order" seq ("and" seq)+
+star: "star" seq
+search: ("search" | "alone") seq
+retry: "retry" NUMBER seq
+try: "try" seq "else" seq
+undoing: "do" seq ON_CANCEL seq
 
+_condition: or
+?or: and ("or" and)*
+?and: negated ("and" negated)*
+?negated: "not" negated -> not
+    | "some" variables ":" or -> some
+    | "all" variables ":" or _ARROW or -> all
+    | atom
+?atom: sum
+    | sum COMPARISON sum -> comparison
+    | sum "in" _values -> member
+_values: range | set
+range: sum _DOTS sum
+set: "{" sum ("," sum)* "}"
 
-def _procedure(reader: Reader) -> Procedure:
-    if not reader.sees("proc"):
-        raise reader.fault(reader.next, f"{reader.next} outside of a procedure", "write proc NAME(X) { ... }")
-    reader.read()
-    name = reader.take_kind("name", "the procedure's name", "names begin with a small letter")
-    parameters: Tuple[Variable, ...] = ()
-    if reader.took("("):
-        parameters = read_variables(reader, "parameters") if not reader.sees(")") else ()
-        reader.take(")", "behind the parameters, which are variables")
-    return Procedure(name, parameters, _block(reader, f"the body of {name.text}"))
+?sum: product | sum (PLUS | MINUS) product -> operation
+?product: factor | product (TIMES | OVER_SIGN | MODULO) factor -> operation
+?factor: MINUS factor -> negative
+    | "(" or ")"
+    | variable
+    | NUMBER -> constant
+    | STRING -> constant
+    | "true" -> true
+    | "false" -> false
+    | compound
+compound: NAME ("(" (sum ("," sum)*)? ")")?
 
+slips: UNKNOWN | QUOTED | OPEN
 
-def _block(reader: Reader, what: str) -> Statement:
-    begin = reader.take("{", f"before {what}")
-    found: List[Statement] = []
-    while not reader.sees("}"):
-        if reader.next.kind == "end" or reader.sees("proc"):
-            raise reader.fault(begin, f"the bracket for {what} is never closed", "write } where it ends")
-        if not reader.took(";"):
-            found.append(reader.nested(lambda: _statement(reader)))
-    reader.read()
-    return found[0] if len(found) == 1 else Sequence(tuple(found))
+COMPARISON: "!=" | "<=" | ">=" | "<" | ">" | /=(?!=)/
+_ARROW: "->"
+_DOTS: ".."
+PLUS: "+"
+MINUS: "-"
+TIMES: "*"
+OVER_SIGN: "/"
+MODULO: "\\"
+ON_CANCEL.2: /on\s+cancel(?![A-Za-z0-9_])/
+NUMBER: /[0-9]+/
+VARIABLE: /[A-Z][A-Za-z0-9_]*|_(?![A-Za-z0-9_])/
+NAME: /[a-z][A-Za-z0-9_]*/
+STRING: /"([^"\\\n]|\\.)*"/s
+QUOTED: /'[^'\n]*'/
+OPEN.-1: /"[^\n]*/
+UNKNOWN.-2: /==|./s
+%ignore /\s+/
+%ignore /%\*.*?\*%|%[^\n]*/s
+"""
 
+_WORDS = frozenset(re.findall('"([a-z]+)"', _GRAMMAR))
+"""Names that no action, fluent or procedure can have."""
 
-def _statement(reader: Reader) -> Statement:
-    token = reader.next
-    if token.kind == "word":
-        if token.text in _STATEMENTS:
-            return _STATEMENTS[token.text](reader, reader.read())
-        raise reader.fault(
-            token, f"{token} where a statement belongs", _MENDS.get(token.text, "no action has this name")
-        )
-    found = Step(reader.compound("a statement", "write an action, or a word like if, while, pick"))
-    if not reader.sees(";"):
-        _slip(reader, token)
-    _semicolon(reader, f"behind {found.what.token.text}")
-    return found
-
-
-def _slip(reader: Reader, token: Token) -> None:
-    """Raises GologError where a name with more behind it than a statement has is a slip of a word of the language."""
-    meant = next((word for word in sorted(RESERVED) if is_slip(token.text, word)), None)
-    if meant and not reader.sees("}", "proc") and reader.next.kind != "end":
-        raise reader.fault(token, f"{token} is no word of the language, and no ';' is behind it", f"is {meant} meant?")
-
-
-def _semicolon(reader: Reader, where: str) -> None:
-    if not reader.sees("}", "proc") and reader.next.kind != "end":  # the last one of a block may be left out
-        reader.take(";", where)
-
-
-def _any(reader: Reader, token: Token) -> Statement:
-    if reader.took("order"):
-        return Several("order", _parts(reader, "and", "a part of any order"))
-    _semicolon(reader, "behind any")
-    return AnyAction(token)
-
-
-def _check(reader: Reader, token: Token) -> Statement:
-    condition = read_condition(reader)
-    _semicolon(reader, f"behind the condition of {token.text}")
-    return Check(token, condition)
-
-
-def _achieve(reader: Reader, token: Token) -> Statement:
-    condition = read_condition(reader)
-    _semicolon(reader, "behind the condition of achieve")
-    return Loop(token, Not(condition), AnyAction(token))
-
-
-def _if(reader: Reader, token: Token) -> Statement:
-    condition = read_condition(reader)
-    yes = _block(reader, "what is done if so")
-    if not reader.took("else"):
-        return Branch(token, condition, yes, NOTHING)
-    again = reader.sees("if")
-    no = reader.nested(lambda: _if(reader, reader.read())) if again else _block(reader, "what is done else")
-    return Branch(token, condition, yes, no)
-
-
-def _while(reader: Reader, token: Token) -> Statement:
-    return Loop(token, read_condition(reader), _block(reader, "the body of while"))
-
-
-def _pick(reader: Reader, token: Token) -> Statement:
-    return _choosing(reader, token, "pick")
-
-
-def _choosing(reader: Reader, token: Token, kind: str) -> Choosing:
-    """Read ``X: condition {...}`` or ``X in values {...}``."""
-    begin = reader.next
-    variables = read_variables(reader)
-    if len(variables) == 1 and reader.sees("in"):
-        reader.read()
-        condition: Condition = read_member(reader, variables[0])
-        if reader.sees("and", "or"):
-            raise reader.fault(begin, "'in' with further conditions", "write pick X: X in 1..3 and CONDITION {...}")
-    else:
-        reader.take(":", "behind the variables, as in pick X: CONDITION {...} or pick X in 1..3 {...}")
-        condition = read_condition(reader)
-    return Choosing(kind, token, variables, condition, _block(reader, f"the body of {token.text}"))
-
-
-def _parts(reader: Reader, word: str, what: str) -> Tuple[Statement, ...]:
-    found = [_block(reader, what)]
-    reader.take(word, f"behind the first {{...}}, for {what}")
-    found.append(_block(reader, what))
-    while reader.took(word):
-        found.append(_block(reader, what))
-    return tuple(found)
-
-
-def _choose(reader: Reader, token: Token) -> Statement:
-    return Several("choice", _parts(reader, "or", "an alternative"))
-
-
-def _interleave(reader: Reader, token: Token) -> Statement:
-    return Several("conc", _parts(reader, "with", "a part of interleave"))
-
-
-def _prefer(reader: Reader, token: Token) -> Statement:
-    return Several("prio", _parts(reader, "over", "a part of prefer"))
-
-
-def _star(reader: Reader, token: Token) -> Statement:
-    return Around("star", _block(reader, "the body of star"))
-
-
-def _search(reader: Reader, token: Token) -> Statement:
-    return Around("search", _block(reader, f"the body of {token.text}"))
-
-
-def _try(reader: Reader, token: Token) -> Statement:
-    body = _block(reader, "what is tried")
-    reader.take("else", "behind what is tried")
-    return Around("try", body, other=_block(reader, "what is done if an action fails"))
-
-
-def _retry(reader: Reader, token: Token) -> Statement:
-    number = reader.take_kind("number", "how often it is tried anew", "write retry 3 {...}")
-    return Around("retry", _block(reader, "what is tried"), number=number)
-
-
-def _do(reader: Reader, token: Token) -> Statement:
-    body = _block(reader, "what is done")
-    if not reader.sees_words("on", "cancel"):
-        raise reader.fault(reader.next, f"{reader.next} where 'on cancel' belongs", "write do {...} on cancel {...}")
-    reader.read(), reader.read()
-    return Around("undoing", body, other=_block(reader, "what is done when it is cancelled"))
-
-
-def _interrupts(reader: Reader, token: Token) -> Statement:
-    """Read ``interrupts { when ... } until c;``: the first ones go before the later ones, and all before the end."""
-    begin = reader.take("{", "before the first when")
-    parts: List[Statement] = []
-    while reader.sees("when"):
-        parts.append(_when(reader, reader.read()))
-    if not parts or not reader.sees("}"):
-        raise reader.fault(
-            reader.next, f"{reader.next} where 'when' belongs, in interrupts", "write when CONDITION {...}"
-        )
-    reader.read()
-    if not reader.sees("until"):
-        raise reader.fault(begin, "nothing says when these interrupts end", "write until CONDITION; behind them")
-    until = reader.read()
-    end = Check(Token("word", "await", until.line, until.column), read_condition(reader))
-    _semicolon(reader, "behind the condition of until")
-    return Several("prio", (*parts, end))
-
-
-def _when(reader: Reader, token: Token) -> Statement:
-    if reader.next.kind != "variable":
-        return _unbound(reader, token)
-    found = reader.attempt(lambda: _choosing(reader, token, "every"))
-    if not isinstance(found, GologError):
-        return found
-    compared = reader.attempt(lambda: _unbound(reader, token))  # when N > 3, with a variable from around
-    if isinstance(compared, GologError):
-        raise found
-    return compared
-
-
-def _unbound(reader: Reader, token: Token) -> Choosing:
-    return Choosing("every", token, (), read_condition(reader), _block(reader, "the body of when"))
-
-
-_STATEMENTS: Dict[str, Callable[[Reader, Token], Statement]] = {
-    "any": _any,
-    "test": _check,
-    "await": _check,
-    "achieve": _achieve,
-    "if": _if,
-    "while": _while,
-    "pick": _pick,
-    "choose": _choose,
-    "interleave": _interleave,
-    "prefer": _prefer,
-    "star": _star,
-    "search": _search,
-    "alone": _search,
-    "try": _try,
-    "retry": _retry,
-    "do": _do,
-    "interrupts": _interrupts,
-}
-
-_MENDS = {
+_CONDITIONS = "conditions stand behind test, if and while"
+_INTERRUPTS = "write interrupts { when CONDITION {...} } until CONDITION;"
+_MISPLACED = {
     "else": "it belongs right behind the {...} of if or try",
     "or": "write choose {...} or {...}",
     "and": "write any order {...} and {...}",
     "with": "write interleave {...} with {...}",
     "over": "write prefer {...} over {...}",
     "order": "write any order {...} and {...}",
-    "when": "write interrupts { when CONDITION {...} } until CONDITION;",
-    "until": "write interrupts { when CONDITION {...} } until CONDITION;",
-    "not": "conditions stand behind test, if and while",
-    "some": "conditions stand behind test, if and while",
-    "all": "conditions stand behind test, if and while",
+    "when": _INTERRUPTS,
+    "until": _INTERRUPTS,
+    **dict.fromkeys(("not", "some", "all"), _CONDITIONS),
     "true": "write test true;",
     "false": "write test false;",
 }
+"""What to write in place of a word that begins no statement."""
+
+_WANTED: Sequence[Tuple[str, str, str]] = (
+    ("$END", "proc", "write proc NAME(X) { ... }"),
+    ("WHILE", "a statement", "write an action, or a word like if, while, pick"),
+    ("NOT", "a condition", "write a fluent, or compare terms, as in X + 1 < 3"),
+    ("NAME NUMBER", "a term", "write a name, a number or a variable"),
+    ("VARIABLE", "a variable", "variables begin with a capital letter"),
+    ("NAME", "the procedure's name", "names begin with a small letter"),
+    ("NUMBER", "how often it is tried anew", "write retry 3 {...}"),
+    ("STRING", "a file's name", 'write include "FILE";'),
+    ("_ARROW", "'->'", "write -> as in all X: CONDITION -> CONDITION"),
+    ("SEMICOLON", "';'", "write ;"),
+    ("COLON", "':'", "write : as in pick X: CONDITION {...}, or pick X in 1..3 {...}"),
+    ("LBRACE", "'{'", "write {"),
+    ("RPAR", "')'", "write )"),
+    ("_DOTS", "'..'", "write .. as in X in 1..3"),
+    ("WHEN", "'when'", "write when CONDITION {...}"),
+    ("RBRACE", "'}'", "write }"),
+    ("ON_CANCEL", "'on cancel'", "write do {...} on cancel {...}"),
+    ("UNTIL", "'until'", "write until CONDITION; behind the interrupts, for when they end"),
+    ("ELSE", "'else'", "write else {...}, for what is done if an action fails"),
+    ("OR", "'or'", "write or {...}, for another choice"),
+    ("AND", "'and'", "write and {...}, for another part of any order"),
+    ("WITH", "'with'", "write with {...}, for another part of interleave"),
+    ("OVER", "'over'", "write over {...}, for another part of prefer"),
+)
+"""Types of tokens that a place accepts, what belongs there if it accepts them, and the mend; the first one counts."""
+
+_INSTEAD = {
+    "?": "write test CONDITION;",
+    "|": "write or, or interleave {...} with {...}",
+    "&": "write and",
+    "!": "write not, or !=",
+    "==": "write =",
+}
+
+
+_STATEMENTS = frozenset(
+    [
+        *("step", "any", "test", "await", "achieve", "interrupts", "every", "until", "if", "while", "pick", "seq"),
+        *("choice", "conc", "prio", "order", "star", "search", "retry", "try", "undoing"),
+    ]
+)
+
+
+class ControlProgram(NamedTuple):
+    """A file: the nodes of the files that it includes and of its procedures."""
+
+    includes: Tuple[Node, ...]
+    procedures: Tuple[Node, ...]
+
+
+@lru_cache(maxsize=None)
+def _grammar() -> Grammar:
+    return Grammar(_GRAMMAR, ("include", "procedure", "slips"))
+
+
+def statements(one: Node) -> List[Node]:
+    """Return the statements directly within one."""
+    return [part for part in one.parts if part.kind in _STATEMENTS]
+
+
+def signature(named: Node) -> Tuple[str, int]:
+    """Return the name and the number of arguments of a procedure, an action or a call."""
+    arguments = parameters(named) if named.kind == "procedure" else named.parts
+    return named.text, len(arguments)
+
+
+def parameters(one: Node) -> List[Node]:
+    """Return the variables that a procedure, ``pick``, ``when`` or a quantifier begins with."""
+    first = one.parts[0]
+    return first.parts if first.kind == "variables" else []
+
+
+def choice(one: Node) -> Tuple[List[Node], Node, Node]:
+    """Return the variables of ``pick`` or ``when``, the condition on them, and what is done."""
+    condition, body = one.parts[-2:]
+    if len(one.parts) == 2 and condition.kind == "member":
+        return condition.parts[:1], condition, body
+    return parameters(one), condition, body
+
+
+def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
+    """Read a control program; what is wrong is added to ``faults``, with at most one of the syntax in a procedure."""
+    found: List[Node] = []
+    tokens = [_mended(token, name, faults) for token in _grammar().tokens(text)]
+    lines = text.split("\n")
+    end = Token("$END", "", line=len(lines), column=len(lines[-1]) + 1)
+    starts = [n for n, token in enumerate(tokens) if token.type in ("PROC", "INCLUDE")]
+    if tokens and 0 not in starts:
+        faults.append(_fault(name, tokens[0], f"'{tokens[0]}' outside of a procedure", "write proc NAME(X) { ... }"))
+    for first, after in zip(starts, [*starts[1:], len(tokens)]):
+        start = "procedure" if tokens[first].type == "PROC" else "include"
+        try:
+            found.append(_grammar().parse(tokens[first:after], (*tokens[after:], end)[0], start))
+        except MisfitError as misfit:
+            faults.append(_fault(name, *_told(misfit, tokens[first:after])))
+    procedures = (one for one in found if one.kind == "procedure")
+    return ControlProgram(tuple(one for one in found if one.kind == "include"), tuple(procedures))
+
+
+def _fault(name: str, token: Token, message: str, mend: str) -> Fault:
+    return Fault(name, token.line or 1, token.column or 1, message, mend)
+
+
+def _mended(token: Token, name: str, faults: List[Fault]) -> Token:
+    """Return a token as the grammar takes it; what is wrong with it by itself is added to ``faults``."""
+    if token.type == "QUOTED":
+        faults.append(_fault(name, token, f"{token} is no string", f'write "{token[1:-1]}"'))
+        return token.update(type="STRING")
+    if token.type == "NUMBER" and _is_great(token):
+        mend = f"have at most {GREATEST}, or write it as a string"
+        faults.append(_fault(name, token, f"the number {token} is too great", mend))
+    return token
+
+
+def _is_great(number: str) -> bool:
+    digits = number.lstrip("0") or "0"
+    return len(digits) > len(str(GREATEST)) or int(digits) > GREATEST
+
+
+def _told(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str, str]:
+    """Return the token to blame for tokens that are no procedure or include, what is wrong, and the mend."""
+    token, accepted = misfit.token, misfit.accepted
+    if not accepted:
+        return token, "too much within each other", "make procedures of some"
+    if token.type == "OPEN":
+        return token, "the string has no end on its line", 'write " behind it'
+    if token.type == "UNKNOWN":
+        shown = f"'{token}'" if token in _INSTEAD else repr(str(token))
+        return token, f"{shown} is no word of the language", _INSTEAD.get(token, "comments begin with %")
+    at = next((n for n, one in enumerate(tokens) if one is token), len(tokens))
+    if at == len(tokens) and _open(tokens):
+        return _open(tokens)[-1], "the bracket '{' is never closed", "write } where it ends"
+    shown = f"'{token}'" if token else "the end of the file"
+    if accepted == {"$END"}:
+        return token, f"{shown} outside of a procedure", "write proc NAME(X) { ... }"
+    slip = _slip(tokens, at) if "SEMICOLON" in accepted else None
+    if slip is not None:
+        return slip[0], f"'{slip[0]}' is no word of the language, and no ';' is behind it", f"is {slip[1]} meant?"
+    wanted = (row for row in _WANTED if set(row[0].split()) <= accepted)
+    types, what, mend = next(wanted, ("", " or ".join(sorted(accepted)), "see doc/golog.md"))
+    if token in _WORDS and types == "WHILE":
+        mend = _MISPLACED.get(token, "no action has this name")
+    elif token in _WORDS and "NAME" in accepted:
+        shown += " is a word of the language"
+    return token, f"{shown} where {what} belongs", mend
+
+
+def _open(tokens: Sequence[Token]) -> List[Token]:
+    """Return the braces that none closes."""
+    found: List[Token] = []
+    for token in tokens:
+        if token == "{":
+            found.append(token)
+        elif token == "}" and found:
+            found.pop()
+    return found
+
+
+def _slip(tokens: Sequence[Token], at: int) -> Optional[Tuple[Token, str]]:
+    """Return the name that begins the statement around a place, and the word that it may be a slip of, if it is."""
+    begin = next((n for n in range(at - 1, 0, -1) if tokens[n - 1] in ("{", "}", ";")), 0)
+    meant = next((word for word in sorted(_WORDS) if is_slip(tokens[begin], word)), None)
+    return (tokens[begin], meant) if meant and tokens[begin].type == "NAME" else None

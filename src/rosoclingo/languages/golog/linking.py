@@ -4,12 +4,11 @@ import re
 from pathlib import PurePath
 from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 
-from rosoclingo.languages.golog.grammar import parse
+from rosoclingo.languages.golog.grammar import ControlProgram, parse, signature
 from rosoclingo.languages.golog.recursion import Signature, endless_calls
-from rosoclingo.languages.golog.scanner import Token
-from rosoclingo.languages.golog.tree import ControlProgram, Procedure
 from rosoclingo.languages.golog.writing import Declared, Writer, arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
+from rosoclingo.oclingo.grammars import Node
 from rosoclingo.oclingo.program.languages import Document, Include, Translation
 
 _NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
@@ -26,7 +25,7 @@ def read(text: str, name: str) -> Document:
     """Return what a file of control programs is."""
     faults: List[Fault] = []
     program = parse(text, name, faults)
-    includes = tuple(Include(one.text[1:-1], one.line, one.column) for one in program.includes)
+    includes = tuple(Include(one.text[1:-1], one.line, one.tokens[0].column or 1) for one in program.includes)
     return Document(name, includes, _Read(program, tuple(faults)))
 
 
@@ -51,11 +50,11 @@ def translate_files(documents: Sequence[Document], included: Sequence[Sequence[S
     found: List[Translation] = []
     for number, one in enumerate(documents):
         procedures, own = linker.procedures(number), [*one.content.faults, *linker.faults[number]]
-        for token, message, mend in endless_calls(
-            {signature: declared.procedure for signature, declared in procedures.items()},
-            {signature for signature, declared in procedures.items() if declared.file == one.name},
+        for call, message, mend in endless_calls(
+            {head: declared.procedure for head, declared in procedures.items()},
+            [head for head, declared in procedures.items() if declared.file == one.name],
         ):
-            own.append(Fault(one.name, token.line, token.column, message, mend))
+            own.append(Fault(one.name, call.line, call.column, message, mend))
         writer = Writer(one.name, stems[number], one.content.program, procedures, own)
         faults += sorted(own, key=lambda fault: (fault.line, fault.column))
         found.append(Translation("".join(f"{line}\n" for line in writer.lines), tuple(writer.places)))
@@ -79,7 +78,7 @@ class _Linker:
 
     def __init__(self, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> None:
         self._documents, self._included = documents, included
-        self._declared: Dict[Signature, Tuple[int, Procedure]] = {}
+        self._declared: Dict[Signature, Tuple[int, Node]] = {}
         self._above: List[int] = []  # the files within whose includes the present one lies
         self._over: Set[int] = set()
         self.faults: List[List[Fault]] = [[] for _ in documents]
@@ -94,8 +93,8 @@ class _Linker:
             seen |= further
             waiting += further
         return {
-            signature: Declared(self._documents[file].name, procedure)
-            for signature, (file, procedure) in self._declared.items()
+            one: Declared(self._documents[file].name, procedure)
+            for one, (file, procedure) in self._declared.items()
             if file in seen
         }
 
@@ -105,32 +104,28 @@ class _Linker:
         self._over.add(number)
         self._above.append(number)
         program: ControlProgram = self._documents[number].content.program
-        for token, way in zip(program.includes, self._included[number]):
+        for include, way in zip(self._documents[number].includes, self._included[number]):
             for one in way:
                 if one in self._above:
-                    self._tell_circle(number, token, one)
+                    self._tell_circle(number, include, one)
                 self._link(one)
         self._above.pop()
         for procedure in program.procedures:
             self._declare(number, procedure)
 
-    def _tell_circle(self, number: int, token: Token, first: int) -> None:
+    def _tell_circle(self, number: int, include: Include, first: int) -> None:
         names = [PurePath(self._documents[one].name).name for one in self._above[self._above.index(first) :]]
         told = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
         mend = "put what both need into a third file" if names[1:] else "leave it out"
-        self._fault(number, token, told, mend)
+        self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, told, mend))
 
-    def _declare(self, number: int, procedure: Procedure) -> None:
-        signature = (procedure.name.text, len(procedure.parameters))
-        if signature in self._declared:
-            file, other = self._declared[signature]
-            where = "" if file == number else f"{self._documents[file].name}, "
-            told = (
-                f"procedure {signature[0]} with {arguments(signature[1])} is in {where}line {other.name.line} already"
-            )
-            self._fault(number, procedure.name, told, "give one of them another name")
+    def _declare(self, number: int, procedure: Node) -> None:
+        head, name = signature(procedure), procedure.tokens[0]
+        if head not in self._declared:
+            self._declared[head] = (number, procedure)
             return
-        self._declared[signature] = (number, procedure)
-
-    def _fault(self, number: int, token: Token, message: str, mend: str) -> None:
-        self.faults[number].append(Fault(self._documents[number].name, token.line, token.column, message, mend))
+        file, other = self._declared[head]
+        where = "" if file == number else f"{self._documents[file].name}, "
+        told = f"procedure {name} with {arguments(head[1])} is in {where}line {other.line} already"
+        place = (self._documents[number].name, name.line or 1, name.column or 1)
+        self.faults[number].append(Fault(*place, told, "give one of them another name"))

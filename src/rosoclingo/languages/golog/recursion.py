@@ -1,40 +1,32 @@
-"""Procedures that call themselves before they have done anything: what is left of them would have no end."""
+"""Procedures that call themselves before they have done anything: what is left of them would have no end.
 
-from typing import AbstractSet, Dict, Iterator, List, Mapping, NamedTuple, Set, Tuple
+Calls with a number that goes down, or up, to a bound come to an end.
+"""
 
-from rosoclingo.languages.golog.descent import ways_of_calls
-from rosoclingo.languages.golog.scanner import Token
-from rosoclingo.languages.golog.tree import (
-    AnyAction,
-    Around,
-    Branch,
-    Check,
-    Choosing,
-    Loop,
-    Procedure,
-    Sequence,
-    Several,
-    Statement,
-    Step,
-)
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
+
+from rosoclingo.languages.golog.grammar import choice, parameters, signature, statements
+from rosoclingo.oclingo.grammars import Node
 
 Signature = Tuple[str, int]
 
 COUNTING = "if N > 0 { p(N - 1); }"
 """A call that comes to an end, whatever has been done."""
 
+_LOOPS = ("while", "star", "every", "achieve")
+_TOGETHER = ("seq", "conc", "prio", "order", "interrupts")
+_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
+
 
 class _Begin(NamedTuple):
-    """How a program may begin: the calls before any action, and whether it may be over without one."""
+    """How a program can begin: the calls before any action, and whether it can be over without one."""
 
-    calls: List[Tuple[Signature, Token]]
+    calls: List[Node]
     idle: bool
 
 
-def endless_calls(
-    procedures: Mapping[Signature, Procedure], own: AbstractSet[Signature]
-) -> Iterator[Tuple[Token, str, str]]:
-    """Yield, for each of a file's ``own`` procedures that may call itself before any action, the call's word.
+def endless_calls(procedures: Mapping[Signature, Node], own: Iterable[Signature]) -> Iterator[Tuple[Node, str, str]]:
+    """Yield, for each of a file's ``own`` procedures that may call itself before any action, the call.
 
     With it come what is wrong and the mend. The ``procedures`` are all that may be called.
     """
@@ -43,75 +35,131 @@ def endless_calls(
     before = -1
     while before != len(idle):
         before = len(idle)
-        begins = {signature: _begin(one.body, procedures, idle) for signature, one in procedures.items()}
-        idle |= {signature for signature, begin in begins.items() if begin.idle}
-    begins = {signature: _without_ends(begin, signature, procedures[signature]) for signature, begin in begins.items()}
-    for signature, begin in begins.items():
-        for called, token in begin.calls if signature in own else ():
-            if signature in _reached(called, begins):
-                name = signature[0]
+        begins = {one: _begin(procedure.parts[-1], procedures, idle) for one, procedure in procedures.items()}
+        idle |= {one for one, begin in begins.items() if begin.idle}
+    calls = {one: _without_ends(begins[one].calls, procedure) for one, procedure in procedures.items()}
+    for one in own:
+        for call in calls[one]:
+            if one in _reached(signature(call), calls):
                 mend = f"let an action come before the call, count down ({COUNTING}), or write a loop (while, star)"
-                yield token, f"{name} may come to call itself again before it has done anything, without end", mend
+                yield call, f"{one[0]} may come to call itself again before it has done anything, without end", mend
                 break
 
 
-def _without_ends(begin: _Begin, signature: Signature, procedure: Procedure) -> _Begin:
-    """Leave out the calls of a procedure of itself if an argument goes to a bound in all of them."""
-    own = {token for called, token in begin.calls if called == signature}
-    ways = [ways for token, ways in ways_of_calls(procedure) if token in own]
-    if not own or not frozenset.intersection(*ways):
-        return begin
-    return begin._replace(calls=[(called, token) for called, token in begin.calls if called != signature])
-
-
-def _reached(signature: Signature, begins: Mapping[Signature, _Begin]) -> Set[Signature]:
-    found, waiting = {signature}, [signature]
+def _reached(first: Signature, calls: Mapping[Signature, List[Node]]) -> Set[Signature]:
+    found, waiting = {first}, [first]
     while waiting:
-        for called, _ in begins[waiting.pop()].calls:
-            if called not in found:
-                found.add(called)
-                waiting.append(called)
+        further = set(map(signature, calls[waiting.pop()])) - found
+        found |= further
+        waiting += further
     return found
 
 
-def _begin(one: Statement, procedures: Mapping[Signature, Procedure], idle: Set[Signature]) -> _Begin:
+def _begin(one: Node, procedures: Mapping[Signature, Node], idle: Set[Signature]) -> _Begin:
     """Return how a statement may begin; ``idle`` are the procedures known to be over without an action, at times."""
-
-    def all_of(*parts: Statement) -> List[_Begin]:
-        return [_begin(part, procedures, idle) for part in parts]
-
-    if isinstance(one, Step):
-        called = (one.what.token.text, len(one.what.arguments))
-        return _Begin([(called, one.what.token)], called in idle) if called in procedures else _Begin([], False)
-    if isinstance(one, AnyAction):
-        return _Begin([], False)
-    if isinstance(one, Check):
-        return _Begin([], True)
-    if isinstance(one, Sequence):
-        calls: List[Tuple[Signature, Token]] = []
-        for part in all_of(*one.statements):
-            calls += part.calls
-            if not part.idle:
-                return _Begin(calls, False)
+    kind = one.kind
+    if kind == "step":
+        called = signature(one.parts[0])
+        return _Begin(one.parts if called in procedures else [], called in idle)
+    if kind in ("any", "test", "await", "until"):
+        return _Begin([], kind != "any")
+    inner = statements(one)[:1] if kind in ("try", "undoing") else statements(one)
+    parts, calls = [_begin(part, procedures, idle) for part in inner], []  # type: List[_Begin], List[Node]
+    for part in parts:
+        calls += part.calls
+        if kind == "seq" and not part.idle:
+            break
+    if kind in _LOOPS or (kind == "if" and len(parts) == 1):
         return _Begin(calls, True)
-    if isinstance(one, Several):
-        parts = all_of(*one.parts)
-        some = any(part.idle for part in parts) if one.kind == "choice" else all(part.idle for part in parts)
-        return _Begin([call for part in parts for call in part.calls], some)
-    return _begin_of_one(one, all_of(*_inner(one)))
+    return _Begin(calls, (all if kind in _TOGETHER else any)(part.idle for part in parts))
 
 
-def _inner(one: Statement) -> List[Statement]:
-    if isinstance(one, Branch):
-        return [one.yes, one.no]
-    if isinstance(one, (Loop, Choosing)):
-        return [one.body]
-    assert isinstance(one, Around)
-    return [one.body]
+# ---- calls that come to an end -------------------------------------------------------------------------------------
 
 
-def _begin_of_one(one: Statement, parts: List[_Begin]) -> _Begin:
-    calls = [call for part in parts for call in part.calls]
-    always = isinstance(one, Loop) or (isinstance(one, Around) and one.kind == "star")
-    always = always or (isinstance(one, Choosing) and one.kind == "every")
-    return _Begin(calls, always or any(part.idle for part in parts))
+class _Bound(NamedTuple):
+    """A parameter lies above (direction -1) or below (1) a number, None, or another parameter."""
+
+    name: str
+    direction: int
+    other: Optional[str]
+
+
+_Bounds = FrozenSet[_Bound]
+
+
+def _without_ends(calls: List[Node], procedure: Node) -> List[Node]:
+    """Leave out the calls of a procedure of itself if an argument goes to a bound in all of them.
+
+    The bound stands in a condition of ``if``, ``while``, ``pick``, ``test``, as in ``if N > 0 { p(N - 1); }``; so the
+    solver need not look at what lies beyond it.
+    """
+    known = frozenset(one.text for one in parameters(procedure))
+    own = [call for call in calls if signature(call) == signature(procedure)]
+    ways = [
+        frozenset(_ways(call, bounds, procedure))
+        for call, bounds in _bounded(procedure.parts[-1], procedure, known, frozenset())
+        if any(call is one for one in own)
+    ]
+    if not own or not frozenset.intersection(*ways):
+        return calls
+    return [call for call in calls if signature(call) != signature(procedure)]
+
+
+def _bounded(one: Node, procedure: Node, known: FrozenSet[str], bounds: _Bounds) -> Iterator[Tuple[Node, _Bounds]]:
+    """Yield the calls in a statement where parameters that are ``known``, not named anew, have ``bounds``."""
+    if one.kind == "step":
+        if signature(one.parts[0]) == signature(procedure):
+            yield one.parts[0], bounds
+    elif one.kind in ("pick", "every"):
+        variables, condition, body = choice(one)
+        known -= {variable.text for variable in variables}
+        bounds = frozenset(bound for bound in bounds if {bound.name, bound.other or bound.name} <= known)
+        yield from _bounded(body, procedure, known, bounds | _bounds(condition, known))
+    else:
+        inside = bounds | _bounds(one.parts[0], known) if one.kind in ("if", "while") else bounds
+        for part in statements(one):
+            yield from _bounded(part, procedure, known, inside)
+            inside = bounds if one.kind == "if" else inside
+            if one.kind == "seq" and part.kind in ("test", "await"):
+                inside |= _bounds(part.parts[0], known)
+
+
+def _bounds(condition: Node, known: FrozenSet[str]) -> _Bounds:
+    """Return the bounds that a condition has if all its parts have to hold."""
+    if condition.kind == "and":
+        return frozenset(bound for part in condition.parts for bound in _bounds(part, known))
+    if condition.kind != "comparison" or condition.text not in _MIRRORED:
+        return frozenset()
+    (left, right), operator = condition.parts, condition.text
+    return frozenset([*_bound(left, operator, right, known), *_bound(right, _MIRRORED[operator], left, known)])
+
+
+def _bound(left: Node, operator: str, right: Node, known: FrozenSet[str]) -> Iterator[_Bound]:
+    if left.kind != "variable" or left.text not in known:
+        return
+    direction = -1 if operator in (">", ">=") else 1
+    if right.kind == "variable" and right.text in known:
+        yield _Bound(left.text, direction, right.text)
+    elif right.kind == "constant" and right.text.isdecimal():
+        yield _Bound(left.text, direction, None)
+
+
+def _ways(call: Node, bounds: _Bounds, procedure: Node) -> Iterator[Tuple[int, int]]:
+    """Yield the places of the arguments, from 0, that go up or down (1 or -1) to a bound in a call."""
+    names = [one.text for one in parameters(procedure)]
+    same = {name for name, one in zip(names, call.parts) if one.kind == "variable" and one.text == name}
+    for place, (name, argument) in enumerate(zip(names, call.parts)):
+        for bound in bounds:
+            if bound.name == name and bound.other in {None, *same} and _goes(argument, name) == bound.direction:
+                yield place, bound.direction
+
+
+def _goes(term: Node, name: str) -> int:
+    """Return 1 for a variable and a number that is added to it, -1 for one that is taken away, else 0."""
+    if term.kind != "operation" or term.text not in ("+", "-"):
+        return 0
+    left, step = term.parts
+    if left.kind != "variable" or left.text != name or step.kind != "constant" or not step.text.strip('0"'):
+        return 0
+    return (1 if term.text == "+" else -1) if step.text.isdecimal() else 0

@@ -2,40 +2,27 @@
 
 import re
 from pathlib import PurePath
-from typing import FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple, Union
 
-from rosoclingo.languages.golog.clauses import (
+from lark import Token
+
+from rosoclingo.languages.golog.conditions import (
     STEP,
+    GologError,
     Literal,
     Names,
     Plain,
     Scope,
     Without,
     alternatives,
-    first_token,
+    instances,
     unbound,
+    variables_of,
 )
+from rosoclingo.languages.golog.grammar import ControlProgram, choice, parameters, signature, statements
 from rosoclingo.languages.golog.recursion import Signature
-from rosoclingo.languages.golog.scanner import GologError, Token
-from rosoclingo.languages.golog.tree import (
-    AnyAction,
-    Around,
-    Branch,
-    Check,
-    Choosing,
-    Compound,
-    Condition,
-    ControlProgram,
-    Loop,
-    Procedure,
-    Several,
-    Statement,
-    Step,
-)
-from rosoclingo.languages.golog.tree import (
-    Sequence as Statements,
-)
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.grammars import Node
 
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_']*")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
@@ -47,11 +34,15 @@ ORDERED = 20
 """So many parts may any order have."""
 
 
+_ROWS = {"interrupts": "prio", **{kind: kind for kind in ("seq", "choice", "conc", "prio", "order")}}
+_ASKING = ("if", "while", "achieve", "test", "await", "until")
+
+
 class Declared(NamedTuple):
     """A procedure, and the file that has it."""
 
     file: str
-    procedure: Procedure
+    procedure: Node
 
 
 class Writer:
@@ -69,98 +60,74 @@ class Writer:
         procedures: Mapping[Signature, Declared],
         faults: List[Fault],
     ) -> None:
-        self._file, self._stem, self._procedures, self._faults = file, stem, procedures, faults
+        self._file, self._stem, self._procedures = file, stem, procedures
         self._count = 0
-        self._name = Token("end", "", 1, 1)  # of the procedure that is written
         self._actions: Set[str] = set()
         self._scope = Scope(file)
         self.lines: List[str] = []
         self.places: List[Tuple[int, int]] = []
         for one in program.includes:
-            self._add(f"#include {one.text}.", one)
-        self._add(f"#program cumulative({STEP}).", Token("end", "", 1, 1))
+            self._add(f"#include {one.text}.", one.tokens[0])
+        self._add(f"#program cumulative({STEP}).", Token("PROC", "proc", line=1, column=1))
         for procedure in program.procedures:
+            self._name = procedure.tokens[0]
             try:
                 self._procedure(procedure)
             except GologError as error:
                 faults.append(error.fault)
             except RecursionError:
-                faults.append(self._too_deep(procedure.name).fault)
+                faults.append(self._too_deep(self._name).fault)
 
-    def _too_deep(self, token: Token) -> GologError:
-        return self._scope.fault(token, "too much within each other", "make procedures of some")
+    def _too_deep(self, place: Union[Node, Token]) -> GologError:
+        return self._scope.fault(place, "too much within each other", "make procedures of some")
 
-    def _add(self, text: str, token: Token) -> None:
+    def _add(self, text: str, place: Union[Node, Token]) -> None:
         depth = deepest = 0
         for sign in re.findall("[()]", _STRING.sub("", text)):
             depth += 1 if sign == "(" else -1
             deepest = max(deepest, depth)
         if deepest > DEEPEST:
-            raise self._too_deep(token)
+            raise self._too_deep(place)
         self.lines.append(text)
-        self.places.append((token.line, token.column))
+        self.places.append((place.line or 1, place.column or 1))
 
-    # ---- procedures ------------------------------------------------------------------------------------------------
-
-    def _procedure(self, procedure: Procedure) -> None:
-        self._name = procedure.name
-        names = self._scope.inner({}, procedure.parameters)
-        parameters = [names[one.token.text] for one in procedure.parameters]
-        head = procedure.name.text + (f"({','.join(parameters)})" if parameters else "")
-        body = self._statement(procedure.body, names)
-        self._add(f"golog_body({head},{body},{STEP}) :- golog_call({head},{STEP}).", procedure.name)
+    def _procedure(self, procedure: Node) -> None:
+        names = self._scope.inner({}, parameters(procedure), "parameters")
+        written = [names[one.text] for one in parameters(procedure)]
+        head = procedure.text + (f"({','.join(written)})" if written else "")
+        body = self._statement(procedure.parts[-1], names)
+        self._add(f"golog_body({head},{body},{STEP}) :- golog_call({head},{STEP}).", self._name)
 
     # ---- statements, each as a term --------------------------------------------------------------------------------
 
-    def _statement(self, one: Statement, names: Names) -> str:
-        if isinstance(one, Step):
-            return self._step(one.what, names)
-        if isinstance(one, AnyAction):
-            return "any"
-        if isinstance(one, Statements):
-            return self._row("seq", [self._statement(part, names) for part in one.statements]) or "nil"
-        if isinstance(one, Check):
-            return self._check(one, names)
-        if isinstance(one, Branch):
-            asked = self._condition(one.token, one.condition, names)
-            return f"if({asked},{self._statement(one.yes, names)},{self._statement(one.no, names)})"
-        if isinstance(one, Loop):
-            return f"while({self._condition(one.token, one.condition, names)},{self._statement(one.body, names)})"
-        if isinstance(one, Choosing):
-            return f"{one.kind}({self._options(one, names)})"
-        if isinstance(one, Several):
-            return self._several(one, names)
-        return self._around(one, names)
+    def _statement(self, one: Node, names: Names) -> str:
+        kind = {"until": "await", "achieve": "while"}.get(one.kind, one.kind)
+        if kind == "step":
+            return self._step(one.parts[0], names)
+        if kind in ("pick", "every"):
+            return f"{kind}({self._options(one, names)})"
+        asked = [self._condition(one, names)] if one.kind in _ASKING else []
+        inside = [self._statement(part, names) for part in statements(one)]
+        if kind in _ROWS:
+            return self._row(_ROWS[kind], inside)
+        number = [one.text] if kind == "retry" else []
+        rest = {"achieve": ["any"], "if": ["nil"] * (2 - len(inside))}.get(one.kind, [])
+        words = [*number, *asked, *inside, *rest]
+        return f"{kind}({','.join(words)})" if words else kind
 
-    def _check(self, one: Check, names: Names) -> str:
-        asked = self._condition(one.token, one.condition, names)
-        if one.token.text == "test":
-            self._tell(asked, "the test in {} does not hold", one.token)
-        return f"{one.token.text}({asked})"
-
-    def _tell(self, name: str, text: str, token: Token) -> None:
+    def _tell(self, name: str, text: str, one: Node) -> None:
         """Write what is said where a test or a choice leads no further."""
-        place = re.sub(r'["\\\n]', "_", f"line {token.line} of {PurePath(self._file).name}")
-        self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', token)
-
-    def _several(self, one: Several, names: Names) -> str:
-        parts = [self._statement(part, names) for part in one.parts]
-        if one.kind != "order":
-            return self._row(one.kind, parts)
-        if len(parts) > ORDERED:
-            told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
-            raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
-        return f"order({self._nested('l', [*parts, 'end'])})"
-
-    def _around(self, one: Around, names: Names) -> str:
-        body = self._statement(one.body, names)
-        if one.number is not None:
-            return f"{one.kind}({one.number.text},{body})"
-        return f"{one.kind}({body}" + ("" if one.other is None else f",{self._statement(one.other, names)}") + ")"
+        place = re.sub(r'["\\\n]', "_", f"line {one.line} of {PurePath(self._file).name}")
+        self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', one)
 
     def _row(self, kind: str, parts: Sequence[str]) -> str:
         """Return ``kind(a,kind(b,c))`` for the parts a, b, c; a long one goes on behind calls."""
-        first = (len(parts) - 1) // ROW * ROW
+        if kind == "order":
+            if len(parts) > ORDERED:
+                told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
+                raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
+            return f"order({self._nested('l', [*parts, 'end'])})"
+        first = max(0, len(parts) - 1) // ROW * ROW
         text = self._nested(kind, parts[first:])
         for begin in range(first - ROW, -1, -ROW):
             rest = self._node(text)
@@ -170,28 +137,23 @@ class Writer:
 
     @staticmethod
     def _nested(kind: str, parts: Sequence[str]) -> str:
-        """Return ``kind(a,kind(b,c))`` for the parts a, b, c."""
-        if not parts:
-            return ""
-        return "".join(f"{kind}({part}," for part in parts[:-1]) + parts[-1] + ")" * (len(parts) - 1)
+        """Return ``kind(a,kind(b,c))`` for the parts a, b, c, and ``nil`` for none."""
+        return "".join(f"{kind}({part}," for part in parts[:-1]) + (parts or ["nil"])[-1] + ")" * (len(parts) - 1)
 
-    def _step(self, what: Compound, names: Names) -> str:
-        term = self._scope.term(what, names)
-        if (what.token.text, len(what.arguments)) in self._procedures:
+    def _step(self, what: Node, names: Names) -> str:
+        term, (name, count) = self._scope.term(what, names), signature(what)
+        if (name, count) in self._procedures:
             return f"call({term})"
-        others = sorted(number for name, number in self._procedures if name == what.token.text)
+        others = sorted(number for other, number in self._procedures if other == name)
         if others:
-            files = {self._procedures[what.token.text, number].file for number in others} - {self._file}
+            files = {self._procedures[name, number].file for number in others} - {self._file}
             where = f" of {', '.join(sorted(files))}" if files else ""
-            counts = " or ".join(map(arguments, others))
-            told = f"procedure {what.token.text}{where} has {counts}, not {len(what.arguments)}"
-            raise self._scope.fault(what.token, told, "call it with as many as it has")
+            told = f"procedure {name}{where} has {' or '.join(map(arguments, others))}, not {count}"
+            raise self._scope.fault(what, told, "call it with as many as it has")
         if term not in self._actions:  # so that check tells of an action that the domain does not know
             self._actions.add(term)
-            self._add(
-                f"golog_possible({term},{STEP}) :- golog_wants({term},{STEP}), golog_action({term},_,_,{STEP}).",
-                what.token,
-            )
+            asked = f"golog_wants({term},{STEP}), golog_action({term},_,_,{STEP})"
+            self._add(f"golog_possible({term},{STEP}) :- {asked}.", what)
         return f"do({term})"
 
     # ---- what is chosen, what is asked -----------------------------------------------------------------------------
@@ -202,65 +164,58 @@ class Writer:
         found = dict.fromkeys(name for text in texts for name in _VARIABLE.findall(_STRING.sub("", text)))
         return f"in({','.join([self._stem, str(self._count), *found])})"
 
-    def _condition(self, token: Token, condition: Condition, names: Names) -> str:
-        """Return the name of a condition, and write what it means."""
+    def _condition(self, one: Node, names: Names) -> str:
+        """Return the name of a statement's condition, and write what it means."""
         self._scope.begin()
-        ways = alternatives(condition, names, self._scope)
-        outer = set(names.values())
-        used = [name for name in names.values() if any(name in _used(one) for way in ways for one in way)]
-        name = self._node(*used)
+        ways = alternatives(one.parts[0], names, self._scope, one.kind != "achieve")
+        used = {variable for way in ways for literal in way for variable in variables_of(literal)}
+        name = self._node(*(written for written in names.values() if written in used))
         for way in ways:
-            self._check_bound(token, way, outer, ())
-            body = self._literals(way, f"golog_asked({name},{STEP})", outer)
-            self._add(f"golog_true({name},{STEP}) :- {body}.", first_token(condition))
+            self._check_bound(one, way, names.values(), ())
+            body = self._literals(way, f"golog_asked({name},{STEP})")
+            self._add(f"golog_true({name},{STEP}) :- {body}.", one.parts[0])
+        if one.kind == "test":
+            self._tell(name, "the test in {} does not hold", one)
         return name
 
-    def _options(self, one: Choosing, names: Names) -> str:
+    def _options(self, one: Node, names: Names) -> str:
         """Return the name of a choice, and write what there is to choose from."""
-        inner = self._scope.inner(names, one.variables)
+        variables, condition, then = choice(one)
+        inner = self._scope.inner(names, variables)
         self._scope.begin()
-        ways = alternatives(one.condition, inner, self._scope)
-        body = self._statement(one.body, inner)
-        outer = set(names.values())
-        used = [name for name in names.values() if name in _VARIABLE.findall(body)]
-        used += [name for name in names.values() if any(name in _used(part) for way in ways for part in way)]
-        name = self._node(*dict.fromkeys(used))
-        wanted = [inner[variable.token.text] for variable in one.variables]
+        ways = alternatives(condition, inner, self._scope)
+        body = self._statement(then, inner)
+        used = {variable for way in ways for literal in way for variable in variables_of(literal)}
+        used.update(_VARIABLE.findall(body))
+        name = self._node(*(written for written in names.values() if written in used))
         for way in ways:
-            self._check_bound(one.token, way, outer, wanted)
-            asked = self._literals(way, f"golog_picks({name},{STEP})", outer)
-            self._add(f"golog_option({name},{body},{STEP}) :- {asked}.", one.token)
+            self._check_bound(one, way, names.values(), [inner[variable.text] for variable in variables])
+            asked = self._literals(way, f"golog_picks({name},{STEP})")
+            self._add(f"golog_option({name},{body},{STEP}) :- {asked}.", one)
         if one.kind == "pick":
-            self._tell(name, "there is nothing to pick in {}", one.token)
+            self._tell(name, "there is nothing to pick in {}", one)
         return name
 
-    def _check_bound(self, token: Token, way: Sequence[Literal], known: Set[str], wanted: Sequence[str]) -> None:
+    def _check_bound(self, one: Node, way: Sequence[Literal], known: Iterable[str], wanted: Sequence[str]) -> None:
         for name in unbound(way, known, wanted):
-            where = self._scope.first.get(name, token)
+            where = self._scope.first.get(name, one)
             told = f"no fluent says which values {where.text} may have"
             raise self._scope.fault(where, told, f"add a fluent that has it, or {where.text} in 1..3, or in {{a, b}}")
 
-    def _literals(self, way: Sequence[Literal], asked: str, outer: Set[str]) -> str:
+    def _literals(self, way: Sequence[Literal], asked: str) -> str:
         """Return the body of a rule, and write what its negations mean."""
-        plain = [one.text for one in way if isinstance(one, Plain)]
-        return ", ".join([asked, *plain, *self._negations(way, asked, plain)])
-
-    def _negations(self, way: Sequence[Literal], asked: str, plain: Sequence[str]) -> List[str]:
-        found = []
+        body = ", ".join([asked, *(one.text for one in way if isinstance(one, Plain))])
+        found = [body]
         for one in way:
             if isinstance(one, Without):
                 name = self._node(*sorted(one.variables))
-                self._add(f"golog_asked({name},{STEP}) :- {', '.join([asked, *plain])}.", one.token)
-                for inner in alternatives(one.condition, one.names, self._scope):
-                    self._check_bound(one.token, inner, set(one.variables), ())
-                    body = self._literals(inner, f"golog_asked({name},{STEP})", set(one.variables))
-                    self._add(f"golog_true({name},{STEP}) :- {body}.", one.token)
+                self._add(f"golog_asked({name},{STEP}) :- {body}.", one.condition)
+                for inner in instances(one.condition, one.names, self._scope):
+                    self._check_bound(one.condition, inner, one.variables, ())
+                    inside = self._literals(inner, f"golog_asked({name},{STEP})")
+                    self._add(f"golog_true({name},{STEP}) :- {inside}.", one.condition)
                 found.append(f"not golog_true({name},{STEP})")
-        return found
-
-
-def _used(literal: Literal) -> FrozenSet[str]:
-    return literal.needs | literal.binds if isinstance(literal, Plain) else literal.variables
+        return ", ".join(found)
 
 
 def arguments(number: int) -> str:

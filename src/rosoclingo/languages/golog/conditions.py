@@ -1,0 +1,227 @@
+"""Conditions as bodies of rules: alternatives of literals, which bind their variables."""
+
+from itertools import chain, product
+from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Sequence, Set, Union
+
+from lark import Token
+
+from rosoclingo.languages.golog.grammar import parameters
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.grammars import Node
+
+_OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
+MOST = 64
+"""How many alternatives a condition can have."""
+
+STEP = "_step"
+"""The step in rules, a name that nothing in a control program can have."""
+
+Names = Mapping[str, str]
+"""How variables are written: those of inner scopes are given names of their own."""
+
+
+class GologError(Exception):
+    """A control program is not as it should be; ``fault`` says where and what to write instead."""
+
+    def __init__(self, fault: Fault) -> None:
+        self.fault = fault
+        super().__init__(str(fault))
+
+
+class Plain(NamedTuple):
+    """A literal as text, with the variables that it needs, and those that it binds once it has these."""
+
+    text: str
+    needs: FrozenSet[str]
+    binds: FrozenSet[str] = frozenset()
+
+
+class Without(NamedTuple):
+    """There are no values with which a condition holds; ``variables`` are those of the scopes around."""
+
+    condition: Node
+    names: Names
+    variables: FrozenSet[str]
+
+
+Literal = Union[Plain, Without]
+
+
+class Scope:
+    """Makes names for variables that are bound within conditions, and knows where faults are."""
+
+    def __init__(self, file: str) -> None:
+        self._file, self._count = file, 0
+        self._quantified: Set[str] = set()  # what is bound within the present condition
+        self.first: Dict[str, Node] = {}  # where each variable stands first
+
+    def begin(self) -> None:
+        """Begin a condition, whose rules have no variables in common with those before."""
+        self._quantified.clear()
+
+    def fault(self, place: Union[Node, Token], message: str, mend: str) -> GologError:
+        """Return an error at a place."""
+        return GologError(Fault(self._file, place.line or 1, place.column or 1, message, mend))
+
+    def inner(self, names: Names, variables: Sequence[Node], what: str = "variables") -> Dict[str, str]:
+        """Return how variables are written within a scope that binds these; raises GologError for equal ones."""
+        return self._bind(names, variables, set(names), what)
+
+    def quantified(self, names: Names, variables: Sequence[Node]) -> Dict[str, str]:
+        """Return the same for variables of ``some``, whose names others of the same condition may have as well."""
+        found = self._bind(names, variables, {*names, *self._quantified}, "variables")
+        self._quantified.update(one.text for one in variables)
+        return found
+
+    def _bind(self, names: Names, variables: Sequence[Node], taken: Set[str], what: str) -> Dict[str, str]:
+        found, seen = dict(names), set()  # type: Dict[str, str], Set[str]
+        for one in variables:  # no variable of a control program has a ' in it
+            if one.text in seen:
+                raise self.fault(one, f"two {what} {one.text}", "rename one of them")
+            seen.add(one.text)
+            self._count += one.text in taken
+            found[one.text] = one.text + (f"'{self._count}" if one.text in taken else "")
+            self.first.setdefault(found[one.text], one)
+        return found
+
+    def term(self, term: Node, names: Names) -> str:
+        """Return a term as clingo reads it."""
+        kind, parts = term.kind, term.parts
+        if kind == "variable":
+            found = _written(term, names)
+            if not found:
+                mend = "name it as a parameter, or by pick, some or all; other names begin with a small letter"
+                raise self.fault(term, f"nothing says what {term.text} is", mend)
+            self.first.setdefault(found, term)
+            return found
+        if kind == "operation":
+            return term.text.join(self._operand(one, names) for one in parts)
+        if kind == "negative":
+            return "-" + self._operand(parts[0], names)
+        if kind not in ("constant", "compound"):
+            raise self.fault(term, "a condition where a term belongs", "write a name, a number or a variable")
+        return term.text + (f"({','.join(self.term(one, names) for one in parts)})" if parts else "")
+
+    def _operand(self, term: Node, names: Names) -> str:
+        text = self.term(term, names)
+        return f"({text})" if term.kind in ("operation", "negative") else text
+
+
+def _written(variable: Node, names: Names) -> str:
+    """Return how a variable is written, "" where nothing binds it; each _ of a fluent has a name of its own."""
+    found = names.get(variable.text, "")
+    return f"Any'{variable.line}'{variable.column}" if found and variable.text == "_" else found
+
+
+def alternatives(condition: Node, names: Names, scope: Scope, positive: bool = True) -> List[List[Literal]]:
+    """Return in which ways a condition holds, or with ``positive`` False does not hold."""
+    kind, parts = condition.kind, condition.parts
+    if kind == "not":
+        return alternatives(parts[0], names, scope, not positive)
+    if kind in ("and", "or"):
+        ways = [alternatives(one, names, scope, positive) for one in parts]
+        return _all_of(condition, ways, scope) if (kind == "and") == positive else list(chain(*ways))
+    if kind in ("true", "false"):
+        return [[]] if (kind == "true") == positive else []
+    if kind in ("some", "all"):
+        if positive == (kind == "some"):
+            return instances(condition, names, scope)
+    elif kind == "member":
+        return _member(condition, names, scope, positive)
+    elif kind == "comparison":
+        operator = condition.text if positive else _OPPOSITE[condition.text]
+        return [[_compared(parts[0], operator, parts[1], names, scope)]]
+    elif kind != "compound":
+        raise scope.fault(condition, "a term where a condition belongs", "write =, !=, <, <=, > or >= behind it")
+    elif positive or all(one.text != "_" for one in _variables(condition)):
+        return [[_fluent(condition, names, scope, positive)]]
+    known = frozenset(names[one] for one in free_variables(condition) if one in names)
+    return [[Without(condition, names, known)]]
+
+
+def instances(condition: Node, names: Names, scope: Scope) -> List[List[Literal]]:
+    """Return in which ways there are values for ``some``, or against ``all``, or for each _ of a fluent."""
+    if condition.kind == "compound":
+        return alternatives(condition, names, scope)
+    inner = scope.quantified(names, parameters(condition))
+    ways = [alternatives(one, inner, scope, not number) for number, one in enumerate(condition.parts[1:])]
+    return _all_of(condition, ways, scope)
+
+
+def _all_of(condition: Node, sides: Sequence[List[List[Literal]]], scope: Scope) -> List[List[Literal]]:
+    """Return the ways in which all sides of a condition hold, of which each has these ways."""
+    count = 1
+    for side in sides:
+        count *= len(side)
+        if count > MOST:
+            raise scope.fault(condition, f"a condition with more than {MOST} alternatives", "split it up")
+    return [list(chain(*ways)) for ways in product(*sides)]
+
+
+def _member(condition: Node, names: Names, scope: Scope, positive: bool) -> List[List[Literal]]:
+    variable, values = condition.parts
+    if variable.kind != "variable":
+        raise scope.fault(variable, "'in' behind what is no variable", "write it as in X in 1..3")
+    if positive:
+        own, inside = scope.term(variable, names), [scope.term(one, names) for one in values.parts]
+        text = f"{own}={'..'.join(inside)}" if values.kind == "range" else f"{own}=({';'.join(inside)})"
+        return [[Plain(text, _used(condition, names) - {own}, frozenset([own]))]]
+    if values.kind == "range":
+        pairs = zip("<>", values.parts)
+        return [[_compared(variable, operator, one, names, scope)] for operator, one in pairs]
+    return [[_compared(variable, "!=", one, names, scope) for one in values.parts]]
+
+
+def _compared(left: Node, operator: str, right: Node, names: Names, scope: Scope) -> Plain:
+    text = f"{scope.term(left, names)}{operator}{scope.term(right, names)}"
+    used, sides = _used(left, names) | _used(right, names), [one for one in (left, right) if one.kind == "variable"]
+    binds = frozenset(_written(one, names) for one in sides[:1] if operator == "=")
+    return Plain(text, used - binds, binds)
+
+
+def _fluent(fluent: Node, names: Names, scope: Scope, positive: bool) -> Plain:
+    own = {**names, "_": "_"}
+    text, used = f"golog_holds({scope.term(fluent, own)},{STEP})", _used(fluent, own)
+    if not positive:
+        return Plain(f"not {text}", used)
+    binds = frozenset(_written(one, own) for one in _arguments_bound(fluent))
+    return Plain(text, used - binds, binds)
+
+
+def _arguments_bound(term: Node) -> List[Node]:
+    """Return the variables that stand as arguments, outside of operations."""
+    if term.kind == "compound":
+        return [found for one in term.parts for found in _arguments_bound(one)]
+    return [term] if term.kind == "variable" else []
+
+
+def _variables(one: Node) -> List[Node]:
+    return [part for part in one.walk() if part.kind == "variable"]
+
+
+def _used(one: Node, names: Names) -> FrozenSet[str]:
+    """Return the variables in a term, a comparison or the like, as they are written."""
+    return frozenset(_written(part, names) for part in _variables(one))
+
+
+def free_variables(thing: Node) -> Set[str]:
+    """Return the variables of a condition or term that nothing in it binds."""
+    if thing.kind == "variable":
+        return {thing.text}
+    found = {name for one in thing.parts for name in free_variables(one)}
+    return found - {one.text for one in parameters(thing)} if thing.kind in ("some", "all") else found
+
+
+def unbound(literals: Sequence[Literal], known: Iterable[str], wanted: Iterable[str]) -> List[str]:
+    """Return which of the ``wanted`` variables and those in the literals nothing binds, given the known ones."""
+    bound, before = set(known), -1
+    plain = [one for one in literals if isinstance(one, Plain)]
+    while before != len(bound):
+        before = len(bound)
+        bound |= {name for one in plain if one.needs <= bound for name in one.binds}
+    return sorted({name for one in literals for name in variables_of(one)}.union(wanted) - bound)
+
+
+def variables_of(literal: Literal) -> FrozenSet[str]:
+    """Return the variables of the scopes around a literal, and its own."""
+    return literal.needs | literal.binds if isinstance(literal, Plain) else literal.variables

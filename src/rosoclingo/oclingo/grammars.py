@@ -1,0 +1,109 @@
+"""Parsers made by lark from grammars: trees whose nodes know their places, and errors that know what would fit."""
+
+from typing import AbstractSet, Iterable, Iterator, List, Sequence
+
+from lark import Lark, Token, Tree, UnexpectedToken
+from lark.common import LexerConf
+from lark.lexer import Lexer, PatternStr
+
+DEEPEST = 250
+"""How many unfinished rules a text can be in: what is nested deeper would exhaust Python's stack later."""
+
+
+class Node(Tree[Token]):
+    """What a rule of a grammar matched: ``data`` is the rule's name."""
+
+    @property
+    def kind(self) -> str:
+        """The name of the rule."""
+        return str(self.data)
+
+    @property
+    def parts(self) -> List["Node"]:
+        """What the rules within it matched."""
+        return [one for one in self.children if isinstance(one, Node)]
+
+    @property
+    def tokens(self) -> List[Token]:
+        """The tokens that the grammar names in this rule."""
+        return [one for one in self.children if isinstance(one, Token)]
+
+    @property
+    def text(self) -> str:
+        """The first of these tokens."""
+        return str(self.tokens[0])
+
+    @property
+    def line(self) -> int:
+        """The line where it begins, from 1."""
+        return self.meta.line
+
+    @property
+    def column(self) -> int:
+        """The column where it begins, from 1."""
+        return self.meta.column
+
+    def walk(self) -> Iterator["Node"]:
+        """Yield the node and all nodes within it, in the order of the text."""
+        yield self
+        for part in self.parts:
+            yield from part.walk()
+
+
+class _NoLexer(Lexer):
+    """Stands for the lexer of a grammar whose tokens are given."""
+
+    def __init__(self, lexer_conf: LexerConf) -> None:
+        pass
+
+
+class MisfitError(Exception):
+    """A token that no rule accepts where it stands; ``accepted`` are the types of those that would fit.
+
+    None are named where what is nested is too deep.
+    """
+
+    def __init__(self, token: Token, accepted: AbstractSet[str]) -> None:
+        self.token, self.accepted = token, accepted
+        super().__init__(f"{token!r} in place of {sorted(accepted)}")
+
+
+class Grammar:
+    """A grammar with its parser; ``starts`` are the rules that a text can be parsed by.
+
+    Where texts are not ``lexed`` by the grammar, but their tokens given, trees have all of these. ``words`` are the
+    types of the tokens that the grammar writes out.
+    """
+
+    def __init__(self, text: str, starts: Sequence[str], lexed: bool = True) -> None:
+        self._lark = Lark(
+            text,
+            parser="lalr",
+            lexer="basic" if lexed else _NoLexer,
+            keep_all_tokens=not lexed,
+            start=list(starts),
+            tree_class=Node,
+            propagate_positions=True,
+            maybe_placeholders=False,
+        )
+        terminals = self._lark.terminals
+        self.words = {one.pattern.value: one.name for one in terminals if isinstance(one.pattern, PatternStr)}
+
+    def tokens(self, text: str) -> List[Token]:
+        """Return the tokens of a text; the grammar has to have one for any character."""
+        return list(self._lark.lex(text))
+
+    def parse(self, tokens: Iterable[Token], end: Token, start: str) -> Node:
+        """Parse tokens, the last of which is followed by ``end``; raises MisfitError."""
+        parser = self._lark.parse_interactive("", start)
+        token = end
+        try:
+            for token in tokens:
+                parser.feed_token(token)
+                if len(parser.parser_state.state_stack) > DEEPEST:
+                    raise MisfitError(token, frozenset())
+            token = end
+            found: Node = parser.feed_token(Token.new_borrow_pos("$END", str(end), end))
+        except UnexpectedToken:
+            raise MisfitError(token, parser.accepts()) from None
+        return found
