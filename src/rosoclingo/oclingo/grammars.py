@@ -1,10 +1,11 @@
 """Parsers made by lark from grammars: trees whose nodes know their places, and errors that know what would fit."""
 
-from typing import AbstractSet, Iterable, Iterator, List, Sequence
+import re
+from typing import AbstractSet, Any, Dict, Iterable, Iterator, List, Sequence, Union
 
 from lark import Lark, Token, Tree, UnexpectedToken
 from lark.common import LexerConf
-from lark.lexer import Lexer, PatternStr
+from lark.lexer import Lexer, LexerState
 
 DEEPEST = 250
 """How many unfinished rules a text can be in: what is nested deeper would exhaust Python's stack later."""
@@ -12,6 +13,8 @@ DEEPEST = 250
 
 class Node(Tree[Token]):
     """What a rule of a grammar matched: ``data`` is the rule's name."""
+
+    children: List[Union["Node", Token]]  # type: ignore[assignment]  # all are made as nodes
 
     @property
     def kind(self) -> str:
@@ -56,6 +59,10 @@ class _NoLexer(Lexer):
     def __init__(self, lexer_conf: LexerConf) -> None:
         pass
 
+    def lex(self, lexer_state: LexerState, parser_state: Any) -> Iterator[Token]:
+        """Yield nothing."""
+        return iter(())
+
 
 class MisfitError(Exception):
     """A token that no rule accepts where it stands; ``accepted`` are the types of those that would fit.
@@ -71,8 +78,7 @@ class MisfitError(Exception):
 class Grammar:
     """A grammar with its parser; ``starts`` are the rules that a text can be parsed by.
 
-    Where texts are not ``lexed`` by the grammar, but their tokens given, trees have all of these. ``words`` are the
-    types of the tokens that the grammar writes out.
+    Where texts are not ``lexed`` by the grammar, but their tokens given, trees have all of these.
     """
 
     def __init__(self, text: str, starts: Sequence[str], lexed: bool = True) -> None:
@@ -86,8 +92,15 @@ class Grammar:
             propagate_positions=True,
             maybe_placeholders=False,
         )
-        terminals = self._lark.terminals
-        self.words = {one.pattern.value: one.name for one in terminals if isinstance(one.pattern, PatternStr)}
+        self._patterns = {one.name: re.compile(one.pattern.to_regexp()) for one in self._lark.terminals if one.pattern}
+        self._types: Dict[str, str] = {}
+
+    def type_of(self, word: str) -> str:
+        """Return the type of the token that is this word, "" where the grammar has none."""
+        if word not in self._types:
+            found = (name for name, pattern in self._patterns.items() if pattern.fullmatch(word))
+            self._types[word] = next(found, "")
+        return self._types[word]
 
     def tokens(self, text: str) -> List[Token]:
         """Return the tokens of a text; the grammar has to have one for any character."""

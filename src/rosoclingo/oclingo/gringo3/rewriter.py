@@ -1,22 +1,52 @@
 """Replaces parts of a text while all the rest, with its comments and lines, stays as it is."""
 
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Sequence, Tuple, Union
 
+from lark import Token as GrammarToken
+
+from rosoclingo.oclingo.grammars import Node
 from rosoclingo.oclingo.gringo3.lexer import Token
-from rosoclingo.oclingo.gringo3.syntax import Span
+
+SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
+"""Tokens inside literals and terms that today's syntax lacks or reads otherwise."""
+
+Domains = Sequence[Tuple[str, Sequence[str]]]
+"""Atoms declared by ``#domain``, each with its variables."""
+
+
+def domain_atoms(tokens: Sequence[Token], domains: Domains) -> List[str]:
+    """The atoms of those declarations that a variable among the tokens belongs to."""
+    names = {token.text for token in tokens}
+    return [atom for atom, variables in domains if not names.isdisjoint(variables)]
 
 
 class Rewriting:
-    """Edits of a text, given as ranges of its tokens; replaced ranges keep their number of lines."""
+    """Edits of a text, at ranges of its tokens; replaced ranges keep their number of lines."""
 
     def __init__(self, text: str, tokens: Sequence[Token]) -> None:
         self._text, self._tokens = text, tokens
         self._edits: Dict[int, Tuple[int, str]] = {}
         self._insertions: Dict[int, str] = {}
 
-    def replace(self, span: Span, new: str) -> None:
-        """Replace the tokens of a span by a text without newlines; earlier edits inside the span are dropped."""
-        first, after = span
+    def tokens_of(self, node: Node) -> Sequence[Token]:
+        """The tokens of a node."""
+        return self._tokens[node.meta.start_pos : node.meta.end_pos]
+
+    def is_special(self, node: Node) -> bool:
+        """Whether a node holds a token that today's syntax lacks or reads otherwise."""
+        return any(token.text in SPECIAL for token in self.tokens_of(node))
+
+    def stands_apart(self, index: int) -> bool:
+        """Whether there is space before a token."""
+        return index == 0 or self._tokens[index - 1].end < self._tokens[index].start
+
+    def put(self, first: Union[Node, GrammarToken], new: str, last: Union[Node, GrammarToken, None] = None) -> None:
+        """Replace a node or token, or all from it to the ``last`` one, by a text without newlines."""
+        ends = [one.meta if isinstance(one, Node) else one for one in (first, last or first)]
+        self.replace(ends[0].start_pos or 0, ends[1].end_pos or 0, new)
+
+    def replace(self, first: int, after: int, new: str) -> None:
+        """Replace the tokens of a range by a text without newlines; earlier edits inside are dropped."""
         for inner in range(first, after):
             self._edits.pop(inner, None)
             self._insertions.pop(inner, None)
@@ -26,10 +56,10 @@ class Rewriting:
         """Put a text directly before a token, after what was put there earlier."""
         self._insertions[index] = self._insertions.get(index, "") + new
 
-    def line(self, span: Span) -> str:
-        """The text of a span with its edits, on one line and without comments."""
-        words, index = [], span[0]
-        while index < span[1]:
+    def line(self, node: Node) -> str:
+        """The text of a node with its edits, on one line and without comments."""
+        words, index = [], node.meta.start_pos
+        while index < node.meta.end_pos:
             after, new = self._edits.get(index, (index + 1, self._tokens[index].text))
             words.append(self._insertions.get(index, "") + new)
             index = after
@@ -43,20 +73,11 @@ class Rewriting:
             start = self._tokens[index].start
             if start < offset:
                 continue
-            pieces += [self._before(index, self._text[offset:start]), self._insertions.get(index, "")]
-            offset = start
-            if index in self._edits:
-                offset = self._replacement(index, pieces)
+            after, new = self._edits.get(index, (index, ""))
+            before = self._text[offset:start]
+            if new in (",", ";") and not before.rstrip(" \t").endswith("\n"):
+                before = before.rstrip(" \t")  # a separator follows what it separates without a space
+            end = self._tokens[after - 1].end if after > index else start
+            pieces += [before, self._insertions.get(index, ""), new, "\n" * self._text.count("\n", start, end)]
+            offset = end
         return "".join([*pieces, self._text[offset:]])
-
-    def _before(self, index: int, text: str) -> str:
-        """The untouched text before an edit; a separator follows what it separates without a space."""
-        separates = index in self._edits and self._edits[index][1] in (",", ";")
-        stripped = text.rstrip(" \t")
-        return stripped if separates and not stripped.endswith("\n") else text
-
-    def _replacement(self, index: int, pieces: List[str]) -> int:
-        after, new = self._edits[index]
-        start, end = self._tokens[index].start, self._tokens[after - 1].end
-        pieces.append(new + "\n" * self._text.count("\n", start, end))
-        return end

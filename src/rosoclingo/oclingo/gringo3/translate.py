@@ -45,7 +45,7 @@ def translate_program(
     dialects = [dialect for dialect, _ in decided]
     texts: Sequence[Tuple[str, Tuple[str, ...]]] = [(text, ()) for _, text in files]
     if Dialect.GRINGO3 in dialects or any(one.of(Dialect.GRINGO3) for one in inspected):
-        from rosoclingo.oclingo.gringo3.program_translator import translated  # noqa: PLC0415 most programs are clingo's
+        from rosoclingo.oclingo.gringo3.file_translator import translated  # noqa: PLC0415 most programs are clingo's
 
         texts = translated(files, lexed, inspected, dialects)
     return tuple(

@@ -5,38 +5,73 @@ the statements mean therefore depends on all files together, so they are collect
 """
 
 import contextlib
-from dataclasses import dataclass
-from typing import Dict, List, Optional, Sequence, Set, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo.ast
 
-from rosoclingo.oclingo.gringo3.directive_parser import Display, Signature, signature_of
-from rosoclingo.oclingo.gringo3.elements import ElementTranslator
-from rosoclingo.oclingo.gringo3.lexer import RefusalError, Token
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.gringo3.grammar import RefusalError
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
-from rosoclingo.oclingo.gringo3.syntax import Element, Function, Variable, show, show_literal
+from rosoclingo.oclingo.gringo3.terms import Element, Naming, show
+
+Signature = Tuple[str, int]
+"""A predicate's name, with ``-`` in front if it is negated classically, and the number of its arguments."""
 
 HIDDEN = "_hidden"
 """Name of the predicate that holds the single atoms that a program hides."""
 
 
-@dataclass(frozen=True)
-class Statement:
-    """A ``#show`` or ``#hide`` with its place: the file's edits, its first token, its part's parameter."""
+def signature(node: Node) -> Signature:
+    """The signature that is written ``name/arity``."""
+    return "".join(node.tokens[:-2]), int(node.tokens[-1])
 
+
+def signatures_of(literal: Node) -> List[Signature]:
+    """The signatures of an atom; lists of arguments separated by ``;;`` may differ in length."""
+    term = literal.parts[0]
+    sign, inner = ("-", term.parts[0]) if term.kind == "signed" else ("", term)
+    return [(sign + inner.text, len(arguments.parts)) for arguments in inner.parts] or [(sign + inner.text, 0)]
+
+
+class Statement(NamedTuple):
+    """A ``#show`` or ``#hide``: its file, with its edits, its part's parameter, the atoms of ``#domain`` in it."""
+
+    file: str
     rewriting: Rewriting
-    translator: ElementTranslator
-    token: Token
-    first: int
     step: str
-    display: Display
+    node: Node
     domains: Sequence[str]
+
+    @property
+    def shows(self) -> bool:
+        """Whether it is ``#show``."""
+        return self.node.text == "#show"
+
+    @property
+    def element(self) -> Optional[Element]:
+        """The atoms under conditions that it is about, if it is about such."""
+        node = self.node.parts[0] if self.node.parts else None
+        return Element.of(node) if node is not None and node.kind == "element" else None
+
+    @property
+    def signatures(self) -> List[Signature]:
+        """The predicates that it is about as a whole."""
+        if self.element is not None:
+            return whole_predicate(self.element)
+        return [signature(one) for part in self.node.parts for one in part.parts]
+
+    @property
+    def is_of_all(self) -> bool:
+        """Whether it is about all atoms."""
+        return not self.node.parts
 
 
 class Visibility:
     """Collects what a program shows, hides and defines, and writes it in today's terms."""
 
-    def __init__(self) -> None:
+    def __init__(self, naming: Naming) -> None:
+        self._naming = naming
         self._statements: List[Statement] = []
         self._defined: Dict[Signature, None] = {}
         self._in_steps: Set[Signature] = set()
@@ -61,110 +96,86 @@ class Visibility:
     def add(self, statement: Statement) -> None:
         """Note a ``#show`` or ``#hide``."""
         self._statements.append(statement)
-        display = statement.display
-        if not display.signatures and display.element is None:
-            self._hides_all = not display.shows
+        if statement.is_of_all:
+            self._hides_all = not statement.shows
 
-    def write(self) -> List[Tuple[Statement, RefusalError]]:
-        """Edit the files; the statements that could not be written, with the reasons."""
+    def write(self) -> List[Fault]:
+        """Edit the files; return why some of the statements could not be written."""
         if self._statements:
             self._read_what_was_left()
-        refused = []
+        faults = []
         for statement in self._statements:
             try:
-                text = self._text(statement)
+                statement.rewriting.put(statement.node, self._text(statement))
             except RefusalError as refusal:
-                refused.append((statement, refusal))
-                continue
-            if text is not None:
-                statement.rewriting.replace((statement.first, statement.display.dot + 1), text)
-        return refused
+                faults.append(refusal.fault(statement.file))
+        return faults
 
-    def _text(self, statement: Statement) -> Optional[str]:
-        """Today's text of a statement, or None if it can stay."""
-        display = statement.display
-        if display.element is None or whole_predicate(display.element):
-            return self._text_of_signatures(statement)
-        if display.shows:
-            return self._shown_atoms(statement, display.element)
-        return self._hidden_atoms(statement, display.element)
-
-    def _text_of_signatures(self, statement: Statement) -> Optional[str]:
-        display = statement.display
-        signatures = _signatures(display)
-        if not signatures:
-            return "#show." if not display.shows and self._hides_all else ""
+    def _text(self, statement: Statement) -> str:
+        """Today's text of a statement."""
+        element, signatures = statement.element, statement.signatures
+        if element is not None and not signatures:
+            return (self._shown_atoms if statement.shows else self._hidden_atoms)(statement, element)
+        if statement.is_of_all:
+            return "#show." if not statement.shows and self._hides_all else ""
         if self._hides_all:
-            return " ".join(map(_show_signature, signatures)) if display.shows else ""
-        return "" if display.shows else self._list()
+            return " ".join(map(_show_signature, signatures)) if statement.shows else ""
+        return "" if statement.shows else self._list()
 
-    def _list(self, but: Sequence[Signature] = ()) -> str:
+    def _list(self) -> str:
         """The signatures that stay visible in a program that hides some; written only once."""
         if self._listed:
             return ""
         self._listed = True
-        invisible = {*self._all_signatures(False), *self._partly_hidden(), *but}
+        elements = [one.element for one in self._statements if not one.shows and one.element]
+        partly = [found for element in elements for found in signatures_of(element.literal)]
+        invisible = {*self._all_signatures(False), *partly}
         visible = [signature for signature in self._defined if signature not in invisible]
         return " ".join(["#show.", *map(_show_signature, visible)])
 
     def _all_signatures(self, shows: bool) -> List[Signature]:
-        return [found for s in self._statements if s.display.shows == shows for found in _signatures(s.display)]
-
-    def _partly_hidden(self) -> List[Signature]:
-        elements = (s.display.element for s in self._statements if not s.display.shows)
-        return [found for element in elements if element for found in signature_of(element.literal.left)]
+        return [found for one in self._statements if one.shows == shows for found in one.signatures]
 
     def _shown_atoms(self, statement: Statement, element: Element) -> str:
-        signatures = signature_of(element.literal.left)
+        signatures = signatures_of(element.literal)
         if not self._hides_all and not set(signatures) & set(self._all_signatures(False)):
             return ""
         if not statement.step and set(signatures) & self._in_steps:
             message = "atoms that steps define cannot be shown from the base part"
-            raise RefusalError(statement.token, message, "move it to the part that defines them")
-        rules = []
-        for single in map(statement.translator.counted, statement.translator.elements(element)):
-            atom = show(single.literal.left)
-            rules.append(
-                "#show {} : {}.".format(
-                    atom, ", ".join([atom, *map(show_literal, single.conditions), *statement.domains])
-                )
-            )
-        return " ".join(rules)
+            raise RefusalError(statement.node, message, "move it to the part that defines them")
+        return " ".join(f"#show {atom} : {body}." for atom, body in self._singles(statement, element))
 
     def _hidden_atoms(self, statement: Statement, element: Element) -> str:
-        (signature, *more) = signature_of(element.literal.left)
+        (signature, *more) = signatures_of(element.literal)
         if self._hides_all and signature not in self._all_signatures(True):
             return ""
         if self._hides_all or self._in_steps or more:
             message = "single atoms cannot be hidden in a program with steps or in one that hides all"
-            raise RefusalError(statement.token, message, "hide the predicate as a whole, or show the atoms that remain")
+            mend = "hide the predicate as a whole, or show the atoms that remain"
+            raise RefusalError(statement.node, message, mend)
         name, arity = signature
         atom = name + ("({})".format(",".join(f"X{i}" for i in range(arity))) if arity else "")
+        rules = [f"{HIDDEN}({hidden}) :- {body}." for hidden, body in self._singles(statement, element)]
         visible = f"#show {atom} : {atom}, not {HIDDEN}({atom})."
-        return " ".join([*filter(None, [self._list()]), *self._hiding_rules(statement, element), visible])
+        return " ".join([*filter(None, [self._list()]), *rules, visible])
 
-    def _hiding_rules(self, statement: Statement, element: Element) -> List[str]:
-        rules = []
-        for single in map(statement.translator.counted, statement.translator.elements(element)):
-            atom, conditions = show(single.literal.left), [*map(show_literal, single.conditions), *statement.domains]
-            body = " :- " + ", ".join([atom, *conditions])
-            rules.append(f"{HIDDEN}({atom}){body}.")
-        return rules
+    def _singles(self, statement: Statement, element: Element) -> List[Tuple[str, str]]:
+        """Return each atom that a statement is about, and when."""
+        singles = [single.counted(self._naming) for single in element.singles()]
+        return [(show(one.literal), ", ".join([*map(show, one.literals), *statement.domains])) for one in singles]
 
 
 def whole_predicate(element: Element) -> List[Signature]:
     """The signature of an atom that stands for its whole predicate: without conditions, with variables as arguments."""
-    literal = element.literal
-    arguments = literal.left.lists[0] if isinstance(literal.left, Function) and len(literal.left.lists) == 1 else ()
-    names = [term.name for term in arguments if isinstance(term, Variable) and term.name != "_"]
-    only_variables = arguments and all(isinstance(term, Variable) for term in arguments)
-    if element.conditions or not only_variables or len(set(names)) < len(names):
-        return []
-    return signature_of(literal.left)
-
-
-def _signatures(display: Display) -> List[Signature]:
-    return [*display.signatures, *(whole_predicate(display.element) if display.element else ())]
+    lists = element.literal.parts[0].parts
+    arguments = lists[0].parts if len(lists) == 1 and lists[0].kind == "list" else []
+    names = [term.text for term in arguments if term.kind == "variable" and term.text != "_"]
+    only_variables = arguments and all(term.kind == "variable" for term in arguments)
+    return (
+        []
+        if element.conditions or not only_variables or len(set(names)) < len(names)
+        else signatures_of(element.literal)
+    )
 
 
 def _show_signature(signature: Signature) -> str:

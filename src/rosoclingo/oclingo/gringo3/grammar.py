@@ -1,0 +1,319 @@
+"""The grammar of gringo 3's statements and oClingo's directives, and what is wrong with one that it does not accept."""
+
+from functools import lru_cache
+from typing import AbstractSet, Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Union
+
+from lark import Token as GrammarToken
+
+from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node
+from rosoclingo.oclingo.gringo3.lexer import Kind, Token
+
+_GRAMMAR = r"""
+?statement: rule | weak | script | directive
+rule: _head "." | _head? ":-" body? "."
+weak: ":~" body? "." ("<" weight_term? (":" priority_term)? ">")?
+weight_term: pool
+priority_term: pool
+script: SCRIPT
+
+?directive: "#base" "." -> base
+    | PART IDENTIFIER (":" pool)? "." -> part
+    | "#program" IDENTIFIER ("(" IDENTIFIER ")")? "." -> program
+    | "#forget" IDENTIFIER (":" pool)? "." -> forget
+    | "#iinit" pool "." -> iinit
+    | "#const" IDENTIFIER "=" pool "." -> const
+    | "#include" STRING "." -> include
+    | "#domain" positive "." -> domain
+    | DISPLAY (signatures | shown)? "." -> display
+    | "#external" (signature | shown) "." -> external
+    | OPTIMIZE _elements_in_brackets "." -> optimize
+    | "#compute" NUMBER? braces "." -> compute
+signatures: signature ("," signature)*
+signature: "-"? IDENTIFIER "/" NUMBER
+shown: positive _conditions? -> element
+
+_head: positive | disjunction | aggregate
+disjunction: conditioned | (positive_element | conditioned) ("|" (positive_element | conditioned))+
+positive_element: positive -> element
+conditioned: positive _conditions -> element
+positive: pool -> literal
+
+body: _item ("," _item)*
+_item: _literal | alone | aggregate | negated
+alone: _literal _conditions -> element
+negated: "not" aggregate
+
+aggregate: _before? _elements_in_brackets _after?
+_before: pool _sign? | pool ASSIGN | variable "="
+_after: _sign? pool
+_elements_in_brackets: braces | brackets
+braces: FUNCTION? "{" (_elements ","?)? "}"
+brackets: FUNCTION? "[" (_elements ","?)? "]"
+_elements: (element | tuple) | _elements "," (element | tuple)
+element: _plain (_conditions? weight? priority? | weight priority? _conditions | priority _conditions)
+tuple: "<" tuple_terms? ">" (priority? _conditions? | _conditions priority) -> element
+tuple_terms: pool ("," pool)*
+weight: "=" pool
+priority: "@" pool
+
+_conditions: (":" _literal)+
+_literal: _plain | assignment
+assignment: (pool ASSIGN | variable "=") pool -> comparison
+_plain: literal | comparison
+literal: "not"? (pool | boolean)
+boolean: BOOLEAN -> symbol
+comparison: "not"? pool _sign pool
+_sign: "<" | ">" | SIGN
+
+?pool: interval (";" interval)*
+?interval: operation | interval ".." operation
+?operation: _operand ((OPERATOR | "-" | "/" | CALLED) _operand)*
+_operand: primary | signed
+signed: ("-" | "~") _operand
+?primary: (IDENTIFIER | NUMBER | STRING | BOUND) -> symbol
+    | IDENTIFIER? "(" _lists ")" -> function
+    | variable
+    | ("|" pool "|" | "#abs" "(" pool ")") -> absolute
+    | CALLED "(" pool "," pool ")" -> call
+    | "@" IDENTIFIER ("(" _lists ")")? -> script_call
+_lists: list | _lists ";;" list
+list: _terms | _terms ","
+_terms: pool | _terms "," pool
+variable: VARIABLE
+
+ASSIGN: ":="
+PART: "#cumulative" | "#volatile"
+DISPLAY: "#show" | "#hide"
+OPTIMIZE: "#minimize" | "#minimise" | "#maximize" | "#maximise"
+FUNCTION: "#count" | "#sum" | "#sum+" | "#min" | "#max" | "#avg" | "#even" | "#odd"
+BOOLEAN: "#true" | "#false"
+BOUND: "#infimum" | "#supremum"
+CALLED: "#mod" | "#div" | "#pow"
+SIGN: "==" | "!=" | "<=" | ">="
+OPERATOR: "+" | "*" | "\\" | "**" | "&" | "^" | "?"
+%declare IDENTIFIER VARIABLE NUMBER STRING SCRIPT
+"""
+
+_LPARSE_WORDS = ("minimize", "minimise", "maximize", "maximise", "compute", "const", "hide", "show", "domain")
+_TYPES = {
+    Kind.IDENTIFIER: "IDENTIFIER",
+    Kind.VARIABLE: "VARIABLE",
+    Kind.ANONYMOUS: "VARIABLE",
+    Kind.NUMBER: "NUMBER",
+    Kind.STRING: "STRING",
+    Kind.SCRIPT: "SCRIPT",
+}
+_WANTED = (
+    {"VARIABLE": "a term"},
+    {"IDENTIFIER": "a name", "STRING": "a file name in quotes"},
+    {
+        **{"NUMBER": "a number", "DOT": "'.'", "COMMA": "','"},
+        **{"RPAR": "')'", "RBRACE": "'}'", "RSQB": "']'", "LBRACE": "'{'", "LSQB": "'['"},
+    },
+    {"COLON": "':'", "EQUAL": "'='", "SLASH": "'/'", "MORETHAN": "'>'"},
+)
+"""What types of tokens are called in messages, where they are accepted: the first row with any of them counts."""
+
+_DIRECTIONS = ({"<", "<="}, {">", ">="})
+_TWO_BOUNDS = "compare in one direction on both sides, as 1 <= { a, b } < 3, or write no comparison at all"
+PARITIES = ("#even", "#odd")
+SUMS = ("#sum", "#sum+", "#min", "#max")
+
+
+class RefusalError(Exception):
+    """One statement cannot be translated; the translator collects these into a :class:`TranslationError`."""
+
+    def __init__(self, place: Union[Token, GrammarToken, Node], message: str, mend: str = "") -> None:
+        self.line, self.column, self.message, self.mend = place.line or 1, place.column or 1, message, mend
+        super().__init__(message)
+
+    def fault(self, file: str) -> Fault:
+        """The same with the file's name."""
+        return Fault(file, self.line, self.column, self.message, self.mend)
+
+
+class Aggregate(NamedTuple):
+    """The parts of an aggregate: its brackets, function or "", bounds, and the signs or "" that compare them.
+
+    ``before`` is ``=`` or ``:=`` where ``lower`` takes the aggregate's value.
+    """
+
+    core: Node
+    function: str
+    lower: Optional[Node]
+    before: str
+    after: str
+    upper: Optional[Node]
+
+    @property
+    def assigned(self) -> bool:
+        """Whether a term takes the aggregate's value."""
+        return self.before in ("=", ":=")
+
+    @property
+    def is_set(self) -> bool:
+        """Whether its elements stand in braces."""
+        return self.core.kind == "braces"
+
+
+def aggregate_of(node: Node) -> Aggregate:
+    """Return the parts of an aggregate, or of a negated one."""
+    children = node.parts[-1].children if node.kind == "negated" else node.children
+    at = next(n for n, one in enumerate(children) if isinstance(one, Node) and one.kind in ("braces", "brackets"))
+    core, sides = children[at], (children[:at], children[at + 1 :])
+    assert isinstance(core, Node)
+    (lower, upper) = (next((one for one in side if isinstance(one, Node)), None) for side in sides)
+    (before, after) = (next((str(one) for one in side if not isinstance(one, Node)), "") for side in sides)
+    return Aggregate(core, core.text if core.text.startswith("#") else "", lower, before, after, upper)
+
+
+@lru_cache(maxsize=None)
+def _grammar() -> Grammar:
+    return Grammar(_GRAMMAR, ("statement",), lexed=False)
+
+
+def parse(tokens: Sequence[Token], first: int, after: int) -> Node:
+    """Return the tree of a statement's tokens; positions in it are indices of tokens. Raises :class:`RefusalError`."""
+    word = tokens[first]
+    mend = f"the directive is written '#{word.text}'" if word.text in _LPARSE_WORDS else ""
+    if mend and tokens[first + 1].text in ("[", "{"):
+        raise RefusalError(word, f"'{word.text}' before an aggregate is no number", mend)
+    if word.kind is Kind.DIRECTIVE and not _grammar().type_of(word.text):
+        raise RefusalError(word, f"'{word.text}' is no directive of gringo 3")
+    try:
+        found = _grammar().parse(_read(tokens, first, after), GrammarToken("$END", ""), "statement")
+    except MisfitError as misfit:
+        raise _refusal(tokens[misfit.token.start_pos or 0], misfit.accepted, mend) from None
+    for node in found.walk():
+        if node.kind in _CHECKS:
+            _CHECKS[node.kind](node, tokens)
+    return found
+
+
+def _read(tokens: Sequence[Token], first: int, after: int) -> Iterator[GrammarToken]:
+    for index in range(first, after):
+        one = tokens[index]
+        written_out = one.kind in (Kind.SYMBOL, Kind.DIRECTIVE) or one.text == "not"
+        kind = _grammar().type_of(one.text) if written_out else _TYPES.get(one.kind, "")
+        yield GrammarToken(kind or "UNKNOWN", one.text, index, one.line, one.column, one.line, one.column, index + 1)
+
+
+def _refusal(token: Token, accepted: AbstractSet[str], mend: str) -> RefusalError:
+    """Return what is wrong where a token is not accepted."""
+    if not accepted:
+        return RefusalError(token, "terms are nested too deeply here")
+    if token.text == "=" and "ASSIGN" in accepted:
+        return RefusalError(token, "only a variable can stand before '='", "write '==' or ':='")
+    rows = ([name for kind, name in row.items() if kind in accepted] for row in _WANTED)
+    return unexpected(token, " or ".join(next(filter(None, rows), [])), mend)
+
+
+def unexpected(token: Union[Token, GrammarToken, Node], wanted: str = "", mend: str = "") -> RefusalError:
+    """Return the error that something else is needed at a token, the first one of a node."""
+    while isinstance(token, Node):
+        token = token.children[0]
+    shown = token.shown() if isinstance(token, Token) else f"'{token}'"
+    return RefusalError(token, f"{shown} is not expected here" + (f", but {wanted}" if wanted else ""), mend)
+
+
+# ---- what the grammar leaves open ----------------------------------------------------------------------------------
+
+
+def _check_literal(literal: Node, tokens: Sequence[Token]) -> None:
+    atom = literal.parts[0]
+    atom = atom.parts[0] if atom.kind == "signed" and atom.text == "-" else atom
+    named = atom.kind in ("function", "symbol") and atom.text.strip("_")[:1].islower()
+    if not named and atom.text not in ("#true", "#false"):
+        raise unexpected(tokens[literal.meta.end_pos], "a comparison, since the term before is no atom")
+
+
+def _check_comparison(comparison: Node, tokens: Sequence[Token]) -> None:
+    if comparison.text == "not":
+        raise RefusalError(comparison.tokens[1], "a comparison cannot be negated", "turn the comparison round")
+
+
+def _check_call(call: Node, tokens: Sequence[Token]) -> None:
+    message = "calls of script functions cannot be translated"
+    raise RefusalError(call, message, "state their results as facts")
+
+
+def _check_script(script: Node, tokens: Sequence[Token]) -> None:
+    raise RefusalError(script, "scripts cannot be translated", "state what the script computes as facts")
+
+
+def _check_negated(negated: Node, tokens: Sequence[Token]) -> None:
+    if aggregate_of(negated).assigned:
+        raise unexpected(negated.parts[0].tokens[0])
+
+
+def _check_rule(rule: Node, tokens: Sequence[Token]) -> None:
+    head = rule.parts[0] if rule.parts else None
+    if head and head.kind == "aggregate" and aggregate_of(head).assigned:
+        raise unexpected(head.tokens[0])
+
+
+def _check_aggregate(node: Node, tokens: Sequence[Token]) -> None:
+    parts = aggregate_of(node)
+    if "!=" in (parts.before, parts.after):
+        raise unexpected(node.tokens[0 if parts.before == "!=" else -1])
+    if parts.function in PARITIES or (parts.function == "#avg" and parts.assigned):
+        if parts.assigned:
+            raise RefusalError(parts.core, f"the value of {parts.function} cannot be assigned")
+        if parts.lower or parts.upper:
+            raise RefusalError(parts.core, f"{parts.function} takes no bounds")
+    if parts.function == "#avg" and not {parts.before, parts.after}.isdisjoint({"<", ">"}):
+        raise RefusalError(parts.core, "'<' and '>' next to an average cannot be translated", "write '<='")
+    alike = not parts.before + parts.after or any({parts.before, parts.after} <= one for one in _DIRECTIONS)
+    if parts.lower and parts.upper and not alike:
+        raise RefusalError(tokens[parts.core.meta.end_pos], "these bounds do not fit together", _TWO_BOUNDS)
+    _check_elements(parts.core, tokens, parts.function)
+
+
+def _check_optimize(node: Node, tokens: Sequence[Token]) -> None:
+    core = node.parts[0]
+    if core.text.startswith("#"):
+        raise unexpected(core, "'{' or '['")
+    _check_elements(core, tokens, node.text)
+    for element in core.parts:
+        if element.parts[0].kind == "comparison":
+            raise RefusalError(element, "a comparison is not expected here")
+
+
+def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
+    """Raise :class:`RefusalError` at an element that its owner, a function or a directive, does not have."""
+    optimizes, is_set = owner[1:4] in ("min", "max") and len(owner) > 4, core.kind == "braces"
+    if is_set and owner == "#avg":
+        raise unexpected(core.tokens[1], "'['")
+    for element in core.parts:
+        kinds = {part.kind: part for part in element.parts}
+        angled = element.children[0] == "<"
+        if angled and owner in (*PARITIES, "#compute"):
+            raise RefusalError(element, f"{owner} takes no tuples")
+        if owner == "#count" and "weight" in kinds:
+            raise RefusalError(element, "#count takes no weights", "use #sum")
+        if is_set and owner in SUMS and "tuple_terms" not in kinds:
+            raise RefusalError(
+                element, f"{owner} {{ .. }} takes tuples", f"write <weight> : literal, or {owner} [ .. ]"
+            )
+        if optimizes and angled and "tuple_terms" not in kinds:
+            raise RefusalError(element, "a tuple in '<>' needs a weight")
+        odd = [kinds[kind] for kind in ("weight", "priority") if kind in kinds]
+        odd = [one for one in odd if (is_set if one.kind == "weight" else not optimizes)]
+        if odd or (angled and not is_set):
+            raise unexpected(odd[0] if odd else element)
+        if angled and not optimizes and kinds.keys() <= {"tuple_terms"}:
+            raise unexpected(tokens[element.meta.end_pos], "':'")
+
+
+_CHECKS: Dict[str, Callable[[Node, Sequence[Token]], None]] = {
+    "literal": _check_literal,
+    "comparison": _check_comparison,
+    "script_call": _check_call,
+    "script": _check_script,
+    "negated": _check_negated,
+    "rule": _check_rule,
+    "aggregate": _check_aggregate,
+    "optimize": _check_optimize,
+    "compute": _check_optimize,
+}
