@@ -1,7 +1,7 @@
 """Parsers made by lark from grammars: trees whose nodes know their places, and errors that know what would fit."""
 
 import re
-from typing import AbstractSet, Any, Dict, Iterable, Iterator, List, Sequence, Union
+from typing import AbstractSet, Any, Dict, Iterable, Iterator, List, Sequence, Tuple, Union
 
 from lark import Lark, Token, Tree, UnexpectedToken
 from lark.common import LexerConf
@@ -37,14 +37,28 @@ class Node(Tree[Token]):
         return str(self.tokens[0])
 
     @property
+    def first(self) -> Token:
+        """The first token in it."""
+        child = self.children[0]
+        return child.first if isinstance(child, Node) else child
+
+    @property
+    def span(self) -> Tuple[int, int]:
+        """The positions where its first token begins and its last one ends."""
+        last = self.children[-1]
+        while isinstance(last, Node):
+            last = last.children[-1]
+        return self.first.start_pos or 0, last.end_pos or 0
+
+    @property
     def line(self) -> int:
         """The line where it begins, from 1."""
-        return self.meta.line
+        return self.meta.line if hasattr(self.meta, "line") else self.first.line or 1
 
     @property
     def column(self) -> int:
         """The column where it begins, from 1."""
-        return self.meta.column
+        return self.meta.column if hasattr(self.meta, "column") else self.first.column or 1
 
     def walk(self) -> Iterator["Node"]:
         """Yield the node and all nodes within it, in the order of the text."""
@@ -89,7 +103,7 @@ class Grammar:
             keep_all_tokens=not lexed,
             start=list(starts),
             tree_class=Node,
-            propagate_positions=True,
+            propagate_positions=lexed,
             maybe_placeholders=False,
         )
         self._patterns = {one.name: re.compile(one.pattern.to_regexp()) for one in self._lark.terminals if one.pattern}

@@ -153,7 +153,7 @@ class FileTranslator:
 
     def _weak(self, weak: Node) -> None:
         names = self._rules.weak_body(weak, self._domains(weak))
-        self._optimization.weak(weak, weak.meta.end_pos, self._step, names)
+        self._optimization.weak(weak, weak.span[1], self._step, names)
 
     def _part(self, part: Node) -> None:
         """Begin a part; the name behind its directive is its parameter, or in brackets behind today's name."""
@@ -210,7 +210,7 @@ class FileTranslator:
         domains = self._domains(declared)
         if domains:
             joint = ", " if conditions else " : "
-            self.rewriting.insert(declared.meta.end_pos, joint + ", ".join(domains))
+            self.rewriting.insert(declared.span[1], joint + ", ".join(domains))
 
     def _optimize(self, statement: Node) -> None:
         self._optimization.optimize(statement, self._program.levels, self._step, self._program.domains)

@@ -211,8 +211,7 @@ def _refusal(token: Token, accepted: AbstractSet[str], mend: str) -> RefusalErro
 
 def unexpected(token: Union[Token, GrammarToken, Node], wanted: str = "", mend: str = "") -> RefusalError:
     """Return the error that something else is needed at a token, the first one of a node."""
-    while isinstance(token, Node):
-        token = token.children[0]
+    token = token.first if isinstance(token, Node) else token
     shown = token.shown() if isinstance(token, Token) else f"'{token}'"
     return RefusalError(token, f"{shown} is not expected here" + (f", but {wanted}" if wanted else ""), mend)
 
@@ -225,7 +224,7 @@ def _check_literal(literal: Node, tokens: Sequence[Token]) -> None:
     atom = atom.parts[0] if atom.kind == "signed" and atom.text == "-" else atom
     named = atom.kind in ("function", "symbol") and atom.text.strip("_")[:1].islower()
     if not named and atom.text not in ("#true", "#false"):
-        raise unexpected(tokens[literal.meta.end_pos], "a comparison, since the term before is no atom")
+        raise unexpected(tokens[literal.span[1]], "a comparison, since the term before is no atom")
 
 
 def _check_comparison(comparison: Node, tokens: Sequence[Token]) -> None:
@@ -266,7 +265,7 @@ def _check_aggregate(node: Node, tokens: Sequence[Token]) -> None:
         raise RefusalError(parts.core, "'<' and '>' next to an average cannot be translated", "write '<='")
     alike = not parts.before + parts.after or any({parts.before, parts.after} <= one for one in _DIRECTIONS)
     if parts.lower and parts.upper and not alike:
-        raise RefusalError(tokens[parts.core.meta.end_pos], "these bounds do not fit together", _TWO_BOUNDS)
+        raise RefusalError(tokens[parts.core.span[1]], "these bounds do not fit together", _TWO_BOUNDS)
     _check_elements(parts.core, tokens, parts.function)
 
 
@@ -303,7 +302,7 @@ def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
         if odd or (angled and not is_set):
             raise unexpected(odd[0] if odd else element)
         if angled and not optimizes and kinds.keys() <= {"tuple_terms"}:
-            raise unexpected(tokens[element.meta.end_pos], "':'")
+            raise unexpected(tokens[element.span[1]], "':'")
 
 
 _CHECKS: Dict[str, Callable[[Node, Sequence[Token]], None]] = {

@@ -30,7 +30,7 @@ class Rewriting:
 
     def tokens_of(self, node: Node) -> Sequence[Token]:
         """The tokens of a node."""
-        return self._tokens[node.meta.start_pos : node.meta.end_pos]
+        return self._tokens[slice(*node.span)]
 
     def is_special(self, node: Node) -> bool:
         """Whether a node holds a token that today's syntax lacks or reads otherwise."""
@@ -42,8 +42,9 @@ class Rewriting:
 
     def put(self, first: Union[Node, GrammarToken], new: str, last: Union[Node, GrammarToken, None] = None) -> None:
         """Replace a node or token, or all from it to the ``last`` one, by a text without newlines."""
-        ends = [one.meta if isinstance(one, Node) else one for one in (first, last or first)]
-        self.replace(ends[0].start_pos or 0, ends[1].end_pos or 0, new)
+        start = first.span[0] if isinstance(first, Node) else first.start_pos
+        end = last or first
+        self.replace(start or 0, (end.span[1] if isinstance(end, Node) else end.end_pos) or 0, new)
 
     def replace(self, first: int, after: int, new: str) -> None:
         """Replace the tokens of a range by a text without newlines; earlier edits inside are dropped."""
@@ -58,8 +59,8 @@ class Rewriting:
 
     def line(self, node: Node) -> str:
         """The text of a node with its edits, on one line and without comments."""
-        words, index = [], node.meta.start_pos
-        while index < node.meta.end_pos:
+        words, (index, end) = [], node.span
+        while index < end:
             after, new = self._edits.get(index, (index + 1, self._tokens[index].text))
             words.append(self._insertions.get(index, "") + new)
             index = after

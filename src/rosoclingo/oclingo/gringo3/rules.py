@@ -157,7 +157,7 @@ class RuleTranslator:
         tuples = any(Element.of(one).terms is not None for one in elements)
         number = 0
         if not parts.is_set:
-            apart = self._rewriting.stands_apart(core.meta.start_pos)
+            apart = self._rewriting.stands_apart(core.span[0])
             self._rewriting.put(core.tokens[0], f"{'' if apart else ' '}{function} {{", opening)
             self._rewriting.put(closing, "}")
         else:

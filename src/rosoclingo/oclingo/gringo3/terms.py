@@ -62,7 +62,7 @@ def variables(nodes: Iterable[Node]) -> List[str]:
 
 
 def _rebuilt(node: Node, children: Sequence[Union[Node, Token]]) -> Node:
-    return Node(node.data, list(children), node.meta)
+    return Node(node.data, list(children))
 
 
 def replace(node: Node, change: Callable[[Node], Node]) -> Node:
