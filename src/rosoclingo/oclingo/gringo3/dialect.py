@@ -7,243 +7,19 @@ Each statement is looked at by itself: it may hold *evidence* for one of the lan
 import enum
 import re
 from dataclasses import dataclass, field
-from typing import Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.gringo3.lexer import Kind, Token, comments, statements
 
-
-class Sign(enum.Enum):
-    """What a finding says about the language."""
-
-    GRINGO3 = "only in gringo 3"
-    CLINGO5 = "only in clingo 5"
-    CONFLICT = "different meanings"
-    QUIET = "different meanings, but no cause for a warning"
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing that was found: what it says, where, and what it is."""
-
-    sign: Sign
-    token: Token
-    what: str
-
-
-_ONLY_GRINGO3 = ("#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;")
-_ONLY_CLINGO5 = ("#heuristic", "#edge", "#project", "#theory", "#defined", "#inf", "#sup", "$")
-_WORDS = {**dict.fromkeys(_ONLY_GRINGO3, Sign.GRINGO3), **dict.fromkeys(_ONLY_CLINGO5, Sign.CLINGO5)}
+_ONLY_GRINGO3 = {"#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;"}
+_ONLY_CLINGO5 = {"#heuristic", "#edge", "#project", "#theory", "#defined", "#inf", "#sup", "$"}
 _COMPARISONS = ("=", "==", "!=", "<", "<=", ">", ">=")
 _OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")
 _TUPLE_FUNCTIONS = ("#sum", "#sum+", "#min", "#max")
-_OPENING = {"(": ")", "{": "}", "[": "]"}
 _FUNCTIONS = ("#count", *_TUPLE_FUNCTIONS, "#avg", "#even", "#odd")
 _BEFORE_AGGREGATE = ("", ":-", ":~", ",", ";", "not", ":")
 _AFTER_AGGREGATE = ("", ".", ":-", ",", ";", ":")
-_TUPLE_STARTS = (Kind.VARIABLE, Kind.NUMBER, Kind.STRING, Kind.BASED_NUMBER, Kind.ANONYMOUS)
-
-
-@dataclass
-class _Group:
-    """What was seen since a bracket was opened, or, at the bottom, since the statement began."""
-
-    bracket: str
-    opening: Token
-    name: str = ""
-    first_in_segment: bool = True
-    colons: int = 0
-    commas: int = 0
-    semicolons: int = 0
-    comparisons: int = 0
-    comma: Optional[Token] = None  # the first one between elements in braces
-
-
-def findings(statement: Sequence[Token]) -> Iterator[Finding]:
-    """All findings of a statement, in no particular order."""
-    scanner = _Scanner(statement)
-    yield from scanner.words()
-    yield from scanner.neighbours()
-    yield from scanner.bounds()
-    yield from scanner.shapes()
-
-
-class _Scanner:
-    def __init__(self, statement: Sequence[Token]) -> None:
-        self._tokens = statement
-        self._name = statement[0].text if statement[0].kind is Kind.DIRECTIVE else ""
-        self._in_body = False
-        self._conditional = False
-        self._several: Optional[Token] = None
-        self._groups = [_Group("", statement[0])]
-
-    def words(self) -> Iterator[Finding]:
-        """Tokens that only one language has."""
-        for token in self._tokens:
-            if token.kind in (Kind.DIRECTIVE, Kind.SYMBOL) and token.text in _WORDS:
-                yield Finding(_WORDS[token.text], token, f"'{token.text}'")
-            elif token.kind is Kind.BASED_NUMBER:
-                yield Finding(Sign.CLINGO5, token, "a number with a base")
-            elif token.kind is Kind.SCRIPT:
-                old = token.text.startswith("#begin_lua")
-                yield Finding(Sign.GRINGO3 if old else Sign.CLINGO5, token, "a script")
-
-    def neighbours(self) -> Iterator[Finding]:
-        """Pairs of tokens that only one language has."""
-        for before, token in zip((None, *self._tokens), self._tokens):
-            left = "" if before is None else before.text
-            if left == "not" and token.text == "not":
-                yield Finding(Sign.CLINGO5, token, "double negation")
-            elif token.text in ("..", ";") and self._name == "#const":
-                yield Finding(Sign.GRINGO3, token, "a constant of a pool or a range")
-            elif token.text == "&" and left in ("", ":-", ",", ";", "not"):
-                yield Finding(Sign.CLINGO5, token, "a theory atom")
-            elif token.text == "<" and left in ("{", ",") and self._name != "#theory":
-                yield Finding(Sign.GRINGO3, token, "a tuple in '<>'")
-        if self._tokens[0].text == ":~" and self._tokens[-1].text in ("]", ">"):
-            new = self._tokens[-1].text == "]"
-            yield Finding(Sign.CLINGO5 if new else Sign.GRINGO3, self._tokens[0], "a weak constraint")
-        yield from self._display()
-
-    def bounds(self) -> Iterator[Finding]:
-        """Yield comparisons next to aggregates that only clingo 5 has."""
-        depth = opening = 0
-        for index, token in enumerate(self._tokens):
-            if token.kind is Kind.STRING:
-                continue
-            if token.text in _OPENING:
-                opening = index if not depth else opening
-                depth += 1
-            elif token.text in _OPENING.values():
-                depth -= 1
-                if depth == 0 and token.text in "}]" and self._is_new(*self._around(opening, index)):
-                    yield Finding(Sign.CLINGO5, token, "a comparison next to an aggregate")
-
-    def _around(self, opening: int, closing: int) -> Tuple[int, int]:
-        """The indices of the tokens before and after an aggregate, -1 for none."""
-        named = opening > 0 and self._tokens[opening - 1].text in _FUNCTIONS
-        return opening - 1 - named, closing + 1 if closing + 1 < len(self._tokens) else -1
-
-    def _is_new(self, left: int, right: int) -> bool:
-        """Tell whether gringo 3 lacks these bounds: it has ``<`` and the like twice, or ``==``, ``=`` once."""
-        before, after = ("" if index < 0 else self._tokens[index].text for index in (left, right))
-        if before not in _COMPARISONS and after not in _COMPARISONS:
-            return False
-        if after not in _COMPARISONS:
-            variable = left > 0 and self._tokens[left - 1].kind is Kind.VARIABLE
-            return before == "!=" or (before == "=" and not variable) or after not in _AFTER_AGGREGATE
-        if before in _COMPARISONS:
-            return not any(before in same and after in same for same in (("<", "<="), (">", ">=")))
-        return after in ("=", "!=") or before not in _BEFORE_AGGREGATE
-
-    def _display(self) -> Iterator[Finding]:
-        if self._name == "#show" and len(self._tokens) > 1:
-            tuple_like = self._tokens[1].kind in _TUPLE_STARTS or self._tokens[1].text == "("
-            sign = Sign.CLINGO5 if tuple_like else Sign.QUIET
-            yield Finding(sign, self._tokens[0], "#show")
-        elif self._name in _OPTIMIZE:
-            yield Finding(Sign.QUIET, self._tokens[0], "an optimization statement")
-
-    def shapes(self) -> Iterator[Finding]:
-        """What separators and brackets tell."""
-        for index, token in enumerate(self._tokens):
-            group = self._groups[-1]
-            if token.kind is Kind.STRING:
-                group.first_in_segment = False
-            elif token.text in _OPENING:
-                yield from self._open(index, token)
-            elif token.text in _OPENING.values():
-                yield from self._close()
-            else:
-                yield from self._mark(group, token)
-        if self._conditional and self._several and not self._name:
-            yield Finding(Sign.CONFLICT, self._several, "an interval or a pool under a condition or in a disjunction")
-
-    def _open(self, index: int, token: Token) -> Iterator[Finding]:
-        self._groups[-1].first_in_segment = False
-        if token.text != "(":
-            self._groups[-1].comparisons = 0  # comparisons on both sides of an aggregate are no chain
-        name = self._tokens[index - 1].text if index else ""
-        self._groups.append(_Group(token.text, token, name if name.startswith("#") else ""))
-        if token.text == "[":
-            after_dot = index and self._tokens[index - 1].text == "."
-            yield Finding(Sign.CLINGO5 if after_dot else Sign.GRINGO3, token, "square brackets")
-        elif token.text == "{" and name in _TUPLE_FUNCTIONS:
-            yield Finding(Sign.CLINGO5, token, f"'{name}' with braces")
-
-    def _close(self) -> Iterator[Finding]:
-        if len(self._groups) > 1:
-            group = self._groups.pop()
-            if group.bracket == "(" and group.semicolons and self._pool_differs(group):
-                yield Finding(Sign.CONFLICT, group.opening, "a pool")
-            elif group.comma is not None and not group.semicolons:  # both is a slip in either language
-                yield Finding(Sign.GRINGO3, group.comma, "',' between elements")
-
-    def _pool_differs(self, group: _Group) -> bool:
-        """A pool reads alike in a plain head and in ``#external`` if it is the only argument."""
-        inside = any(outer.bracket == "{" or outer.colons for outer in self._groups)
-        return bool(group.commas) or inside or self._in_body
-
-    def _mark(self, group: _Group, token: Token) -> Iterator[Finding]:
-        if group.bracket in ("", "{"):
-            yield from self._separator(group, token)
-        elif token.text == ",":
-            group.commas += 1
-        elif token.text in ("..", ";"):
-            self._several = token
-            group.semicolons += token.text == ";"
-
-    def _separator(self, group: _Group, token: Token) -> Iterator[Finding]:
-        text = token.text
-        if text == ":":
-            yield from self._colon(group, token)
-        elif text == ",":
-            yield from self._comma(group, token)
-        elif text == ";":
-            yield Finding(Sign.CLINGO5, token, "';' between elements")
-            group.semicolons += bool(group.bracket)
-            group.first_in_segment, group.colons, group.comparisons = True, 0, 0
-        elif text in ("|", ":-"):
-            self._head_mark(group, text)
-        elif text in _COMPARISONS:
-            group.comparisons += 1
-            if group.comparisons > 1:
-                yield Finding(Sign.CLINGO5, token, "a chain of comparisons")
-        if text not in (",", ";"):
-            yield from self._start(group, token)
-
-    def _head_mark(self, group: _Group, text: str) -> None:
-        if text == ":-":
-            self._in_body, group.colons, group.comparisons = True, 0, 0
-        elif not self._in_body and not group.bracket:
-            self._conditional, group.colons = True, 0
-
-    def _start(self, group: _Group, token: Token) -> Iterator[Finding]:
-        """The first token of an element: today's tuples may begin with what no literal begins with."""
-        tuples = group.bracket == "{" and group.name in ("#count", *_OPTIMIZE)
-        if tuples and group.first_in_segment:
-            if token.kind in _TUPLE_STARTS:
-                yield Finding(Sign.CLINGO5, token, "a tuple as element")
-            elif token.text == "not":
-                yield Finding(Sign.GRINGO3, token, f"a literal as element of '{group.name}'")
-            else:
-                yield Finding(Sign.CONFLICT, token, f"an element of '{group.name}'")
-        group.first_in_segment = False
-
-    def _colon(self, group: _Group, token: Token) -> Iterator[Finding]:
-        group.colons += 1
-        group.comparisons = 0
-        self._conditional = self._conditional or not group.bracket
-        if group.colons > 1 and self._name not in ("#volatile", "#forget"):
-            yield Finding(Sign.GRINGO3, token, "a second ':'")
-
-    def _comma(self, group: _Group, token: Token) -> Iterator[Finding]:
-        group.comparisons = 0
-        if group.colons and self._name in ("#show", "#external"):
-            yield Finding(Sign.CLINGO5, token, "',' in the condition of a directive")
-        elif group.colons:
-            yield Finding(Sign.CONFLICT, token, "',' after a condition")
-        elif group.bracket == "{" and not group.name:
-            group.comma = group.comma or token
+_TUPLE_STARTS = (Kind.VARIABLE, Kind.NUMBER, Kind.BASED_NUMBER, Kind.ANONYMOUS)
 
 
 _PRAGMA = re.compile(r"\s*dialect\s*:\s*(gringo|clingo)\s*([35])\s*$")
@@ -259,14 +35,21 @@ class Dialect(enum.Enum):
     CONFLICT = "conflict"
 
 
+class Conflict(NamedTuple):
+    """What reads differently in both languages, and where; "" where that is no cause for a warning."""
+
+    token: Token
+    what: str
+
+
 @dataclass(frozen=True)
 class StatementDialect:
-    """A statement's tokens as an index range, its language, and what tells it."""
+    """A statement's tokens as an index range, its language, and where it reads differently in both."""
 
     first: int
     after: int
     dialect: Dialect
-    findings: Sequence[Finding] = ()
+    conflicts: Sequence[Conflict] = ()
 
 
 @dataclass
@@ -337,14 +120,179 @@ def _pragma(text: str) -> Optional[Dialect]:
 
 
 def _statement(tokens: Sequence[Token], first: int, after: int) -> StatementDialect:
-    found = list(findings(tokens[first:after]))
-    return StatementDialect(first, after, _dialect(found), found)
+    shape = _Shape(tokens[first:after])
+    if shape.is_gringo3():
+        return StatementDialect(first, after, Dialect.GRINGO3)
+    if shape.is_clingo5():
+        return StatementDialect(first, after, Dialect.CLINGO5)
+    conflicts = sorted(shape.conflicts(), key=lambda conflict: (not conflict.what, conflict.token.start))
+    return StatementDialect(first, after, Dialect.CONFLICT if conflicts else Dialect.EITHER, conflicts)
 
 
-def _dialect(found: Iterable[Finding]) -> Dialect:
-    signs = {finding.sign for finding in found}
-    if Sign.GRINGO3 in signs:
-        return Dialect.GRINGO3
-    if Sign.CLINGO5 in signs:
-        return Dialect.CLINGO5
-    return Dialect.CONFLICT if signs else Dialect.EITHER
+class _Group(NamedTuple):
+    """What stands in brackets of one kind, or outside of all: indices of the tokens, without those in inner brackets.
+
+    ``opening`` is the index of the bracket, -1 outside of all; ``outer`` are the groups around it.
+    """
+
+    opening: int
+    bracket: str
+    name: str
+    outer: "Tuple[_Group, ...]"
+    inside: List[int]
+
+
+class _Shape:
+    """A statement's tokens, grouped by brackets."""
+
+    def __init__(self, statement: Sequence[Token]) -> None:
+        self._tokens = statement
+        self._texts = ['""' if token.kind is Kind.STRING else token.text for token in statement]
+        self._word = self._texts[0] if statement[0].kind is Kind.DIRECTIVE else ""
+        self._groups = [_Group(-1, "", "", (), [])]
+        self._close: Dict[int, int] = {}
+        stack = self._groups[:]
+        for index, text in enumerate(self._texts):
+            stack[-1].inside.append(index)
+            if text in ("(", "{", "["):
+                before = self._text(index - 1)
+                stack.append(_Group(index, text, before if before.startswith("#") else "", tuple(stack), []))
+                self._groups.append(stack[-1])
+            elif text in (")", "}", "]") and len(stack) > 1:
+                stack[-1].inside.pop()
+                self._close[stack.pop().opening] = index
+        self._body = self._texts.index(":-") if ":-" in self._texts else len(self._texts)
+
+    def _text(self, index: int) -> str:
+        return self._texts[index] if 0 <= index < len(self._texts) else ""
+
+    def _segments(self, group: _Group, *separators: str) -> Iterator[List[int]]:
+        """Yield the indices in a group between separators, of which ``|`` is one in heads alone."""
+        found: List[int] = []
+        for index in group.inside:
+            if self._texts[index] in separators and (self._texts[index] != "|" or index < self._body):
+                yield found
+                found = []
+            else:
+                found.append(index)
+        yield found
+
+    def _conditioned(self, group: _Group) -> Iterator[Tuple[int, List[int]]]:
+        """Yield each colon outside of parentheses, with what follows it up to where the next literals begin."""
+        head_marks = () if group.bracket else ("|", ":-")
+        for segment in self._segments(group, ";", *head_marks) if group.bracket in ("", "{") else ():
+            colons = [n for n, index in enumerate(segment) if self._texts[index] == ":"]
+            if colons:
+                yield segment[colons[0]], segment[colons[0] + 1 :]
+
+    def _elements(self) -> Iterator[Tuple[_Group, int]]:
+        """Yield the groups of ``#count`` and optimization, each with an index where an element begins."""
+        for group in self._groups:
+            if group.bracket == "{" and group.name in ("#count", *_OPTIMIZE):
+                yield from ((group, segment[0]) for segment in self._segments(group, ";") if segment)
+
+    def is_gringo3(self) -> bool:
+        """Whether only gringo 3 has what is there."""
+        texts, last = self._texts, self._tokens[-1].text
+        pairs = list(zip(["", *texts], texts))
+        return (
+            not _ONLY_GRINGO3.isdisjoint(texts)
+            or self._texts[0].startswith("#begin_lua")
+            or (self._word == "#const" and (".." in texts or ";" in texts))
+            or (self._word != "#theory" and any(after == "<" and before in ("{", ",") for before, after in pairs))
+            or any(after == "[" and before != "." for before, after in pairs)
+            or (texts[0] == ":~" and last == ">")
+            or any(self._texts[index] == "not" for _, index in self._elements())
+            or (self._word not in ("#volatile", "#forget") and self._has_second_colon())
+            or any(map(self._is_old_set, self._groups))
+        )
+
+    def _has_second_colon(self) -> bool:
+        return any(self._texts[index] == ":" for index in self._behind_colons())
+
+    def _is_old_set(self, group: _Group) -> bool:
+        """Whether there are commas between elements; where there are semicolons as well, it is a slip in either."""
+        texts = [self._texts[index] for index in group.inside]
+        before = texts[: texts.index(":")] if ":" in texts else texts
+        closed = group.opening in self._close
+        return group.bracket == "{" and not group.name and closed and "," in before and ";" not in texts
+
+    def is_clingo5(self) -> bool:
+        """Whether only clingo 5 has what is there."""
+        texts, tokens = self._texts, self._tokens
+        pairs = list(zip(["", *texts], texts))
+        flat = (group for group in self._groups if group.bracket in ("", "{"))
+        return (
+            not _ONLY_CLINGO5.isdisjoint(texts)
+            or any(token.kind in (Kind.BASED_NUMBER, Kind.SCRIPT) for token in tokens)
+            or ("not", "not") in pairs
+            or any(after == "&" and before in ("", ":-", ",", ";", "not") for before, after in pairs)
+            or "[" in texts
+            or (self._word == "#show" and any(one.kind in _SHOWN or one.text == "(" for one in tokens[1:2]))
+            or any(self._texts[index] == ";" for group in flat for index in group.inside)
+            or any(tokens[index].kind in _TUPLE_STARTS for _, index in self._elements())
+            or any(group.bracket == "{" and group.name in _TUPLE_FUNCTIONS for group in self._groups)
+            or (self._word in ("#show", "#external") and any(self._commas_behind()))
+            or any(map(self._has_chain, self._groups))
+            or any(map(self._has_new_bounds, self._groups[0].inside))
+        )
+
+    def _has_chain(self, group: _Group) -> bool:
+        segments = self._segments(group, ",", ";", ":", ":-", "{", "}") if group.bracket in ("", "{") else iter(())
+        return any(sum(self._texts[index] in _COMPARISONS for index in segment) > 1 for segment in segments)
+
+    def _has_new_bounds(self, opening: int) -> bool:
+        """Whether gringo 3 lacks the bounds of an aggregate: it has ``<`` and the like twice, or ``==``, ``=`` once."""
+        if self._texts[opening] not in ("{", "[") or opening not in self._close:
+            return False
+        left = opening - 1 - (self._text(opening - 1) in _FUNCTIONS)
+        before, after = self._text(left), self._text(self._close[opening] + 1)
+        if before not in _COMPARISONS and after not in _COMPARISONS:
+            return False
+        if after not in _COMPARISONS:
+            variable = left > 0 and self._tokens[left - 1].kind is Kind.VARIABLE
+            return before == "!=" or (before == "=" and not variable) or after not in _AFTER_AGGREGATE
+        if before in _COMPARISONS:
+            return not any(before in same and after in same for same in (("<", "<="), (">", ">=")))
+        return after in ("=", "!=") or before not in _BEFORE_AGGREGATE
+
+    def _behind_colons(self) -> Iterator[int]:
+        return (index for group in self._groups for _, rest in self._conditioned(group) for index in rest)
+
+    def _commas_behind(self) -> Iterator[int]:
+        """Yield the commas behind conditions."""
+        return (index for index in self._behind_colons() if self._texts[index] == ",")
+
+    def conflicts(self) -> Iterator[Conflict]:
+        """Yield what reads differently in both languages."""
+        if self._word in ("#show", *_OPTIMIZE):
+            yield Conflict(self._tokens[0], "")
+        for index in self._commas_behind():
+            yield Conflict(self._tokens[index], "',' after a condition")
+        for group, index in self._elements():
+            if self._texts[index] not in ("(", '""', ","):
+                yield Conflict(self._tokens[index], f"an element of '{group.name}'")
+        pools = [group for group in self._groups if group.bracket == "(" and self._has(group, ";")]
+        for group in pools:
+            if self._has(group, ",") or group.opening > self._body or self._is_conditioned(group):
+                yield Conflict(self._tokens[group.opening], "a pool")
+        several = [
+            i for group in self._groups if group.bracket == "(" for i in group.inside if self._texts[i] in ("..", ";")
+        ]
+        bottom = self._groups[0].inside
+        conditional = any(self._texts[i] == ":" or (self._texts[i] == "|" and i < self._body) for i in bottom)
+        if several and conditional and not self._word:
+            what = "an interval or a pool under a condition or in a disjunction"
+            yield Conflict(self._tokens[max(several)], what)
+
+    def _has(self, group: _Group, text: str) -> bool:
+        return any(self._texts[index] == text for index in group.inside)
+
+    def _is_conditioned(self, group: _Group) -> bool:
+        """Whether a group is in braces or behind a colon."""
+        behind = (colon for outer in group.outer for colon, rest in self._conditioned(outer) if rest)
+        in_braces = any(outer.bracket == "{" for outer in group.outer)
+        return in_braces or any(colon < group.opening for colon in behind)
+
+
+_SHOWN = (*_TUPLE_STARTS, Kind.STRING)

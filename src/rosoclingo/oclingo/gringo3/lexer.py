@@ -63,8 +63,8 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+_KINDS = dict(Kind.__members__)
 _COMMENT_MARKS = re.compile(r"%\*|\*%|%[^\n]*")
-_KINDS = {name: Kind[name] for name in (*_TOKEN.groupindex, "UNKNOWN") if name in Kind.__members__}
 
 
 def tokens(text: str) -> List[Token]:
@@ -74,9 +74,15 @@ def tokens(text: str) -> List[Token]:
 
 @lru_cache(maxsize=32)  # a program's texts are asked for several times, by what it includes and by its checks
 def _tokens(text: str) -> Tuple[Token, ...]:
-    lines = _LineCounter(text)
-    found = [lines.token(kind, start, end) for kind, start, end in _matches(text)]
-    return (*found, lines.token(Kind.END, len(text), len(text)))
+    found: List[Token] = []
+    line, begin = 1, 0  # where the line begins
+    for name, start, end in (*_scan(text), ("END", len(text), len(text))):
+        if name in _KINDS:
+            found.append(Token(_KINDS[name], text[start:end], start, end, line, start - begin + 1))
+        newlines = text.count("\n", start, end)
+        if newlines:
+            line, begin = line + newlines, text.rindex("\n", start, end) + 1
+    return tuple(found)
 
 
 def comments(text: str) -> Iterator[str]:
@@ -135,26 +141,6 @@ def _is_head(all_tokens: Sequence[Token], first: int, closing: int) -> bool:
     bound = len(behind) > 1 and behind[0].kind is Kind.NUMBER and behind[1].text in (".", ":-")
     inside = (token.text for token in all_tokens[first:closing])
     return bound or behind[0].text in _BEHIND_HEAD or any(text in _NO_WEIGHT for text in inside)
-
-
-class _LineCounter:
-    """Gives tokens their lines and columns, in the order of the text."""
-
-    def __init__(self, text: str) -> None:
-        self._text, self._offset, self._line, self._line_start = text, 0, 1, 0
-
-    def token(self, kind: Kind, start: int, end: int) -> Token:
-        """The token between two offsets, neither of them before the token asked for last."""
-        newlines = self._text.count("\n", self._offset, start)
-        if newlines:
-            self._line += newlines
-            self._line_start = self._text.rfind("\n", self._offset, start) + 1
-        self._offset = start
-        return Token(kind, self._text[start:end], start, end, self._line, start - self._line_start + 1)
-
-
-def _matches(text: str) -> Iterator[Tuple[Kind, int, int]]:
-    return ((_KINDS[name], start, end) for name, start, end in _scan(text) if name in _KINDS)
 
 
 @lru_cache(maxsize=32)

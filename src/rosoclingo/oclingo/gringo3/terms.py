@@ -126,9 +126,7 @@ class Element(NamedTuple):
 
     @classmethod
     def of(cls, node: Node) -> "Element":
-        """Return the parts of an element of the text, or of a literal."""
-        if node.kind != "element":
-            return cls(node, node)
+        """Return the parts of an element of the text."""
         literals = [part for part in node.parts if part.kind in ("literal", "comparison")]
         kinds = {part.kind: part for part in node.parts}
         terms = tuple(kinds["tuple_terms"].parts) if "tuple_terms" in kinds else ()

@@ -7,7 +7,7 @@ separators inside.
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
-from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, Sign, decide, inspect
+from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, decide, inspect
 from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
 
 MARK = "% dialect: clingo 5"
@@ -74,9 +74,9 @@ def _marked(old: str, new: str) -> str:
 
 
 def _undecided(name: str, told: FileDialect, dialect: Dialect) -> Tuple[str, ...]:
-    conflicts = (f for statement in told.of(Dialect.CONFLICT) for f in statement.findings if f.sign is Sign.CONFLICT)
+    conflicts = [one for statement in told.of(Dialect.CONFLICT) for one in statement.conflicts if one.what]
     text = "{}:{}:{}: {} means one thing in gringo 3 and another in clingo 5; read as {} (say so by '% dialect: {}')"
     return tuple(
-        text.format(name, f.token.line, f.token.column, f.what, dialect.value, dialect.value)
-        for f in list(conflicts)[:1]
+        text.format(name, one.token.line, one.token.column, one.what, dialect.value, dialect.value)
+        for one in conflicts[:1]
     )
