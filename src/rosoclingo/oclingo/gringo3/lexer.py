@@ -7,9 +7,8 @@ found again by the tokens' offsets.
 
 import enum
 import re
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Iterator, List, Sequence, Tuple
+from typing import Iterator, List, NamedTuple, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import ProgramError
 
@@ -30,8 +29,7 @@ class Kind(enum.Enum):
     END = "end of file"
 
 
-@dataclass(frozen=True)
-class Token:
+class Token(NamedTuple):
     """One token; offsets count characters of the text, lines and columns count from 1."""
 
     kind: Kind
