@@ -14,7 +14,7 @@ WITHOUT_ROS = [
     "rosoclingo",
     *(
         f"rosoclingo.{room}{below}"
-        for room in ("oclingo", "planning", "languages", "reasoning", "checking")
+        for room in ("oclingo", "planning", "golog", "reasoning", "checking")
         for below in ("", ".*")
     ),
     "rosoclingo.common",
@@ -22,7 +22,7 @@ WITHOUT_ROS = [
 COMMANDS = [
     "check = rosoclingo.checking.check_command:main",
     "oclingo = rosoclingo.checking.oclingo_command:main",
-    "golog = rosoclingo.languages.golog.golog_command:main",
+    "golog = rosoclingo.golog.golog_command:main",
     "gringo3to5 = rosoclingo.oclingo.gringo3.translate_command:main",
 ]
 

@@ -12,7 +12,7 @@ import pytest
 pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "src" / "rosoclingo"
-PURE = ("oclingo", "planning", "languages", "reasoning", "checking", "runs", "robot/navigation", "robot/simulation")
+PURE = ("oclingo", "planning", "golog", "reasoning", "checking", "runs", "robot/navigation", "robot/simulation")
 PURE_COMMON = ("labels", "lazy", "reading")  # what pure packages may import of common
 MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "common": set(),
@@ -23,7 +23,7 @@ MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program"},
     "oclingo/service": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving"},
     "planning": {"oclingo"},
-    "languages": {"oclingo"},  # found by name where a program's files are read
+    "golog": {"oclingo"},  # found by name where a program's files are read
     "reasoning": {"common", "oclingo", "planning"},
     "checking": {"oclingo", "planning", "reasoning"},
     "runs": {"common", "oclingo", "planning", "reasoning", "checking"},

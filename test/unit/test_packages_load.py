@@ -57,7 +57,7 @@ def test_command_that_plays_a_stream_loads_no_more_than_it_needs(tmp_path):
         "oclingo.gringo3.file_translator",
         "planning.solver",
     )
-    folders = ("planning.explaining", "planning.strategies", "languages.golog", "reasoning")
+    folders = ("planning.explaining", "planning.strategies", "golog", "reasoning")
     assert not loaded & {f"rosoclingo.{one}" for one in (*rooms, *folders)}
     assert not loaded & {"logging", "lark"}
 

@@ -9,7 +9,7 @@ import pytest
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 COMMANDS = [
-    ("rosoclingo.languages.golog.golog_command", "golog/elevator.golog"),
+    ("rosoclingo.golog.golog_command", "golog/elevator.golog"),
     ("rosoclingo.oclingo.gringo3.translate_command", "paper.lp"),
     ("rosoclingo.checking.check_command", "paper.lp"),
 ]

@@ -1,21 +1,18 @@
 """Files of a program that are in a language of their own, by their names' endings: translated as they are read.
 
-A language is a module of :data:`PLACE` with two functions: ``read(text, name)`` returns a :class:`Document`, whatever
-the text; ``translate_files(documents, included)`` a :class:`Translation` of each, or raises ProgramError with all
-their faults. ``included`` has for each document, for each of its ``includes``, the numbers of the documents that it
+A language is a module of :data:`LANGUAGES` with two functions: ``read(text, name)`` returns a :class:`Document`,
+whatever the text; ``translate_files(documents, included)`` a :class:`Translation` of each, or raises ProgramError with
+all their faults. ``included`` has for each document, for each of its ``includes``, the numbers of the documents that it
 brings in.
 """
 
 import importlib
-import re
 from pathlib import PurePath
 from types import ModuleType
 from typing import Any, NamedTuple, Optional, Tuple
 
-PLACE = "rosoclingo.languages"
-"""The package whose modules translate, each the files that end on its name."""
-
-_ENDING = re.compile(r"\.[a-z][a-z0-9_]*\Z")
+LANGUAGES = {".golog": "rosoclingo.golog"}
+"""The modules that translate, by the ending of the files that they are for; each is imported where one is met."""
 
 
 class Include(NamedTuple):
@@ -47,12 +44,5 @@ class Translation(NamedTuple):
 
 def language_of(name: str) -> Optional[ModuleType]:
     """Return the language that a file of this name is in, None where that is clingo's, or gringo 3's."""
-    ending = PurePath(name).suffix
-    if not _ENDING.match(ending):
-        return None
-    try:
-        return importlib.import_module(PLACE + ending)
-    except ModuleNotFoundError as error:
-        if error.name in (PLACE, PLACE + ending):
-            return None
-        raise
+    module = LANGUAGES.get(PurePath(name).suffix)
+    return importlib.import_module(module) if module else None

@@ -4,9 +4,9 @@ import re
 from pathlib import PurePath
 from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 
-from rosoclingo.languages.golog.grammar import ControlProgram, parse, signature
-from rosoclingo.languages.golog.recursion import Signature, endless_calls
-from rosoclingo.languages.golog.writing import Declared, Writer, arguments
+from rosoclingo.golog.grammar import ControlProgram, parse, signature
+from rosoclingo.golog.recursion import Signature, endless_calls
+from rosoclingo.golog.writing import Declared, Writer, arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.grammars import Node
 from rosoclingo.oclingo.program.languages import Document, Include, Translation

@@ -4,7 +4,7 @@ import pytest
 from core_driver import Driver
 from golog_programs import ENCODINGS
 
-from rosoclingo.languages.golog.golog_command import main
+from rosoclingo.golog.golog_command import main
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram

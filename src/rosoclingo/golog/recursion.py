@@ -5,7 +5,7 @@ Calls with a number that goes down, or up, to a bound come to an end.
 
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
 
-from rosoclingo.languages.golog.grammar import choice, parameters, signature, statements
+from rosoclingo.golog.grammar import choice, parameters, signature, statements
 from rosoclingo.oclingo.grammars import Node
 
 Signature = Tuple[str, int]

@@ -6,7 +6,7 @@ from typing import Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple, Un
 
 from lark import Token
 
-from rosoclingo.languages.golog.conditions import (
+from rosoclingo.golog.conditions import (
     STEP,
     GologError,
     Literal,
@@ -19,8 +19,8 @@ from rosoclingo.languages.golog.conditions import (
     unbound,
     variables_of,
 )
-from rosoclingo.languages.golog.grammar import ControlProgram, choice, parameters, signature, statements
-from rosoclingo.languages.golog.recursion import Signature
+from rosoclingo.golog.grammar import ControlProgram, choice, parameters, signature, statements
+from rosoclingo.golog.recursion import Signature
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import Node
 

@@ -5,7 +5,7 @@ from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Sequenc
 
 from lark import Token
 
-from rosoclingo.languages.golog.grammar import parameters
+from rosoclingo.golog.grammar import parameters
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import Node
 

@@ -5,8 +5,8 @@ from golog_programs import ENCODINGS
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.languages.golog import translate
-from rosoclingo.languages.golog.golog_command import main
+from rosoclingo.golog import translate
+from rosoclingo.golog.golog_command import main
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.oclingo.grammars import DEEPEST as DEPTH
 from rosoclingo.oclingo.program.sources import Source

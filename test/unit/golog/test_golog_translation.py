@@ -8,7 +8,7 @@ from golog_traces import encoded_traces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosoclingo.languages.golog import translate
+from rosoclingo.golog import translate
 
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 3))
 

@@ -1,5 +1,5 @@
 """Golog: control programs (``.golog``) as facts and rules for ``encodings/golog.lp``; see doc/golog.md."""
 
-from rosoclingo.languages.golog.linking import read, translate, translate_files
+from rosoclingo.golog.linking import read, translate, translate_files
 
 __all__ = ["read", "translate", "translate_files"]
