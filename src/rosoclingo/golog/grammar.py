@@ -113,13 +113,12 @@ _MISPLACED = {
 """What to write in place of a word that begins no statement."""
 
 _WANTED: Sequence[Tuple[str, str, str]] = (
-    ("$END", "proc", "write proc NAME(X) { ... }"),
     ("WHILE", "a statement", "write an action, or a word like if, while, pick"),
     ("NOT", "a condition", "write a fluent, or compare terms, as in X + 1 < 3"),
     ("NAME NUMBER", "a term", "write a name, a number or a variable"),
     ("VARIABLE", "a variable", "variables begin with a capital letter"),
     ("NAME", "the procedure's name", "names begin with a small letter"),
-    ("NUMBER", "how often it is tried anew", "write retry 3 {...}"),
+    ("NUMBER", "the number of attempts", "write retry 3 {...}"),
     ("STRING", "a file's name", 'write include "FILE";'),
     ("_ARROW", "'->'", "write -> as in all X: CONDITION -> CONDITION"),
     ("SEMICOLON", "';'", "write ;"),

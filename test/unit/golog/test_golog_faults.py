@@ -34,7 +34,7 @@ FAULTS = [
     ("proc p { pick X: not f(X) { a; } }", 1, 15, "no fluent says which values X may have", "1..3"),
     ("proc p { pick X: f { a(X); } }", 1, 15, "no fluent says which values X may have", "1..3"),
     ("proc p { test some X: X > 3; }", 1, 20, "no fluent says which values X may have", "1..3"),
-    ("proc p { retry { a; } }", 1, 16, "'{' where how often it is tried anew belongs", "retry 3"),
+    ("proc p { retry { a; } }", 1, 16, "'{' where the number of attempts belongs", "retry 3"),
     ("proc p { do { a; } }", 1, 20, "'}' where 'on cancel' belongs", "on cancel"),
     (
         "proc p { interrupts { when f { a; } } b; }",
