@@ -254,9 +254,9 @@ def _told(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str, str
     types, what, mend = next(wanted, ("", " or ".join(sorted(accepted)), "see doc/golog.md"))
     if token in _WORDS and types == "WHILE":
         mend = _MISPLACED.get(token, "no action has this name")
-    elif token in _WORDS and "NAME" in accepted:
+    elif token in _WORDS and not what.startswith("'"):
         shown += " is a word of the language"
-    return token, f"{shown} where {what} belongs", mend
+    return token, f"{shown} where {what} belongs, behind '{tokens[at - 1]}'", mend
 
 
 def _open(tokens: Sequence[Token]) -> List[Token]:

@@ -13,7 +13,7 @@ from rosoclingo.oclingo.program.sources import Source
 
 FAULTS = [
     ("proc p { a", 1, 8, "the bracket '{' is never closed", "write }"),
-    ("proc p { a b; }", 1, 12, "'b' where ';' belongs", "write ;"),
+    ("proc p { a b; }", 1, 12, "'b' where ';' belongs, behind 'a'", "write ;"),
     ("a;", 1, 1, "'a' outside of a procedure", "write proc NAME(X)"),
     ("proc P { }", 1, 6, "'P' where the procedure's name belongs", "small letter"),
     ("proc p(x) { }", 1, 8, "'x' where a variable belongs", "capital letter"),
@@ -62,7 +62,7 @@ FAULTS = [
     ("include 'x.lp';", 1, 9, "'x.lp' is no string", 'write "x.lp"'),
     ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is no word of the language", "is else meant?"),
     ("proc p { whille f { a; } }", 1, 10, "'whille' is no word of the language", "is while meant?"),
-    ("proc p { stars b; }", 1, 16, "'b' where ';' belongs", "write ;"),
+    ("proc p { stars b; }", 1, 16, "'b' where ';' belongs, behind 'stars'", "write ;"),
     ('include "x.lp"', 1, 15, "the end of the file where ';' belongs", "write ;"),
 ]
 
@@ -226,7 +226,7 @@ def test_the_command_only_checks(folder, capsys):
 def test_the_command_shows_the_line_of_a_fault(folder, capsys):
     assert main([str(folder / "bad.golog")]) == 1
     shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("bad.golog:2:4: 'b' where ';' belongs (write ;)")
+    assert shown[0].endswith("bad.golog:2:4: 'b' where ';' belongs, behind 'a' (write ;)")
     assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 

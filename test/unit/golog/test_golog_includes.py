@@ -140,7 +140,7 @@ def test_the_command_follows_includes(tmp_path, capsys):
     path.with_name("y.golog").write_text("proc q {\n a b; }")
     assert main(["--check", str(path)]) == 1
     shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("y.golog:2:4: 'b' where ';' belongs (write ;)")
+    assert shown[0].endswith("y.golog:2:4: 'b' where ';' belongs, behind 'a' (write ;)")
     assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 

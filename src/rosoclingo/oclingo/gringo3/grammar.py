@@ -243,19 +243,19 @@ def _check_script(script: Node, tokens: Sequence[Token]) -> None:
 
 def _check_negated(negated: Node, tokens: Sequence[Token]) -> None:
     if aggregate_of(negated).assigned:
-        raise unexpected(negated.parts[0].tokens[0])
+        raise unexpected(negated.parts[0].tokens[0], "a comparison")
 
 
 def _check_rule(rule: Node, tokens: Sequence[Token]) -> None:
     head = rule.parts[0] if rule.parts else None
     if head and head.kind == "aggregate" and aggregate_of(head).assigned:
-        raise unexpected(head.tokens[0])
+        raise unexpected(head.tokens[0], "a comparison")
 
 
 def _check_aggregate(node: Node, tokens: Sequence[Token]) -> None:
     parts = aggregate_of(node)
     if "!=" in (parts.before, parts.after):
-        raise unexpected(node.tokens[0 if parts.before == "!=" else -1])
+        raise unexpected(node.tokens[0 if parts.before == "!=" else -1], "another comparison")
     if parts.function in PARITIES or (parts.function == "#avg" and parts.assigned):
         if parts.assigned:
             raise RefusalError(parts.core, f"the value of {parts.function} cannot be assigned")
@@ -300,7 +300,7 @@ def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
         odd = [kinds[kind] for kind in ("weight", "priority") if kind in kinds]
         odd = [one for one in odd if (is_set if one.kind == "weight" else not optimizes)]
         if odd or (angled and not is_set):
-            raise unexpected(odd[0] if odd else element)
+            raise unexpected(odd[0] if odd else element, "','" if odd else "a literal")
         if angled and not optimizes and kinds.keys() <= {"tuple_terms"}:
             raise unexpected(tokens[element.span[1]], "':'")
 
