@@ -96,12 +96,13 @@ class Grammar:
     """
 
     def __init__(self, text: str, starts: Sequence[str], lexed: bool = True) -> None:
+        self._starts = list(starts)
         self._lark = Lark(
             text,
             parser="lalr",
             lexer="basic" if lexed else _NoLexer,
             keep_all_tokens=not lexed,
-            start=list(starts),
+            start=self._starts,
             tree_class=Node,
             propagate_positions=lexed,
             maybe_placeholders=False,
@@ -118,7 +119,8 @@ class Grammar:
 
     def tokens(self, text: str) -> List[Token]:
         """Return the tokens of a text; the grammar has to have one for any character."""
-        return list(self._lark.lex(text))
+        parser = self._lark.parse_interactive(text, self._starts[0])  # Lark.lex() makes a lexer each time
+        return list(parser.lexer_thread.lex(parser.parser_state))
 
     def parse(self, tokens: Iterable[Token], end: Token, start: str) -> Node:
         """Parse tokens, the last of which is followed by ``end``; raises MisfitError."""
