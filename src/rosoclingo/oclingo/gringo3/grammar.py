@@ -118,6 +118,7 @@ _WANTED = (
 _DIRECTIONS = ({"<", "<="}, {">", ">="})
 _TWO_BOUNDS = "compare in one direction on both sides, as 1 <= { a, b } < 3, or write no comparison at all"
 PARITIES = ("#even", "#odd")
+OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")
 SUMS = ("#sum", "#sum+", "#min", "#max")
 
 
@@ -281,7 +282,7 @@ def _check_optimize(node: Node, tokens: Sequence[Token]) -> None:
 
 def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
     """Raise :class:`RefusalError` at an element that its owner, a function or a directive, does not have."""
-    optimizes, is_set = owner[1:4] in ("min", "max") and len(owner) > 4, core.kind == "braces"
+    optimizes, is_set = owner in OPTIMIZE, core.kind == "braces"
     if is_set and owner == "#avg":
         raise unexpected(core.tokens[1], "'['")
     for element in core.parts:
