@@ -3,11 +3,9 @@
 from itertools import chain, product
 from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Sequence, Set, Union
 
-from lark import Token
-
 from rosoclingo.golog.grammar import parameters
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import Node, Token
 
 _OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 MOST = 64

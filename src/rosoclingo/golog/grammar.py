@@ -4,10 +4,8 @@ import re
 from functools import lru_cache
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from lark import Token
-
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node
+from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node, Token
 from rosoclingo.oclingo.program.likeness import is_slip
 
 GREATEST = 2**31 - 1

@@ -4,8 +4,6 @@ import re
 from pathlib import PurePath
 from typing import Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple, Union
 
-from lark import Token
-
 from rosoclingo.golog.conditions import (
     STEP,
     GologError,
@@ -22,7 +20,7 @@ from rosoclingo.golog.conditions import (
 from rosoclingo.golog.grammar import ControlProgram, choice, parameters, signature, statements
 from rosoclingo.golog.recursion import Signature
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import Node, Token
 
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_']*")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')

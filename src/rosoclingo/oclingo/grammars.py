@@ -3,9 +3,17 @@
 import re
 from typing import AbstractSet, Any, Dict, Iterable, Iterator, List, Sequence, Tuple, Union
 
-from lark import Lark, Token, Tree, UnexpectedToken
-from lark.common import LexerConf
-from lark.lexer import Lexer, LexerState
+from rosoclingo.oclingo.errors import Fault, ProgramError
+
+try:
+    from lark import Lark, Token, Tree, UnexpectedToken
+    from lark.common import LexerConf
+    from lark.lexer import Lexer, LexerState
+except ModuleNotFoundError as error:
+    message = "is not installed, which control programs and programs in gringo 3's language need"
+    raise ProgramError([Fault("lark", 0, 0, message, "python3 -m pip install 'lark>=1.1.5'")]) from error
+
+__all__ = ["DEEPEST", "Grammar", "MisfitError", "Node", "Token"]
 
 DEEPEST = 250
 """How many unfinished rules a text can be in: what is nested deeper would exhaust Python's stack later."""

@@ -1,5 +1,8 @@
 """What is wrong with a control program is told by line and column, with the mend; nothing else ever comes of a text."""
 
+import subprocess
+import sys
+
 import pytest
 from golog_programs import ENCODINGS
 from hypothesis import given
@@ -201,6 +204,15 @@ def test_a_file_that_is_not_there_is_told_at_its_include():
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram([Source("mail.golog", '\n\ninclude "nowhere.lp";')])
     assert [(one.file, one.line) for one in caught.value.faults] == [("mail.golog", 3)]
+
+
+@pytest.mark.parametrize(("name", "text"), [("mail.golog", "proc p { a; }"), ("old.lp", "#hide.")])
+def test_a_missing_lark_is_told_with_how_to_install_it(name, text):
+    code = "import sys; sys.modules['lark'] = None\nfrom rosoclingo.oclingo import ReactiveProgram\n"
+    code += f"from rosoclingo.oclingo.program.sources import Source\nReactiveProgram([Source({name!r}, {text!r})])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+    assert "ProgramError: lark: is not installed" in done.stderr
+    assert done.stderr.rstrip().endswith("(python3 -m pip install 'lark>=1.1.5')")
 
 
 # ---- the command -----------------------------------------------------------------------------------------------------

@@ -3,10 +3,9 @@
 from functools import lru_cache
 from typing import AbstractSet, Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Union
 
-from lark import Token as GrammarToken
-
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node
+from rosoclingo.oclingo.grammars import Token as GrammarToken
 from rosoclingo.oclingo.gringo3.lexer import Kind, Token
 
 _GRAMMAR = r"""

@@ -2,9 +2,8 @@
 
 from typing import Dict, List, Sequence, Tuple, Union
 
-from lark import Token as GrammarToken
-
 from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import Token as GrammarToken
 from rosoclingo.oclingo.gringo3.lexer import Token
 
 SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")

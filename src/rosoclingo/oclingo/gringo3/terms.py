@@ -4,9 +4,7 @@ import itertools
 import math
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
-from lark import Token
-
-from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import Node, Token
 from rosoclingo.oclingo.gringo3.grammar import RefusalError
 
 MAXIMAL_ALTERNATIVES = 10000
