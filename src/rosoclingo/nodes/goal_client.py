@@ -148,14 +148,15 @@ class CoreClient:
                 continue
             if fresh is not None:
                 goal.silence.deny(fresh)
-            turns = goal.silence.turn()
-            fault = self._watch.fault() if turns and self._watch is not None else ""
-            if not fault and turns and goal.silence.unheard:
+            if not goal.silence.turn():
+                continue
+            fault = self._watch.fault() if self._watch is not None else ""
+            if not fault and goal.silence.unheard:
                 fault = "the server is there, but does not know of it"
-            if turns and not fault:
-                goal.send_again()
             if fault:
                 goal.lose(f"nothing is heard of {goal.text} any more: {fault}")
+            else:
+                goal.send_again()
 
     def wait(self, timeout: float) -> None:
         """Wait for news of any goal, at most ``timeout`` seconds of wall time."""

@@ -63,8 +63,7 @@ class Silence:
     def end(self, status: Optional[GoalStatusArray] = None) -> None:
         """Restart the count: the goal was sent or reported; ``status`` is the server's last one."""
         with self._lock:
-            self._since = time.monotonic()
-            self._turns = self._denials = 0
+            self._since, self._denials = time.monotonic(), 0
             self._status, self._denied = status, False
 
     def deny(self, status: GoalStatusArray) -> None:
@@ -80,15 +79,15 @@ class Silence:
         """
         return self._denials >= UNHEARD
 
-    def turn(self) -> int:
-        """Return how many turns have passed where one ends just now, else 0."""
+    def turn(self) -> bool:
+        """Return whether a turn has ended; the next one begins now."""
         with self._lock:
-            turns = int((time.monotonic() - self._since) / SILENCE)
-            if turns <= self._turns:
-                return 0
+            now = time.monotonic()
+            if now - self._since < SILENCE:
+                return False
             self._denials = self._denials + 1 if self._denied else 0
-            self._turns, self._denied = turns, False
-            return turns
+            self._since, self._denied = now, False
+            return True
 
 
 class Beginning:
