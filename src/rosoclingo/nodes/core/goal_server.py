@@ -81,7 +81,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         """Queue an arrival, as soon as its node has room for it."""
         node = arrival.node
         if len(key) > LONGEST_ID:
-            rospy.logwarn("a goal or cancel of %s is dropped: its id has more than %d characters", node, LONGEST_ID)
+            text = "a goal or cancel of %s is dropped: its id has more than %d characters"
+            rospy.logwarn_throttle(10.0, text, node, LONGEST_ID)
             return
         with self._queued:
             self._queued.wait_for(lambda: self._number[node] < MOST_ARRIVALS)
