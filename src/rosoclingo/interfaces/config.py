@@ -60,14 +60,6 @@ class InterfaceSpec(NamedTuple):
     done: Optional[Done] = None
 
 
-def read_specs(data: Any) -> Dict[str, InterfaceSpec]:
-    """All entries of an interface configuration by name.  Raises ConfigError listing all faults."""
-    reader = Reader(data)
-    specs = survey(reader)
-    reader.check(ConfigError)
-    return specs
-
-
 def survey(reader: Reader) -> Dict[str, InterfaceSpec]:
     """All entries by name, with defaults in place of what cannot be used; the reader has the faults."""
     entries = reader.entries("a mapping of interface names to their settings")

@@ -9,10 +9,18 @@ from hypothesis import strategies as st
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.action_runs import Limits
-from rosoclingo.interfaces.config import ConfigError, read_limits, read_specs, survey
+from rosoclingo.interfaces.config import ConfigError, read_limits, survey
 
 SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"
 TYPE = {"type": "actionlib/TestAction"}
+
+
+def read_specs(data):
+    """All entries; raises ConfigError with all faults, as the node does."""
+    reader = Reader(data)
+    specs = survey(reader)
+    reader.check(ConfigError)
+    return specs
 
 
 def test_the_shipped_configuration():

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common.labels import LabelTable, UnknownLabelError
+from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import Rule, answer, conclude
-from rosoclingo.interfaces.config import read_specs
+from rosoclingo.interfaces.config import survey
 from rosoclingo.interfaces.templates import (
     ANSWER_NAMES,
     Ended,
@@ -281,7 +282,7 @@ def test_a_string_of_the_program_stays_one_in_facts():
     ],
 )
 def test_a_constant_is_a_reason_and_never_success(rule, ended, success):
-    spec = read_specs({"arm": {"type": "actionlib/TestAction", "returns": [rule]}})["arm"]
+    spec = survey(Reader({"arm": {"type": "actionlib/TestAction", "returns": [rule]}}))["arm"]
     given = answer(spec.rules, scope(ended=ended))
     assert given.success is success
     if success or success is None:
