@@ -8,6 +8,7 @@ from cycles import processor_clock
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, Halt, Outcome
 from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import unwatched
@@ -29,7 +30,7 @@ class PooledCore:
     def __init__(self, program, plan_time, settings=None):
         self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         watches = {"watch": self.watch, "watch_joining": self.watch_joining}
-        self.core = Core(program, self.process.solver, self.note, settings or CoreSettings(), **watches)
+        self.core = Core(program, lambda: ProcessSolver(self.process), self.note, settings or CoreSettings(), **watches)
 
     def __enter__(self):
         self.process.start()

@@ -18,6 +18,7 @@ from figures import Figure, parse, write
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import Core, CoreSettings
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
@@ -44,7 +45,7 @@ class Run:
     def __init__(self, program, plan_time, prepares):
         self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         self.process.start()
-        self.core = Core(program, self.process.solver, lambda event: None, CoreSettings())
+        self.core = Core(program, lambda: ProcessSolver(self.process), lambda event: None, CoreSettings())
         self.core.start()
         self.prepares = prepares
 

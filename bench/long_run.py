@@ -17,6 +17,7 @@ from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, PlanMade
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
@@ -73,7 +74,7 @@ class Run:
         self.process = WorkerPool(program, shortest=True)
         self.process.start()
         self.teller = Teller()
-        self.core = Core(program, self.process.solver, self.teller, CoreSettings())
+        self.core = Core(program, lambda: ProcessSolver(self.process), self.teller, CoreSettings())
         self.core.start()
         self._goal, self._failures = goal, failures
         self._source = random.Random(1)

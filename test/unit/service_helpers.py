@@ -8,6 +8,7 @@ import threading
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 TIMEOUT = 120.0  # seconds for what must happen in the end; no test measures time
 
@@ -98,7 +99,7 @@ class Running:
         self.process = process
         listener = listen("127.0.0.1", 0)
         self.port = listener.getsockname()[1]
-        self.service = Service(process.solver(), listener, **options)
+        self.service = Service(ProcessSolver(process), listener, **options)
         self._clients = []
         self._thread = threading.Thread(target=self.service.run, daemon=True)
         self._thread.start()

@@ -125,6 +125,32 @@ def forbidden_rooms(path):
     return rooms_of(imports_of(path), room) - allowed
 
 
+def test_no_modules_import_each_other():
+    modules = {".".join(path.relative_to(ROOT / "src").with_suffix("").parts): path for path in SOURCES}
+    modules = {
+        name[: -len(".__init__")] if name.endswith(".__init__") else name: path for name, path in modules.items()
+    }
+    left = {name: imported_modules(path, modules) - {name} for name, path in modules.items()}
+    while True:  # modules without an import that is left are part of no circle; imports for types count as well
+        last = {name for name, imports in left.items() if not imports & left.keys()}
+        if not last:
+            break
+        left = {name: imports for name, imports in left.items() if name not in last}
+    assert not {name: imports & left.keys() for name, imports in left.items()}
+
+
+def imported_modules(path, modules):
+    """The modules that a file imports; for "from a import b" a.b if that is a module, else a."""
+    found = set()
+    for node in nodes_of(path):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            inner = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in modules else node.module for name in inner}
+    return found & modules.keys()
+
+
 def test_pure_packages_know_nothing_of_ros_and_start_no_threads():
     assert not faults(PURE_SOURCES, impure_imports)
 

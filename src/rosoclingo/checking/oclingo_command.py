@@ -34,7 +34,7 @@ def _solver(program: ReactiveProgram, **options: Any) -> Iterator[ProcessSolver]
     """A solver in a process of its own, a fork of this one."""
     with WorkerPool(program, fork=True, **options) as pool:
         pool.start()
-        yield pool.solver()
+        yield ProcessSolver(pool)
 
 
 if __name__ == "__main__":

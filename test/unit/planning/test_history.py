@@ -20,6 +20,7 @@ from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 # ---- Random streams --------------------------------------------------------------------------------------------------
 
@@ -166,7 +167,7 @@ def test_history_of_a_worker_equals_that_of_a_solver(parts, updates):
     here = PlanSolver(program, **OPTIONS)
     with WorkerPool(program, shortest=True, **OPTIONS) as pool:
         for number, update in enumerate(updates):
-            there = pool.solver()
+            there = ProcessSolver(pool)
             there.restore(here.log if number % 2 else copied(here.log))
             mine, its = here.update(update), there.update(update)
             check(mine, its)

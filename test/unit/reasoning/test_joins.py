@@ -10,6 +10,7 @@ from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office
 
 from rosoclingo.oclingo import parse_update
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome, admission
 from rosoclingo.reasoning.stream_planner import unwatched
 
@@ -261,7 +262,7 @@ def test_standby_worker_that_has_the_plan_takes_over(process, waits):
     def watch():
         return lambda: looks.append(1)
 
-    world = World(solver=lambda _: process.solver(), watch_joining=watch).ask((2, 4))
+    world = World(solver=lambda _: ProcessSolver(process), watch_joining=watch).ask((2, 4))
     spare = process.standby_pid
     world.ask((3, 1)).core.prepare()
     if waits:
@@ -280,7 +281,7 @@ def test_worker_processes_let_goals_join_later(process):
     def watch():
         return lambda: Halt("the test") if halts else None
 
-    world = World(solver=lambda _: process.solver(), watch_joining=watch).ask((1, 4), (4, 1))
+    world = World(solver=lambda _: ProcessSolver(process), watch_joining=watch).ask((1, 4), (4, 1))
     halts.append(1)
     world.ask((2, 3))
     while "3" not in world.fed:

@@ -9,6 +9,7 @@ from mailbot_world import neighbours, program
 from test_plans_that_go_out import Office, Run
 
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome, ReturnTaken
 
 
@@ -75,7 +76,7 @@ class PreparedRun(Run):
         _, corridors, start, capacity = FLOOR
         self.office = Office(neighbours([(f"o{a}", f"o{b}") for a, b in corridors]), capacity, f"o{start}")
         self.shortest, self.failed, self.process = False, {}, process
-        self.driver = Driver(settings=CoreSettings(), program=program(*FLOOR), solver=lambda _: process.solver())
+        self.driver = Driver(settings=CoreSettings(), program=program(*FLOOR), solver=lambda _: ProcessSolver(process))
 
     def prepare(self, waits):
         """Prepare, and wait until that is done where it is so."""

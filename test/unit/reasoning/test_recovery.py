@@ -19,6 +19,7 @@ from rosoclingo.oclingo import (
 from rosoclingo.oclingo.progression.updates import Closed, Withdraw
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import Halt
 
 #: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` shuts for good, lead to rooms. A room is entered once at most
@@ -140,7 +141,7 @@ def test_what_was_withheld_is_no_reason_either_where_time_is_over():
 def test_the_same_in_a_solver_process():
     program = ReactiveProgram.from_text(rooms(words=WORDS))
     with WorkerPool(program, shortest=True) as process:
-        driver = Driver(program=program, solver=lambda _program: process.solver())
+        driver = Driver(program=program, solver=lambda _program: ProcessSolver(process))
         driver.goal("a", "reach(hall,1)").goal("b", "reach(den,2)").facts("_return(enter,blocked,1)").finish()
     assert driver.message("a").endswith("hall is unreachable since the way to hall was blocked in cycle 1")
     assert driver.states("b")[-1] == "succeeded"
@@ -204,7 +205,7 @@ def test_a_state_without_a_failed_action(make):
     """Without its return and itself a failed action was not tried: the plan is as if nothing had happened."""
     program = ReactiveProgram.from_text(ERRANDS)
     with WorkerPool(program, shortest=True) as process:
-        solver = process.solver() if make == "process" else PlanSolver(program)
+        solver = ProcessSolver(process) if make == "process" else PlanSolver(program)
         solver.update(StreamUpdate(1, 5, (fact(parse_atom("_request(do(walk,1),2)")),)))
         action, answer = parse_term("_action_lib(walk,1,1)"), parse_term("_return(walk,failed,1)")
         solver.update(StreamUpdate(2, 5, (Closed(1, 1), commitment(action), fact(answer))))

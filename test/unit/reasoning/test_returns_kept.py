@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_updates
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import CoreSettings, GoalState
 
 #: Goals fetch(Thing,Id): an arm grasps, which can fail. What is seen or loud is heeded by no plan.
@@ -229,7 +230,7 @@ def test_no_failure_is_lost_with_a_process_that_is_killed(seed):
     watch = Killer(process, draw)
     try:
         driver = Driver(
-            program=PROGRAM, settings=CoreSettings(), solver=lambda program: process.solver(), watch=watch, start=False
+            program=PROGRAM, settings=CoreSettings(), solver=lambda _: ProcessSolver(process), watch=watch, start=False
         )
         driver.begin()
         arm = Arm(driver)

@@ -21,6 +21,7 @@ from rosoclingo.nodes.core.topics import CoreTopics
 from rosoclingo.nodes.core.unmet_goals import UnmetGoals
 from rosoclingo.oclingo import DroppedError
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import (
     ActionsDispatched,
     ActionsPreempted,
@@ -153,7 +154,7 @@ class CoreNode:
         self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time, found.fault)
         self._core = KeptCore(
             program,
-            self._solvers.solver,
+            lambda: ProcessSolver(self._solvers),
             self._keeper,
             self._parameters.settings,
             self._watch_search,

@@ -12,6 +12,9 @@ from rosoclingo.planning.text import Message
 
 _CHUNK = 1 << 18
 
+CONNECTION = 3
+"""File descriptor of the connection in a new worker process."""
+
 
 class Channel:
     """One end of a connection.

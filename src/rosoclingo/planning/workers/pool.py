@@ -13,7 +13,6 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.history import History
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.text import Message
-from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.planning.workers.wire import program_to_message
 from rosoclingo.planning.workers.worker import Search, Worker, WorkerLostError
 
@@ -122,10 +121,6 @@ class WorkerPool:
     def start(self, stopped: Optional[Stop] = None) -> None:
         """Wait until a worker is ready; raises like a search, and NotReadyError after a stop."""
         self._run(lambda worker: worker.wait_until_ready(stopped), stopped)
-
-    def solver(self) -> ProcessSolver:
-        """Return a solver with an empty history."""
-        return ProcessSolver(self)
 
     def close(self) -> None:
         """Kill all workers; later calls raise SolverError."""

@@ -9,9 +9,7 @@ from contextlib import suppress
 from typing import NoReturn, Optional
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-
-CONNECTION = 3
-"""File descriptor of the connection in a new process."""
+from rosoclingo.planning.workers.channel import CONNECTION
 
 
 class WorkerProcess:

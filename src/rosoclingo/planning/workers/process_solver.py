@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, FrozenSet, Optional, Sequence
+from typing import FrozenSet, Optional, Sequence
 
 import clingo
 
@@ -13,11 +13,9 @@ from rosoclingo.planning.history import History, Plan, entry_from_message
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
 from rosoclingo.planning.question import Stop, Verdict
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
+from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.wire import result_from_message
 from rosoclingo.planning.workers.worker import Search
-
-if TYPE_CHECKING:
-    from rosoclingo.planning.workers.pool import WorkerPool
 
 
 class ProcessSolver(PlanningSolver):
@@ -26,7 +24,7 @@ class ProcessSolver(PlanningSolver):
     It has the methods of :class:`~rosoclingo.planning.solver.PlanSolver`. Not thread-safe.
     """
 
-    def __init__(self, pool: "WorkerPool") -> None:
+    def __init__(self, pool: WorkerPool) -> None:
         """Create a solver with an empty history that uses the workers of ``pool``; does not block."""
         super().__init__()
         self._pool, self._under_way = pool, lambda: pool.reached

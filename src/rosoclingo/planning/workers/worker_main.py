@@ -22,9 +22,8 @@ from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History, entry_from_message, entry_to_message
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
-from rosoclingo.planning.workers.channel import Channel
+from rosoclingo.planning.workers.channel import CONNECTION, Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
-from rosoclingo.planning.workers.process import CONNECTION
 from rosoclingo.planning.workers.wire import program_from_message, result_to_message
 
 if TYPE_CHECKING:

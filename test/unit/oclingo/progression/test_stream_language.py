@@ -6,6 +6,7 @@ from core_driver import ERRANDS
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 
 @pytest.fixture(params=["own", "process"])
@@ -15,7 +16,7 @@ def solver(request):
         yield PlanSolver(program)
         return
     with WorkerPool(program, shortest=True) as process:
-        yield process.solver()
+        yield ProcessSolver(process)
 
 
 def plan(result):

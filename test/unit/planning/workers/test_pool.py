@@ -29,6 +29,7 @@ from rosoclingo.planning.history import Checkpoint
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.planning.workers.worker import Worker
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 
@@ -81,7 +82,7 @@ def test_pool_answers_as_solver_in_this_process(case):
     program = ReactiveProgram.from_text(case["program"])
     here = ReactiveSolver(program, models=0)
     with WorkerPool(program, models=0) as pool:
-        there = pool.solver()
+        there = ProcessSolver(pool)
         for update in case["updates"]:
             expected, found = here.update(parse_update(update["update"])), there.update(parse_update(update["update"]))
             assert sorted(answers(found)) == sorted(answers(expected))
@@ -91,7 +92,7 @@ def test_pool_answers_as_solver_in_this_process(case):
 
 
 def test_solvers_share_a_worker_and_no_history(echo):
-    one, other = echo.solver(), echo.solver()
+    one, other = ProcessSolver(echo), ProcessSolver(echo)
     fed(one, "1. e(1).")
     before = one.log
     assert answers(fed(other, "1.")) == [[]]
@@ -106,7 +107,7 @@ def test_solvers_share_a_worker_and_no_history(echo):
 
 def test_refused_update_changes_nothing():
     with pool_of(ECHO, horizon_limit=3) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         fed(solver, "1. e(1).")
         with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
             fed(solver, "4.")
@@ -116,7 +117,7 @@ def test_refused_update_changes_nothing():
 def test_answers_leave_out_cycles_that_are_long_over():
     """Atoms of the present and atoms without a cycle are in each answer."""
     with pool_of("#program base. named(x). #show named/1. #show c/1. " + ECHO, shortest=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         for step in range(1, 31):
             result = fed(solver, f"{step} : 0. e({step}).")
     recent = [f"c({step})" for step in range(30 - SHOWN_STEPS, 31)]
@@ -126,7 +127,7 @@ def test_answers_leave_out_cycles_that_are_long_over():
 def test_remarks_of_clingo_are_reported_once():
     """Though each worker makes them again."""
     with pool_of("#cumulative t. #external e(t). c(Y+t) :- e(t), p(Y). #base. p(1). p(a).", shortest=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         found = list(fed(solver, "1 : 0. e(1). e(x).").warnings)
         kill(pool)
         found += fed(solver, "2 : 0. e(2). e(x).").warnings
@@ -143,20 +144,20 @@ def test_workers_need_no_file_of_the_program(tmp_path):
     program = ReactiveProgram.from_text(f'#include "{file}".\n' + ECHO)
     file.unlink()
     with WorkerPool(program) as pool:
-        assert answers(pool.solver().solve()) == [["a"]]
+        assert answers(ProcessSolver(pool).solve()) == [["a"]]
 
 
 def test_closed_pool_refuses_all_questions():
     pool = pool_of(ECHO)
     pool.close()
     with pytest.raises(SolverError, match="has been closed"):
-        pool.solver().solve()
+        ProcessSolver(pool).solve()
 
 
 @pytest.mark.slow
 def test_crashed_worker_costs_only_time():
     with pool_of(ENDLESS) as pool:
-        solver, killed = pool.solver(), []
+        solver, killed = ProcessSolver(pool), []
 
         def stopped():
             if not killed:
@@ -174,7 +175,7 @@ def test_crashed_worker_costs_only_time():
 @pytest.mark.slow
 def test_update_that_crashes_two_workers_is_dropped():
     with pool_of(ENDLESS) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         fed(solver, "1 : 0. e(1).")
 
         def stopped():
@@ -195,7 +196,8 @@ def test_worker_ends_with_parent_even_while_grounding(fork):
         f"process = WorkerPool(ReactiveProgram.from_text({EXPLODING!r}), fork={fork})\nprocess.start()\n"
         "looks = []\n"
         "def stopped():\n    looks.append(0)\n    len(looks) == 9 and print(process.pid, flush=True)\n"
-        "process.solver().update(parse_update('#step 2. #endstep.'), stopped)\n"
+        "from rosoclingo.planning.workers.process_solver import ProcessSolver\n"
+        "ProcessSolver(process).update(parse_update('#step 2. #endstep.'), stopped)\n"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as parent:
         child = int(parent.stdout.readline())
@@ -206,7 +208,7 @@ def test_worker_ends_with_parent_even_while_grounding(fork):
 @pytest.mark.slow
 def test_standby_takes_the_place_of_killed_worker():
     with pool_of(EXPLODING, patience=0.1, standby=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         pool.start()
         assert pool.standby_pid is None, "one starts after the other"
         fed(solver, "1. e(1).")
@@ -239,7 +241,7 @@ def test_grown_worker_is_replaced_between_two_searches(memory):
     """clingo never frees a term: only the end of the process gives the memory back."""
     memory += [100, 190, 201, 300, 440, 451, 99]
     with pool_of(ENDLESS, **PLANS, horizon_limit=100, log_limit=0) as pool:
-        solver, twin, pids = pool.solver(), PlanSolver(ReactiveProgram.from_text(ENDLESS)), []
+        solver, twin, pids = ProcessSolver(pool), PlanSolver(ReactiveProgram.from_text(ENDLESS)), []
         for step in range(1, 8):
             pids.append(pool.pid)
             text = f"{step} : 0. e({step})."
@@ -251,7 +253,7 @@ def test_grown_worker_is_replaced_between_two_searches(memory):
 def test_grown_standby_is_replaced(memory):
     memory += [10, 10, 200, 10]
     with pool_of(ENDLESS, **PLANS, standby=True) as pool:
-        solver, pids = pool.solver(), []
+        solver, pids = ProcessSolver(pool), []
         fed(solver, "1 : 0. e(1).")
         wait_until_prepared(pool)
         for step in (2, 3):
@@ -268,7 +270,7 @@ def test_grown_standby_is_replaced(memory):
 @pytest.mark.parametrize("options", [{}, {**PLANS, "horizon_limit": 100_000, "log_limit": 0}])
 def test_stop_ends_search_and_keeps_its_update(options):
     with pool_of(ENDLESS, **PATIENT, **options) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         fed(solver, "1 : 0. e(1).")
         pid = pool.pid
         result = fed(solver, "2.", after_work(pool))
@@ -294,7 +296,7 @@ def test_stop_ends_search_and_keeps_its_update(options):
 def test_grounding_is_dropped_between_pieces_after_grace(grace):
     dropped = pytest.raises(DroppedError, match="stopped while the program was grounded")
     with pool_of(IN_PIECES, patience=600.0, grace=grace) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         fed(solver, "320.")
         pid = pool.pid
         with nullcontext() if grace else dropped:
@@ -310,7 +312,7 @@ def test_stop_while_worker_starts_lets_it_load():
     with pool_of(ECHO, **PATIENT) as pool:
         with pytest.raises(DroppedError):
             pool.start(lambda: True)
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         fed(solver, "1. e(1).")
         kill(pool)
         with pytest.raises(DroppedError, match="stopped before the solver was ready"):
@@ -346,7 +348,7 @@ def test_pool_keeps_its_worker_when_searches_are_stopped(world, monkeypatch):
     journal, number, unwanted = Journal(), 0, None
     with WorkerPool(program, patience=600.0, grace=0.0, **PLANS) as pool:
         pool.start()
-        core, pid = Core(program, pool.solver, journal, CoreSettings(), watch), pool.pid
+        core, pid = Core(program, lambda: ProcessSolver(pool), journal, CoreSettings(), watch), pool.pid
         core.start()
         while core.cycle < 40:
             if len(core.live_goals) < 2:
@@ -382,7 +384,7 @@ def test_stream_survives_twenty_kills():
     """Of the active worker, the standby or both, between two updates and during one."""
     draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(RUN), log_limit=2)
     with pool_of(RUN, **PLANS, log_limit=2, standby=True) as pool:
-        solver, kills, cycle, done, now = pool.solver(), [], 0, [], []
+        solver, kills, cycle, done, now = ProcessSolver(pool), [], 0, [], []
 
         def kill_some():
             for pid in draw.choice([[pool.pid], [pool.standby_pid], [pool.pid, pool.standby_pid]]):

@@ -12,13 +12,14 @@ from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.workers import worker_main
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process import WorkerProcess
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 PROGRAM = ReactiveProgram.from_text("#cumulative t.\n#external e(t).\nc(t) :- e(t).\n")
 
 
 def test_forked_workers_answer_and_are_replaced():
     with WorkerPool(PROGRAM, fork=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         solver.update(parse_update("#step 1. e(1). #endstep."))
         lost = pool.pid
         kill(pool)

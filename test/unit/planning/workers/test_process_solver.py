@@ -13,6 +13,7 @@ from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import process_solver
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 PROGRAM = ReactiveProgram.from_text(ONWARD)
 ASK = parse_update("#step 1 : 50. _request(5,1). #endstep.")
@@ -43,7 +44,7 @@ def pool():
 @pytest.fixture
 def solver(pool):
     """A solver that has been asked; the standby is idle."""
-    one = pool.solver()
+    one = ProcessSolver(pool)
     one.update(ASK)
     wait_until_prepared(pool)
     return one
@@ -98,7 +99,7 @@ def as_planned(plan, step):
 @pytest.mark.slow
 def test_prefetched_plan_is_shortened_until_its_update_comes(here):
     with pool_of(plan_time=0.0, standby=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         solver.update(ASK)
         before = as_planned(solver.log.plan, 2)
         later = parse_update(str(as_planned(solver.log.plan, 3)).replace("_return(go,1,2)", "_return(go,no,2)"))
@@ -179,7 +180,7 @@ def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
 def test_improved_plan_is_prefetched_for_again(here, again):
     """The search for the update after a failure begins with it; an answer from before is one, too."""
     with pool_of(plan_time=0.0, standby=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         best = here.log.plan
         solver.update(ASK)
         (go,) = (action for action in best.actions if cycle_of(action) == 1)
@@ -200,7 +201,7 @@ def test_improved_plan_is_prefetched_for_again(here, again):
 @pytest.mark.slow
 def test_prefetched_update_is_refused_when_it_comes():
     with pool_of(horizon_limit=3, standby=True) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         solver.update(parse_update("#step 1 : 50. _request(1,1). #endstep."))
         far = parse_update("#step 9 : 50. #endstep.")
         solver.prefetch(far)
@@ -229,7 +230,7 @@ def from_now_on(result):
 @pytest.mark.slow
 @pytest.mark.parametrize("between", [signal.SIGCONT, signal.SIGKILL])
 def test_predicted_update_does_not_wait_for_the_worker(alone, between):
-    last, here, solver = 32, PlanSolver(PROGRAM, plan_time=60.0), alone.solver()
+    last, here, solver = 32, PlanSolver(PROGRAM, plan_time=60.0), ProcessSolver(alone)
     ask = parse_update(f"#step 1 : 50. _request({last},1). #endstep.")
     first = here.update(ask)
     assert solver.update(ask) == first
@@ -254,7 +255,7 @@ def test_predicted_update_does_not_wait_for_the_worker(alone, between):
 def test_worker_appends_checkpoint_after_predicted_updates(alone, monkeypatch):
     """A stop does not wait for it, and another worker reads it."""
     monkeypatch.setattr(process_solver, "LONG_PREDICTED", 3)
-    here, solver = PlanSolver(PROGRAM, plan_time=60.0), alone.solver()
+    here, solver = PlanSolver(PROGRAM, plan_time=60.0), ProcessSolver(alone)
 
     def length():
         return sum(not isinstance(one, AdoptedPlan) for one in solver.log.entries)
@@ -285,7 +286,7 @@ ASK_PLAIN = parse_update("#step 1. _request(3,1). #endstep.")
 
 def idling(pool):
     """A solver with a plan that idles for a cycle, the plan, and its first action."""
-    solver = pool.solver()
+    solver = ProcessSolver(pool)
     assert solver.improve() is None
     soon = solver.update(ASK_PLAIN)
     assert (solver.log.plan, soon.shortest) == (Plan.from_result(soon), False)
@@ -329,7 +330,7 @@ def test_new_worker_begins_with_the_plan_in_force():
 def test_incremental_solver_adopts_no_plan():
     """To find the actions among all atoms of an answer takes time."""
     with WorkerPool(PLAIN) as pool:
-        solver = pool.solver()
+        solver = ProcessSolver(pool)
         assert solver.update(ASK_PLAIN).answers == ReactiveSolver(PLAIN).update(ASK_PLAIN).answers != ()
         assert solver.log.plan is None
 
@@ -339,7 +340,7 @@ def test_worker_answers_what_would_be():
     first, update = (parse_update(f"#step {text} #endstep.") for text in ("1 : 1.", '2 : 1. e(1). e(2). e("3").'))
     facts = frozenset(map(parse_atom, ["e(1)", "e(2)", 'e("3")']))
     with pool_of(program) as pool:
-        here, solver = PlanSolver(program), pool.solver()
+        here, solver = PlanSolver(program), ProcessSolver(pool)
         solver.update(first)
         here.update(first)
         log = solver.log
