@@ -1,11 +1,12 @@
 """Called by catkin, for all of the package, and by pip, for what needs no ROS: the solver and its commands.
 
-Version, description and licence come from package.xml; pyproject.toml has the libraries.
+Name, version and the rest come from package.xml, versions of libraries from pyproject.toml.
 """
 
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
-from typing import Dict
+from typing import Any, Dict
 
 from setuptools import find_packages, setup
 
@@ -27,10 +28,12 @@ COMMANDS = [
 ]
 
 
-def described() -> Dict[str, str]:
-    """The arguments of setup() that package.xml tells, without ROS's parser for it."""
-    package = ElementTree.parse(Path(__file__).resolve().parent / "package.xml").getroot()
-    return {tag: " ".join(package.findtext(tag, "").split()) for tag in ("version", "description", "license")}
+def described() -> Dict[str, Any]:
+    """The arguments of setup() that package.xml and pyproject.toml tell, without ROS's parser for the former."""
+    here = Path(__file__).resolve().parent
+    package = ElementTree.parse(here / "package.xml").getroot()
+    told = {tag: " ".join(package.findtext(tag, "").split()) for tag in ("name", "version", "description", "license")}
+    return {**told, "install_requires": re.findall(r'"((?:clingo|lark)>[^"]*)"', (here / "pyproject.toml").read_text())}
 
 
 try:
@@ -40,6 +43,7 @@ except ImportError:  # pip builds in an environment of its own, in which there i
         **described(),
         packages=find_packages("src", include=WITHOUT_ROS),
         package_dir={"": "src"},
+        python_requires=">=3.8",
         entry_points={"console_scripts": COMMANDS},
     )
 else:

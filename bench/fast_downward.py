@@ -1,6 +1,6 @@
 """Fast Downward (https://www.fast-downward.org, GPL): a program that benches run, if it is there, as a peer.
 
-It comes with the package up-fast-downward of PyPI (the extra bench of pyproject.toml); nothing of it is imported.
+It comes with the package up-fast-downward of PyPI (the group bench of pyproject.toml); nothing of it is imported.
 """
 
 import os
