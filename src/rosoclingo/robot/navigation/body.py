@@ -6,7 +6,7 @@ from typing import NamedTuple, Sequence, Tuple
 import numpy as np
 
 from rosoclingo.robot.navigation.compiled.footprints import Around, around, body_clearance
-from rosoclingo.robot.navigation.compiled.rollout import turn_spare
+from rosoclingo.robot.navigation.compiled.rollout import spare_after, turn_spare
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
@@ -15,6 +15,8 @@ __all__ = ["Body", "Situation", "Trial"]
 
 CLEAR = 0.005  # m that corners keep free in a turn, as commands come late
 FINEST = 0.0125  # m: the shortest pieces of an edge
+# In a tight place a movement has to be clear for AHEAD (s), in which STEPS places are looked at.
+AHEAD, STEPS = 0.8, 8
 
 
 class Situation(NamedTuple):
@@ -94,6 +96,20 @@ class Body:
         """Return what a command is found for, with what the body touches there."""
         pieces, cells = self.pieces(costmap.resolution), (*costmap.to_cells(pose.x, pose.y), pose.yaw)
         return Situation(costmap, pose, velocity, period, around(costmap.clearance, costmap.occupied, pieces, *cells))
+
+    def spare(self, now: Situation, enough: float) -> float:
+        """Return how far (m) the body is from what is nearest; may be less where more than ``enough`` is certain."""
+        scale = now.costmap.resolution
+        return float(body_clearance(now.around, self.pieces(scale), *now.cells, enough / scale)) * scale
+
+    def is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
+        """Tell whether the body keeps ``least`` m for a moment in which it is driven in a tight place."""
+        scale = 1.0 / now.costmap.resolution
+        found = spare_after(
+            now.around, self.pieces(now.costmap.resolution), *now.cells,
+            velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
+        )  # fmt: skip
+        return bool(found >= least * scale)
 
     def may_turn(self, now: Situation, angle: float) -> bool:
         """Tell whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""

@@ -12,6 +12,7 @@ from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import STOP, Command, FollowOutcome, LocalPlanner, Velocity
 from rosoclingo.robot.navigation.navigation_types import FollowerLimits
+from rosoclingo.robot.navigation.way_out import WayOut
 
 __all__ = ["RolloutFollower"]
 
@@ -44,12 +45,14 @@ class RolloutFollower(LocalPlanner):
         self._whole = Body(radius, footprint)
         self._circle = Body(self._whole.outer)  # in which it can turn
         self._body = self._whole
+        self._way_out = WayOut(limits.creep_vel_x)
         self._least, self._lull = -1.0, 0.0  # what is left of the path at least, and since when (s)
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
             self._arrived, self._lull = False, 0.0
+            self._way_out.end()
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -70,6 +73,11 @@ class RolloutFollower(LocalPlanner):
                 return command
             self._arrived = False  # nearer to the goal there may be room
         self._watch(now)
+        escape = self._way_out.go_on(self._whole, now)
+        if escape is None and self._lull >= LULL and not self._has_room(now, pose[:2]):
+            escape = self._way_out.begin(self._whole, now)
+        if escape is not None:
+            return Command(FollowOutcome.DRIVING, escape).stopping_first(velocity)
         if self.footprint and self._lull < LULL and not self._is_narrow(now) and self._has_room(now, pose[:2]):
             # Where it has the room to turn, and on a way that has, it is to keep that.
             self._body = self._circle
@@ -109,6 +117,8 @@ class RolloutFollower(LocalPlanner):
 
     def _has_room(self, now: Situation, *points: Sequence[float]) -> bool:
         """Tell whether the robot can turn at points (m); a disc always can."""
+        if not self.footprint:
+            return True
         cells = now.costmap.all_to_cells(np.array(points))
         return bool(least_at(now.costmap.clearance, cells) * now.costmap.resolution >= self._whole.outer)
 

@@ -23,8 +23,10 @@ from rosoclingo.robot.navigation import (
     RolloutFollower,
     Velocity,
 )
+from rosoclingo.robot.navigation.body import Body
 from rosoclingo.robot.navigation.compiled.jit import FOLDER
 from rosoclingo.robot.navigation.local_planner import way_radii
+from rosoclingo.robot.navigation.way_out import WayOut
 from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec, RobotSpec, Simulation, WorldSpec
 
 __all__ = ["PARTS", "compile_once"]
@@ -81,6 +83,8 @@ def _navigate() -> None:
         for _ in range(5):
             costmap.observe(pose, angles, np.full(20, 0.5), 5.0)
             follower.compute(costmap, pose, Velocity(), 4.0)  # so long that it tries to creep
+        body = Body(0.2, footprint)
+        WayOut(0.1).begin(body, body.situation(costmap, pose, Velocity(), 0.1))
         costmap.costs()
 
 

@@ -87,11 +87,12 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
 
 @pytest.mark.slow
 @pytest.mark.once
+@pytest.mark.parametrize("gap", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize("yaw", [0.0, np.pi])
 @pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])
-def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side, yaw):
+def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side, yaw, gap):
     """There it cannot turn: a corner would touch the wall."""
-    drive = Drive(simulation(room(), Pose2D(3.0, 0.2 + side, yaw), footprint=footprint))
+    drive = Drive(simulation(room(), Pose2D(3.0, 0.1 + side + gap, yaw), footprint=footprint))
     assert drive.to(Pose2D(1.0, 4.0, 0.0), 120.0).outcome is Outcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []

@@ -8,7 +8,10 @@ from rosoclingo.robot.navigation.compiled.footprints import body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-__all__ = ["best_command", "turn_spare"]
+__all__ = ["best_arc", "best_command", "spare_after", "turn_spare"]
+
+FINE = 0.1  # cells: the least step along an arc
+GAIN = 0.05  # part of the room looked for by which an arc that leads to less has to gain
 
 
 @jit
@@ -19,7 +22,7 @@ def _arc(v, w, time):
 
 
 @jit
-def _spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
+def spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
     """Return the least body clearance along an arc of ``horizon`` s; stops looking where that is below ``least``."""
     dt = horizon / steps
     found = np.inf
@@ -73,7 +76,7 @@ def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizo
             score = weights[0] * away + weights[1] * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
-            spare = _spare_after(
+            spare = spare_after(
                 near,
                 body,
                 pose[0],
@@ -90,3 +93,36 @@ def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizo
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
     return best_i, best_j
+
+
+@jit
+def best_arc(near, body, pose, curvatures, longest, room, least):
+    """Return (index of curvature, signed length) of the arc that leads soonest to where ``room`` is clear.
+
+    ``pose``: x, y (cells), yaw; ``curvatures`` (1/cell); ``longest`` (cells). The body keeps ``least`` (cells) on it,
+    or what it has now if that is less. Where no arc leads to so much room: the one to where there is most; the length
+    is 0.0 where none leads to more than there is.
+    """
+    now = body_clearance(near, body, pose[0], pose[1], pose[2], 2.0)
+    least = min(least, now - 1e-3)
+    shortest, most = np.inf, point_clearance(near.clearance, pose[0], pose[1]) + GAIN * room
+    best_i, best_length, more_i, more_length = 0, 0.0, 0, 0.0
+    for i in range(curvatures.shape[0]):
+        for sign in (1.0, -1.0):
+            x, y, yaw, done, spare = pose[0], pose[1], pose[2], 0.0, now
+            while done < min(longest, shortest):
+                step = max(FINE, 0.5 * (spare - least) / (1.0 + abs(curvatures[i]) * body[0, 2]))
+                half, chord = _arc(sign * step, sign * curvatures[i] * step, 1.0)
+                x, y = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
+                yaw, done = yaw + 2.0 * half, done + step
+                spare = body_clearance(near, body, x, y, yaw, 2.0)
+                if spare < least:
+                    break
+                clear = point_clearance(near.clearance, x, y)
+                if clear >= room:
+                    if done < shortest:
+                        shortest, best_i, best_length = done, i, sign * done
+                    break
+                if clear > most:
+                    most, more_i, more_length = clear, i, sign * done
+    return (best_i, best_length) if best_length != 0.0 else (more_i, more_length)
