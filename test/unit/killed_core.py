@@ -66,6 +66,7 @@ class Fate:
             patch.setattr(JournalFolder, "begin", self._commits(JournalFolder.begin))
             patch.setattr(JournalFolder, "append", self._commits(JournalFolder.append))
             patch.setattr(folder, "RECORDS", 20)
+            patch.setattr(folder, "LOG_PAGES", 10**6)  # the log only grows, so that it can be cut
             patch.setattr(folder, "SYNCED", "OFF")
             patch.setattr(folder, "UNSYNCED", "OFF")
             yield

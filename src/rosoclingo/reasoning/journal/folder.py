@@ -28,6 +28,9 @@ RECORDS = 500
 #: SQLite's ``synchronous``: with the one a commit waits for the disk, with the other it outlives only this process.
 SYNCED, UNSYNCED = "FULL", "NORMAL"
 
+#: Pages of the log before SQLite moves them into the database: a short log is overwritten, which is faster than growth.
+LOG_PAGES = 60
+
 #: Seconds between two attempts to write, after a write has failed.
 RETRY = 10.0
 
@@ -81,6 +84,7 @@ class JournalFolder:
         db.execute(f"PRAGMA synchronous = {SYNCED}")
         db.execute("PRAGMA page_size = 1024")  # a commit writes whole pages, and a record is shorter than one
         db.execute("PRAGMA journal_mode = WAL")
+        db.execute(f"PRAGMA wal_autocheckpoint = {LOG_PAGES}")
         self.records = 0
         with db:
             db.execute("BEGIN")

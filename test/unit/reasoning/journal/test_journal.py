@@ -58,10 +58,12 @@ def killed(tmp_path_factory):
     path, states, lengths = tmp_path_factory.mktemp("killed"), [], []
     folder = JournalFolder(path)
     journal = Journal(folder, HEADER)
-    for number in range(12):
-        states.append({"core": number, f"goal:{number}": "x" * 300, "goal:0": number // 3})
-        journal.write(states[-1], 0.0, float(number), wait=number % 2 == 0)
-        lengths.append((path / f"{NAME}-wal").stat().st_size)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "LOG_PAGES", 10**6)
+        for number in range(12):
+            states.append({"core": number, f"goal:{number}": "x" * 300, "goal:0": number // 3})
+            journal.write(states[-1], 0.0, float(number), wait=number % 2 == 0)
+            lengths.append((path / f"{NAME}-wal").stat().st_size)
     files = files_of(path)
     folder.close()
     return files, states, lengths
