@@ -6,7 +6,11 @@ and refuses what is against them, whoever plans. All here is pure: no solver, no
 
 import copy
 import random
-from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Tuple
+from collections import deque
+from pathlib import Path
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Sequence, Tuple
+
+from pddl import Action, Operator, Pddl, task_of
 
 CAPACITY = 3
 """Packages that the robot can carry."""
@@ -49,6 +53,32 @@ class Floor(NamedTuple):
         """The offices that a corridor leads to."""
         return sorted({a + b - office for a, b in self.corridors if office in (a, b)})
 
+    def distances(self) -> Dict[Corridor, int]:
+        """The fewest moves from each office to each that can be reached."""
+        return {
+            (start, office): moves
+            for start in range(1, self.offices + 1)
+            for office, moves in self._distances_from(start).items()
+        }
+
+    def way(self, start: int, end: int) -> List[int]:
+        """The offices on a shortest way, without the first; raises KeyError where there is none."""
+        left, way = self._distances_from(end), []
+        while start != end:
+            start = min(self.neighbours(start), key=lambda office: left[office])
+            way.append(start)
+        return way
+
+    def _distances_from(self, start: int) -> Dict[int, int]:
+        found, queue = {start: 0}, deque([start])
+        while queue:
+            here = queue.popleft()
+            for office in self.neighbours(here):
+                if office not in found:
+                    found[office] = found[here] + 1
+                    queue.append(office)
+        return found
+
 
 def row(offices: int) -> Floor:
     """Offices in a row."""
@@ -80,6 +110,26 @@ def random_requests(floor: Floor, count: int, seed: int) -> List[Request]:
     source = random.Random(1000 * seed + count)
     offices = range(1, floor.offices + 1)
     return [Request(number, *source.sample(offices, 2)) for number in range(1, count + 1)]
+
+
+def pddl_of(floor: Floor, requests: Sequence[Request]) -> Pddl:
+    """Requests on a floor, for other planners."""
+    numbers, offices = [one.number for one in requests], range(1, floor.offices + 1)
+    init = ["at office1", "load l0", *(f"less l{load} l{load + 1}" for load in range(CAPACITY))]
+    init += [f"corridor office{a} office{b}" for pair in sorted(floor.corridors) for a, b in (pair, pair[::-1])]
+    for number, start, end in requests:
+        init += [f"start p{number} office{start}", f"end p{number} office{end}"]
+    objects = {
+        "office": [f"office{office}" for office in offices],
+        "package": [f"p{number}" for number in numbers],
+        "level": [f"l{load}" for load in range(CAPACITY + 1)],
+    }
+    domain = Path(__file__).resolve().parent / "deliveries.pddl"
+    return task_of(domain, objects, init, [f"delivered p{number}" for number in numbers], _actions_of)
+
+
+def _actions_of(plan: Sequence[Operator]) -> List[Action]:
+    return [(name, last if name == "move_base" else last[1:]) for name, *_, last in plan]
 
 
 class World:
@@ -149,3 +199,17 @@ class World:
             self.deliver(int(parameter))
         else:
             raise RuleError(f"there is no action {interface}")
+
+
+def actions_of_route(floor: Floor, office: int, visits: Sequence[Tuple[str, Request]]) -> List[Tuple[str, str]]:
+    """The actions, as `World.do` takes them, that go from ``office`` to one visit after another.
+
+    A visit is ("pickup", request) or ("deliver", request).
+    """
+    actions = []
+    for interface, request in visits:
+        end = request.start if interface == "pickup" else request.end
+        actions += [("move_base", f"office{one}") for one in floor.way(office, end)]
+        actions.append((interface, str(request.number)))
+        office = end
+    return actions

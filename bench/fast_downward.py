@@ -3,19 +3,18 @@
 It comes with the package up-fast-downward of PyPI (the group bench of pyproject.toml); nothing of it is imported.
 """
 
-import os
 import re
 import resource
 import subprocess
-import sys
 import tempfile
 from functools import lru_cache
 from pathlib import Path
 from typing import Callable, Dict, List, NamedTuple, Optional
 
 from pddl import Action, Pddl
+from routing import bench_python
 
-HOW = "Fast Downward is not there: ./dev bench domains installs it (once); its columns are left out"
+HOW = "Fast Downward is not there: ./dev bench domains many_goals installs it (once); its columns are left out"
 
 FIRST = "lama-first"
 """The alias that stops at the first plan."""
@@ -29,11 +28,6 @@ class Found(NamedTuple):
 
     seconds: float
     plan: Optional[List[List[str]]]
-
-
-def bench_python() -> str:
-    """Return the path of the Python that has what benches compare with."""
-    return os.environ.get("ROSOCLINGO_BENCH_PYTHON") or sys.executable
 
 
 @lru_cache(maxsize=None)

@@ -2,8 +2,9 @@
 """Many requests, at once or in a stream: how soon there is a plan, how good it is, and what is driven in the end.
 
 The pure core with the mailbot's program, plans made soon and improved while actions run, its solver in a process of its
-own, as the node has it. A robot in plain Python answers each action, and refuses what is against the rules. Seconds are
-of processor time, except "first" and "still": what each would get on a machine of its own, whatever else this one does.
+own, as the node has it. A robot in plain Python answers each action, and refuses what is against the rules. Beside it
+OR-Tools' routing solver has the same requests and the same seconds, Fast Downward the same task in PDDL. Seconds are of
+processor time, except "first" and "still": what each would get on a machine of its own, whatever else this one does.
 
 A row of the table:
   floor     offices in a row, or loops: twenty offices with two loops
@@ -12,8 +13,13 @@ A row of the table:
             requests it is not for, as they wait until there is room for them
   all       the same for a plan for all requests, as the core makes it without a limit for a search: seconds of
             processor time and steps; given up after --all-seconds
+  1 s ...   steps of such a plan after so many seconds, with nothing done yet: ours and OR-Tools'
   driven    steps that are really done. While an action runs, for --action-time seconds, the plan is improved, unless
-            nothing is left to try, or another process makes one with requests that wait, for a later action
+            nothing is left to try, or another process makes one with requests that wait, for a later action. OR-Tools
+            drives its plan of --or-seconds; in a stream it plans again with each request, for --or-stream-seconds. The
+            ratio is of ours to its.
+  lama-first, lama   of requests known at once, Fast Downward's first plan: seconds, translation included, and steps;
+            and steps of the best plan of its seq-sat-lama-2011 after --lama-seconds
   still     seconds by the clock, at most, between a return and the next action of a plan in force; on a quiet machine
   out       seconds of processor time until the first action goes out, with a plan for those that do not wait
   longest   seconds of processor time until the next action goes out, at most
@@ -22,17 +28,20 @@ A row of the table:
 
 The first plan and what is driven are with --search-timeout, with which the core lets requests wait.
 
-To be run in the built workspace: ./dev exec python3 bench/many_goals.py
+To be run in the built workspace: ./dev exec python3 bench/many_goals.py; ./dev bench many_goals installs the peers.
 """
 
 import argparse
 import os
 import time
 from collections import deque
+from contextlib import suppress
 from statistics import mean
 
+import fast_downward
+import routing
 from acting_core import ActingCore, TooLongError, mailbot_program
-from deliveries import World, floor_named, random_requests
+from deliveries import World, actions_of_route, floor_named, pddl_of, random_requests
 from figures import Figure, parse, write
 
 from rosoclingo.nodes.core.loading import CoreParameters
@@ -111,6 +120,19 @@ def plan_for_all(floor, requests, options):
         return {"all [s]": robot.used - begin, "all": steps}
 
 
+def plans_after(floor, requests, seconds, plan_time):
+    """Steps of the plan that is known after each of some seconds; None where there was none yet."""
+    with Robot(floor, plan_time, all_seconds=max(seconds)) as robot:
+        begin, found = robot.used, []
+        robot.ask(requests)
+        with suppress(TooLongError):
+            found.append((robot.plan(), robot.used - begin))
+            for _ in robot.improve(max(seconds) - found[0][1]):
+                found.append((robot.steps(), robot.used - begin))
+    known = {limit: [steps for steps, used in found if used <= limit + plan_time / 2] for limit in seconds}
+    return {f"{limit:g} s": min(steps, default=None) for limit, steps in known.items()}
+
+
 def driven(floor, arrivals, options):
     """What is done in the end, and what it costs."""
     with Robot(floor, options.plan_time, options.search_timeout) as robot:
@@ -129,6 +151,52 @@ def driven(floor, arrivals, options):
         return {"driven": actions, **costs, "ms": 1000 * used / actions, "waited": robot.waited}
 
 
+def routes_after(floor, requests, options):
+    """Steps of OR-Tools' plans after each of some seconds, and of the one that it drives."""
+    world = World(floor)
+    world.ask(requests)
+    limits = [*options.seconds, options.or_seconds]
+    found = []
+    for route in routing.routes(floor, world, limits):
+        trial = world.copy()
+        follow(trial, actions_of_route(floor, trial.office, route.visits))
+        found.append(trial.actions)
+    return {**{f"or {limit:g} s": steps for limit, steps in zip(limits, found[:-1])}, "or driven": found[-1]}
+
+
+def routes_driven(floor, arrivals, options):
+    """Steps that are done where OR-Tools plans again with each request."""
+    world, actions = World(floor), deque()
+    while arrivals or world.open:
+        fresh = arrivals.due(world)
+        if fresh:
+            world.ask(fresh)
+            route = routing.routes(floor, world, [options.or_stream_seconds])[0]
+            actions = deque(actions_of_route(floor, world.office, route.visits))
+        world.do(*actions.popleft())
+    return {"or driven": world.actions}
+
+
+def plans_of_fast_downward(floor, requests, options):
+    """Seconds and steps of Fast Downward's first plan, and steps of its best one."""
+
+    def check(actions):
+        world = World(floor)
+        world.ask(requests)
+        follow(world, actions)
+
+    found = fast_downward.measure(pddl_of(floor, requests), check, options.all_seconds, options.lama_seconds)
+    return {name: found.get(name) for name in LAMA}
+
+
+def follow(world, actions):
+    """Do all the actions; raises RuleError."""
+    for action in actions:
+        world.do(*action)
+    if world.open:
+        raise SystemExit(f"the plan leaves {world.open} requests open")
+
+
 def measure(name, count, how, seed, options):
     """One row for one seed: column to figure."""
     floor = floor_named(name)
@@ -138,34 +206,41 @@ def measure(name, count, how, seed, options):
     if how == "once":
         found.update(first_plan(floor, requests, options))
         found.update(plan_for_all(floor, requests, options))
-    return {**found, **driven(floor, Arrivals(requests, gap), options)}
+        found.update(plans_after(floor, requests, options.seconds, options.plan_time))
+    found.update(driven(floor, Arrivals(requests, gap), options))
+    if not options.without_or_tools:
+        theirs = routes_after(floor, requests, options) if how == "once" else {}
+        found.update(theirs or routes_driven(floor, Arrivals(requests, gap), options))
+        found["ratio"] = found["driven"] / found["or driven"]
+    if how == "once" and not options.without_fast_downward:
+        found.update(plans_of_fast_downward(floor, requests, options))
+    return found
 
 
 # ---- What is told ----------------------------------------------------------------------------------------------------
 
-#: The columns and their units.
-UNITS = {
-    "first [s]": "s",
-    "cpu [s]": "s of processor",
-    "steps": "steps",
-    "wait": "requests",
-    "all [s]": "s of processor",
-    "all": "steps",
-    "driven": "steps",
-    "out [s]": "s of processor",
-    "longest [s]": "s of processor",
-    "still [s]": "s",
-    "ms": "ms of processor",
-    "waited": "requests",
-}
+LAMA = ("lama-first [s]", "lama-first", "lama")
+
+UNITS = {"first [s]": "s", "cpu [s]": "s of processor", "out [s]": "s of processor", "longest [s]": "s of processor"}
+UNITS.update({"all [s]": "s of processor", "ms": "ms of processor", "ratio": ""})
+UNITS.update({"still [s]": "s", "wait": "requests", "waited": "requests"})
 
 
-def line(head, cells):
+def columns(options):
+    """The columns of the table, as options ask for them."""
+    seconds = [f"{one:g} s" for one in options.seconds]
+    theirs = [] if options.without_or_tools else [*(f"or {one}" for one in seconds), "or driven", "ratio"]
+    theirs += [] if options.without_fast_downward else LAMA
+    planned = ["first [s]", "cpu [s]", "steps", "wait", "all [s]", "all", *seconds]
+    return [*planned, "driven", *theirs, "out [s]", "longest [s]", "still [s]", "ms", "waited"]
+
+
+def line(head, cells, names):
     """A line of the table; a cell is text, a figure or None."""
     shown = []
-    for name in UNITS:
+    for name in names:
         value = cells.get(name)
-        digits = 2 if "[s]" in name else 0 if name in ("ms", "wait", "waited") else 1
+        digits = 2 if "[s]" in name or name == "ratio" else 0 if name in ("ms", "wait", "waited") else 1
         text = value if isinstance(value, str) else "-" if value is None else f"{value:.{digits}f}"
         shown.append((text[:-2] if text.endswith(".0") else text).rjust(max(7, len(name))))
     return "  ".join([head[0].ljust(5), str(head[1]).rjust(8), head[2].ljust(6), *shown])
@@ -177,6 +252,7 @@ def main():
     parser.add_argument("--requests", type=int, nargs="+", default=[3, 10, 20, 50, 100], help="(default: %(default)s)")
     parser.add_argument("--how", nargs="+", choices=HOWS, default=list(HOWS), help="(default: %(default)s)")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1], help="a row is their mean (default: %(default)s)")
+    parser.add_argument("--seconds", type=float, nargs="+", default=[1, 5, 20], help="(default: %(default)s)")
     parser.add_argument("--plan-time", type=float, default=CoreParameters.plan_time, help="(default: %(default)s)")
     parser.add_argument(
         "--action-time",
@@ -194,10 +270,17 @@ def main():
         help="give up looking for a plan for all requests after so many seconds (default: %(default)s)",
     )
     parser.add_argument("--gap", type=int, default=4, help="actions between two requests (default: %(default)s)")
+    parser.add_argument("--or-seconds", type=float, default=5, help="of the plan it drives (default: %(default)s)")
+    parser.add_argument("--or-stream-seconds", type=float, default=1, help="of each (default: %(default)s)")
+    parser.add_argument("--lama-seconds", type=float, default=10, help="of Fast Downward (default: %(default)s)")
+    parser.add_argument("--without-or-tools", action="store_true", help="leave OR-Tools out")
+    parser.add_argument("--without-fast-downward", action="store_true", help="leave Fast Downward out")
     short = {
+        "lama_seconds": 1,
         "floors": ["4", "20", "loops"],
         "requests": [20],
         "how": ["once"],
+        "seconds": [1, 5],
         "action_time": 0.05,
     }
     options = parse(parser, **short)
@@ -206,6 +289,11 @@ def main():
             floor_named(name)
     except ValueError as error:
         parser.error(str(error))
+    if not (options.without_or_tools or routing.is_there()):
+        parser.error(routing.HOW)
+    if not (options.without_fast_downward or fast_downward.driver()):
+        print(fast_downward.HOW)
+        options.without_fast_downward = True
     write(options.json, play(options))
 
 
@@ -216,15 +304,16 @@ def averaged(runs):
 
 def play(options):
     """Print the table row by row; return its figures."""
-    figures = []
-    print(line(("floor", "requests", "how"), {name: name for name in UNITS}), flush=True)
+    names, figures = columns(options), []
+    print(line(("floor", "requests", "how"), {name: name for name in names}, names), flush=True)
     for floor in options.floors:
         for count in options.requests:
             for how in options.how:
                 row = averaged([measure(floor, count, how, seed, options) for seed in options.seeds])
-                print(line((floor, count, how), row), flush=True)
+                print(line((floor, count, how), row, names), flush=True)
+                ours = [name for name in names if name in row and not name.startswith(("or ", "lama"))]
                 what = f"{floor}/{count} {how}: "
-                figures += [Figure(what + name, row[name], unit) for name, unit in UNITS.items() if name in row]
+                figures += [Figure(what + name, row[name], UNITS.get(name, "steps")) for name in ours]
     print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
     return figures
 

@@ -1,4 +1,4 @@
-"""The deliveries that benches measure: instances, the rules; checked by the mailbot's world."""
+"""The deliveries that benches measure: instances, the rules, and routes as actions; checked by the mailbot's world."""
 
 import sys
 from pathlib import Path
@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path.append(str(ROOT / "bench"))
 
 import deliveries  # noqa: E402
+import routing  # noqa: E402
 from deliveries import Request, RuleError, World  # noqa: E402
 
 FLOORS = [deliveries.row(4), deliveries.row(7), deliveries.loops()]
@@ -24,6 +25,19 @@ def world(*requests, floor=FLOORS[0]):
     made = World(floor)
     made.ask(requests)
     return made
+
+
+@pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.name)
+def test_distances_are_the_fewest_moves_and_ways_are_as_long(floor):
+    graph = neighbours(floor.corridors)
+    distances = floor.distances()
+    assert len(distances) == floor.offices**2, "some office can't be reached"
+    for (start, end), moves in distances.items():
+        way = floor.way(start, end)
+        assert len(way) == moves
+        assert all(there in graph[here] for here, there in zip([start, *way], way))
+        assert [start, *way][-1] == end
+    assert all(abs(distances[a, c] - distances[b, c]) <= 1 for a, b in floor.corridors for c in graph)
 
 
 def test_the_floor_with_loops_has_two():
@@ -106,3 +120,69 @@ def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
     assert here.open == 0
     waiting = [("waits", request.start, request.end) for request in requests]
     assert here.actions == fewest_steps(neighbours(floor.corridors), deliveries.CAPACITY, 1, waiting)
+
+
+def test_a_route_is_driven_as_actions():
+    floor, first, second = deliveries.row(4), Request(1, 3, 1), Request(2, 2, 4)
+    here = world(first, second, floor=floor)
+    here.do("move_base", "office2")
+    here.do("pickup", "2")
+    visits = [("pickup", first), ("deliver", second), ("deliver", first)]
+    for action in deliveries.actions_of_route(floor, here.office, visits):
+        here.do(*action)
+    assert here.open == 0
+    assert here.actions == 2 + 1 + 1 + 1 + 1 + 3 + 1
+
+
+STAND_IN = """#!{python}
+import json, os, signal, sys
+problem = json.load(sys.stdin)
+assert problem["waiting"] == 1 and problem["carried"] == 1 and problem["capacity"] == 3 and problem["seconds"] == 5
+assert problem["distances"] == [[0, 1, 1, 2], [1, 0, 2, 1], [1, 2, 0, 3], [2, 1, 3, 0]]
+for route in {routes}:
+    print(json.dumps(route), flush=True)
+os.kill(os.getpid(), signal.SIG{end})
+"""
+
+
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """In place of the Python that has OR-Tools: a program that writes routes and ends by a signal."""
+
+    def make(routes, end="PROF"):
+        path = tmp_path / "python"
+        path.write_text(STAND_IN.format(python=sys.executable, routes=routes, end=end))
+        path.chmod(0o755)
+        monkeypatch.setenv(routing.PYTHON, str(path))
+
+    return make
+
+
+def ask(seconds):
+    floor, carried, waiting = deliveries.row(4), Request(1, 1, 4), Request(2, 3, 1)
+    here = world(carried, waiting, floor=floor)
+    here.do("pickup", "1")
+    here.do("move_base", "office2")
+    found = routing.routes(floor, here, seconds)
+    names = {("pickup", waiting): "pick up", ("deliver", waiting): "bring back", ("deliver", carried): "deliver"}
+    return [[names[visit] for visit in route.visits] for route in found]
+
+
+def test_the_best_route_of_each_time_is_taken(stand_in):
+    stand_in([[0.5, [3, 1, 2]], [3.0, [1, 3, 2]]])
+    first, last = ["deliver", "pick up", "bring back"], ["pick up", "deliver", "bring back"]
+    assert ask([0.1, 1, 5]) == [first, first, last]
+
+
+@pytest.mark.parametrize(("routes", "end"), [([], "PROF"), ([[0.5, [3, 1, 2]]], "KILL")])
+def test_a_search_that_fails_is_told(stand_in, routes, end):
+    stand_in(routes, end)
+    with pytest.raises(routing.RoutingError, match="no route"):
+        ask([1, 5])
+
+
+def test_a_python_that_has_no_or_tools_is_none(stand_in, monkeypatch):
+    monkeypatch.setenv(routing.PYTHON, "/no/such/python")
+    assert not routing.is_there()
+    stand_in([])
+    assert not routing.is_there()

@@ -1,4 +1,4 @@
-"""The bench of many requests, on few of them."""
+"""The bench of many requests, on few of them and without OR-Tools."""
 
 import sys
 from argparse import Namespace
@@ -12,11 +12,14 @@ import many_goals  # noqa: E402
 from deliveries import World, random_requests, row  # noqa: E402
 
 OPTIONS = Namespace(
+    seconds=[10],
     plan_time=5.0,
     action_time=0.01,
     search_timeout=10.0,
     all_seconds=60.0,
     gap=3,
+    without_or_tools=True,
+    without_fast_downward=True,
 )
 
 
@@ -25,6 +28,7 @@ OPTIONS = Namespace(
 def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
     once = many_goals.measure("4", 3, "once", 1, OPTIONS)
     assert once["steps"] == once["all"] >= once["driven"] == 12
+    assert once["10 s"] == 12
     assert once["wait"] == 0
     stream = many_goals.measure("4", 3, "stream", 1, OPTIONS)
     assert stream["driven"] >= 12
@@ -36,6 +40,7 @@ def test_a_plan_for_all_that_takes_too_long_is_given_up_and_the_first_one_is_for
     floor, options = row(20), Namespace(**{**vars(OPTIONS), "all_seconds": 0.3})
     requests = random_requests(floor, 40, seed=1)
     assert many_goals.plan_for_all(floor, requests, options) == {"all [s]": None, "all": None}
+    assert many_goals.plans_after(floor, requests, [0.3], plan_time=0.0) == {"0.3 s": None}
     first = many_goals.first_plan(floor, requests, options)
     assert first["steps"] > 0
     assert 0 < first["wait"] < 40

@@ -10,6 +10,7 @@ import pytest
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 
 import domains  # noqa: E402
+from deliveries import pddl_of, random_requests, row  # noqa: E402
 from planning_domains import DOMAINS, RuleError, check, superfluous  # noqa: E402
 
 OPTIONS = Namespace(
@@ -50,6 +51,7 @@ def test_tasks_of_a_seed_are_equal_and_others_differ(name):
 
 
 TASKS = {name: one.make(*one.sizes["small"]).pddl for name, one in DOMAINS.items() if name != "crates"}
+TASKS["deliveries"] = pddl_of(row(4), random_requests(row(4), 3, seed=1))
 
 
 @pytest.mark.parametrize("name", sorted(TASKS))
