@@ -128,11 +128,13 @@ def test_prefetched_answer_is_unused_after_another_update(here, pool, solver, va
 def test_prefetched_answer_is_waited_for_until_a_stop(pool, solver):
     slow = onward(2, "slow")
     assert not solver.has_prefetched(slow, lambda: False), "nobody prefetches"
-    solver.prefetch(slow)
     os.kill(pool.standby_pid, signal.SIGSTOP)
-    looks = iter([False, False, True])
-    assert not solver.has_prefetched(slow, lambda: next(looks))
-    os.kill(pool.standby_pid, signal.SIGCONT)
+    try:
+        solver.prefetch(slow)
+        looks = iter([False, False, True])
+        assert not solver.has_prefetched(slow, lambda: next(looks))
+    finally:
+        os.kill(pool.standby_pid, signal.SIGCONT)
     assert solver.has_prefetched(slow, lambda: False)
 
 
