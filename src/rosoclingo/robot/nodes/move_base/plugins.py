@@ -30,13 +30,6 @@ STANDINS = {
     "clear_costmap_recovery/ClearCostmapRecovery": "rosoclingo.robot.navigation.recovery_behaviors.ClearCostmap",
     "rotate_recovery/RotateRecovery": "rosoclingo.robot.navigation.recovery_behaviors.RotateRecovery",
 }
-# Where these were before; configurations may name them so.
-MOVED = {
-    "rosoclingo.navigation.planner.GridPlanner": "rosoclingo.robot.navigation.grid_planner.GridPlanner",
-    "rosoclingo.navigation.follower.RolloutFollower": "rosoclingo.robot.navigation.follower.RolloutFollower",
-    "rosoclingo.navigation.recovery.ClearCostmap": "rosoclingo.robot.navigation.recovery_behaviors.ClearCostmap",
-    "rosoclingo.navigation.recovery.RotateRecovery": "rosoclingo.robot.navigation.recovery_behaviors.RotateRecovery",
-}
 DEFAULT_GLOBAL = "rosoclingo.robot.navigation.grid_planner.GridPlanner"
 DEFAULT_LOCAL = "rosoclingo.robot.navigation.follower.RolloutFollower"
 # What this package's own plugins take: names and kinds of values. Any other plugin checks its parameters itself.
@@ -138,7 +131,6 @@ def _load(named_by: Reader, path: str, base: type) -> Type[Any]:
     if path in STANDINS:
         rospy.logwarn("%s: %s is a C++ plugin; %s stands in for it", named_by.place, path, STANDINS[path])
         path = STANDINS[path]
-    path = MOVED.get(path, path)
     module, _, attribute = path.rpartition(".")
     try:
         kind = getattr(importlib.import_module(module), attribute)
