@@ -84,6 +84,21 @@ def test_the_tests_of_what_is_promised_exist(row, name):
     assert list((ROOT / "test" / folder).rglob(file)), row
 
 
+# ---- the tree of rooms ----------------------------------------------------------------------------------------------
+
+
+def test_the_tree_of_rooms_has_each_room_and_its_rooms():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("    src/rosoclingo/\n")[2]
+    drawn, room = set(), ""
+    for line in text.partition("\n    web/")[0].splitlines():
+        entry = re.match(r"( {8}| {12})([a-z0-9_]+)/ +\S", line)
+        if entry:
+            room = entry[2] if len(entry[1]) == 8 else room
+            drawn.add(entry[2] if entry[2] == room else f"{room}/{entry[2]}")
+    there = {str(path.parent.relative_to(PACKAGE)) for path in PACKAGE.rglob("__init__.py")} - {"."}
+    assert drawn == {name for name in there if name.count("/") < 2}
+
+
 # ---- the way of a request -------------------------------------------------------------------------------------------
 
 
