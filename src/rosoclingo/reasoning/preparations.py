@@ -74,9 +74,13 @@ class Preparations:
         self._watch = watch
         self.join: Optional[Join] = None
         self._cycles = 1  # how far away the cycle is in which requests join
+        self._prepared: Tuple[object, ...] = ()  # the situation for which the answer is prefetched
 
     def prepare(self, planner: Planner, plan: TaskPlan, step: int) -> None:
-        """Prefetch for the update of ``step`` or a later one; ``plan`` is in force."""
+        """Prefetch for the update of ``step`` or a later one; ``plan`` is in force.
+
+        Nothing is computed again before something changes.
+        """
         join = self.join
         if join is not None:
             planner.has_prepared(join.whole)  # reads what the standby worker reports, which can be much
@@ -84,10 +88,16 @@ class Preparations:
                 self._lose(join)
         if self.join is not None or not self._execution.awaited:
             return
+        feeder, execution = self._feeder, self._execution
+        situation = (planner.log, feeder.arrivals, feeder.pending, self._requests, execution.awaited)
+        if situation == self._prepared:
+            return
         over, lookahead = self._outlook(planner, plan, step)
-        likely = self._execution.likely_return(succeeds=self._feeder.pending)
-        if not self._begin_join(planner, plan, step, over, lookahead) and likely is not None:
-            planner.prepare([self._feeder.preview(step, self._execution.under_way, [likely], over)], lookahead)
+        likely = execution.likely_return(succeeds=feeder.pending)
+        if self._begin_join(planner, plan, step, over, lookahead):
+            return
+        if likely is None or planner.prepare([feeder.preview(step, execution.under_way, [likely], over)], lookahead):
+            self._prepared = situation
 
     def next_update(self, planner: Planner, plan: TaskPlan, step: int) -> Batch:
         """Return the next update, with new requests if a plan with them is there or none goes on without them.

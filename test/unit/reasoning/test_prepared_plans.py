@@ -60,6 +60,14 @@ def test_what_has_come_meanwhile_is_prepared_for_with_success(driver):
     assert str(Noting.came[-1]) == update
 
 
+def test_nothing_is_prepared_again_before_something_changes(driver):
+    driver.goal("a", "do(x,1)")
+    assert len(prepared(driver)) == 1
+    assert prepared(driver) == []
+    driver.fail("failed")
+    assert len(prepared(driver)) == 1
+
+
 def test_nothing_is_prepared_where_nothing_runs(driver):
     assert prepared(driver) == []
     driver.goal("a", "do(x,1)").finish()
