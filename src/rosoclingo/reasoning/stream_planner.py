@@ -125,14 +125,9 @@ class Planner:
         return self._solver.log
 
     @property
-    def taken(self) -> Optional[StreamUpdate]:
-        """The last update as the solver has it: with its bound, and with what it says of the past."""
-        return self.log.update
-
-    @property
     def in_force(self) -> StreamUpdate:
-        """The last update as the solver has it, an empty one where there is none."""
-        return self.taken or StreamUpdate(self.log.step)
+        """The last update as the solver has it, with its bound and closed cycles; empty if there is none."""
+        return self.log.update or StreamUpdate(self.log.step)
 
     @property
     def stream(self) -> Stream:
@@ -240,8 +235,8 @@ class Planner:
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
         """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
-        before, taken = self._before, self.taken
-        if before is None or taken is None:
+        before, taken = self._before, self.in_force
+        if before is None:
             return self.at(self.log.withdraw(without))
         horizon = max(before.horizon, taken.step or before.step)
         return self.at(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
@@ -263,7 +258,7 @@ class Planner:
         for last, now in zip([0, *stops], stops):
             past = (Closed(last, now - 1), Over(now - RECENT)) if now > 1 else ()
             result = planner.update(StreamUpdate(now, items=past if last else (Anew(), *past)))
-            fed += [planner.taken] if planner.taken is not None else []
+            fed.append(planner.in_force)
         return planner, fed, result
 
     @property

@@ -223,7 +223,7 @@ def fed(planner, *texts):
 
 def test_what_the_solver_is_told():
     planner = Planner(Told, 8)
-    assert (planner.taken, planner.ended_by) == (None, "")
+    assert planner.ended_by == ""
     assert words(planner.in_force) == "#step 1."
     planner.solve()
     assert planner.over(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
@@ -236,7 +236,7 @@ def test_what_the_solver_is_told():
         "#step 15 : 0. #closed 14. _seen(c).",
     ]
     assert planner.log.keep_from == 3
-    assert str(planner.taken).startswith("#step 15 : 0.")
+    assert str(planner.in_force).startswith("#step 15 : 0.")
 
 
 def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
@@ -260,8 +260,8 @@ def test_another_update_in_place_of_the_last_one():
     beside, result = planner.instead(other, frozenset({parse_atom("_seen(d)")}))
     assert told(beside) == ["#step 1 : 8. _seen(a).", "#withdraw _seen(d).", "#step 2 : 8. #closed 1. _seen(e)."]
     assert result.step == 2
-    assert beside.taken.step == 2
-    again, _ = planner.instead(planner.taken)
+    assert beside.in_force.step == 2
+    again, _ = planner.instead(planner.in_force)
     assert told(again) == told(planner), "the past is told once"
     beside, _ = Planner(Told, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
