@@ -336,7 +336,7 @@ def test_what_waits_goes_on_in_another_feeder():
     feeder.add_withdrawals(withdrawn)
     feeder.wait(5.0)
     record = json.loads(json.dumps(feeder.record()))
-    assert record["feeder"][3] == ",".join(map(str, sorted(withdrawn))), "the same text whatever the set's order"
+    assert record["feeder"]["withdrawn"] == ",".join(map(str, sorted(withdrawn))), "the same text whatever the set's order"
     twin = InputFeeder()
     twin.restore(record, {first.key: first}.get)
     assert (twin.arrivals, twin.pending, twin.waiting) == (7, False, 4)
