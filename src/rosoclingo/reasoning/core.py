@@ -280,7 +280,7 @@ class Core:
         for warning in result.warnings:
             self._problem(warning)
         self._goals.reject_undeclared(batch.goals, result.warnings)
-        if self._execution.has_untaken(batch.failures, result.warnings):
+        if self._execution.has_unhandled(batch.failures, result.warnings):
             return state._replace(situation=Situation.UNHANDLED, result=result)
         return self._judged(state, result)
 
@@ -291,11 +291,14 @@ class Core:
         return state._replace(situation=situation, result=result, why=self._planner.why_none(result))
 
     def _settle_failures(self, state: State) -> State:
-        settled = settle(self._planner, state.result, self._question, self._execution.untaken.open)
+        settled = settle(self._planner, state.result, self._question, self._execution.unhandled)
         self._planner, result = settled.planner, settled.result
-        self._execution.untaken.settle(settled.failures, self._problem)
+        self._execution.unhandled.clear()
+        for problem in settled.problems:
+            self._problem(problem)
         if settled.recovery is None:
-            self._goals.give_up([one.goal for one in settled.unmet], settled.why)
+            for one in settled.unmet:
+                self._goals.give_up(one.goal, one.text(Explanations(), ""))
             return self._judged(state, result)
         self._plan = extract_plan(result.answers[0]) if result.answers else None
         self._announce.plan(result, self._shown())

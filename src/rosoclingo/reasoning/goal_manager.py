@@ -7,6 +7,7 @@ from clingo import Symbol
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
@@ -131,11 +132,10 @@ class GoalManager:
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
 
-    def give_up(self, goals: Sequence[Goal], why: str) -> None:
-        """Abort goals; the next update, if there is one, cancels them in the program."""
-        for goal in goals:
-            self._feeder.add_rejection(goal.identifier)
-        self.end(goals, Outcome.ABORTED, why)
+    def give_up(self, goal: Goal, message: str) -> None:
+        """Abort a goal that the program knows; the next update, if there is one, cancels it in the program."""
+        self._feeder.add_rejection(goal.identifier)
+        goal.end(Outcome.ABORTED, message)
 
     def end(self, goals: Iterable[Goal], outcome: Outcome, why: str) -> None:
         """End those of the goals that have not ended, each with its term and the reason as its message."""
@@ -154,8 +154,7 @@ class GoalManager:
     def reject_undeclared(self, goals: Iterable[Goal], warnings: Sequence[str]) -> None:
         """End the goals whose requests the solver ignored because the program declares no external for them."""
         for goal in goals:
-            head = f"Head {request(goal.term, goal.request_cycle or 0)} has not been declared"
-            if any(head in warning for warning in warnings):
+            if is_ignored(request(goal.term, goal.request_cycle or 0), warnings):
                 self.end([goal], Outcome.REJECTED, "is unknown to the program: no external is declared for its request")
 
     # -- goals that are too much for now

@@ -56,21 +56,12 @@ class Observation(NamedTuple):
         return f"{tried} returned {name_of(return_of(self.atom).value)} in cycle {self.cycle}"
 
 
-class Untaken(NamedTuple):
-    """A failure that the program cannot handle, for the reason ``why``.
+class UnhandledFailure(NamedTuple):
+    """A failure that the program cannot handle.
 
-    ``undone`` tells whether its actions count as not done; None if that has not been tried.
+    ``undone`` tells whether its actions count as not done. None: no rule looks at the failure, and whether the actions
+    can count as not done is still to be found out.
     """
 
     failure: Observation
-    why: str
     undone: Optional[bool] = None
-
-    def record(self) -> Record:
-        """Return the failure as a plain value."""
-        return {**self._asdict(), "failure": self.failure.record()}
-
-    @classmethod
-    def of_record(cls, record: Record) -> "Untaken":
-        """Return the failure of :meth:`record`."""
-        return cls(**{**record, "failure": Observation.of_record(record["failure"])})

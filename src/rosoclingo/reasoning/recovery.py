@@ -41,7 +41,7 @@ from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.keywords import cancellation
-from rosoclingo.reasoning.observations import Observation, Untaken
+from rosoclingo.reasoning.observations import Observation, UnhandledFailure
 from rosoclingo.reasoning.stream_planner import Planner, SearchWatch
 
 #: So many observations are told though it is not sure that all of them matter.
@@ -151,46 +151,47 @@ def forget_history(
 class Settled(NamedTuple):
     """The reaction to failures that the program cannot handle: go on with ``result`` on ``planner``.
 
-    ``failures`` tell whether their actions count as not done now. The ``unmet`` goals rest on these actions;
-    ``recovery`` is a plan without these goals, None if there is none or nothing is left to do.
+    ``problems`` report the failures that no rule looks at. The ``unmet`` goals rest on the failed actions; ``recovery``
+    is a plan without these goals, None if there is none or nothing is left to do.
     """
 
     planner: Planner
     result: SolveResult
-    failures: Tuple[Untaken, ...]
+    problems: Tuple[str, ...]
     unmet: Tuple[UnmetGoal, ...] = ()
     recovery: Optional[Recovery] = None
 
-    @property
-    def why(self) -> str:
-        """The reason for aborting the goals, a text that follows the goal's name."""
-        return f"cannot be met since {self.failures[0].failure}, {self.failures[0].why}"
+
+#: Reasons why the program cannot handle a failure.
+UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
 
 
-def settle(planner: Planner, result: SolveResult, question: Question, untaken: Sequence[Untaken]) -> Settled:
+def settle(planner: Planner, result: SolveResult, question: Question, unhandled: Sequence[UnhandledFailure]) -> Settled:
     """Find the goals that rest on actions whose failures the program cannot handle: they do not count as met.
 
     The actions count as not done if the program has an answer then. A goal rests on them if the program had it
     before, and each plan for it tries such an action again. Otherwise, and where the plan has no actions left, all
     goals that the program had rest on them.
     """
-    new = [one for one in untaken if one.undone is None]
-    other = _undo(planner, [one.failure for one in new]) if new else None
+    failures = tuple(one.failure for one in unhandled)
+    unheard = [one.failure for one in unhandled if one.undone is None]
+    other = _undo(planner, unheard) if unheard else None
     planner, result = other or (planner, result)
-    failures = tuple(one._replace(undone=other is not None) if one in new else one for one in untaken)
-    failed = frozenset((one.interface, one.parameter) for each in failures for one in each.failure.actions)
-    last = max(one.failure.cycle for one in failures) + 1
+    undone = all(other is not None if one.undone is None else one.undone for one in unhandled)
+    counted = "not done" if other is not None else "done"
+    problems = tuple(f"{one}, {UNHEARD}: it counts as {counted}" for one in unheard)
+    failed = frozenset((one.interface, one.parameter) for each in failures for one in each.actions)
+    last = max(one.cycle for one in failures) + 1
     resting = [goal for goal in question.goals if (goal.request_cycle or 0) <= last]
-    undone = all(one.undone for one in failures)
     step, answers = question.step - 1, result.answers
     left = not answers or bool(extract_plan(answers[0]).remaining(step))
     if not resting or (undone and left and _goes_on(result, step, failed)):
-        return Settled(planner, result, failures)
+        return Settled(planner, result, problems)
     found = _without_failed(planner, question, resting, failed, keeps=undone) if left else None
     gone = found[1] if found is not None else resting
-    seen, note = tuple(one.failure for one in failures), failures[0].why
-    unmet = tuple(UnmetGoal(goal, observations=seen, note=note) for goal in gone)
-    return Settled(planner, result, failures, unmet, None if found is None else found[0]._replace(unmet=unmet))
+    note = UNHEARD if unhandled[0].undone is None else CONTRADICTS
+    unmet = tuple(UnmetGoal(goal, observations=failures, note=note) for goal in gone)
+    return Settled(planner, result, problems, unmet, None if found is None else found[0]._replace(unmet=unmet))
 
 
 def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:

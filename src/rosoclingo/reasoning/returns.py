@@ -7,6 +7,8 @@ from typing import Callable, Container, Deque, Dict, Iterable, Iterator, List, O
 from clingo import Symbol, SymbolType
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
+from rosoclingo.oclingo.program.return_rules import may_heed
+from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.reasoning.events import Event, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
@@ -27,7 +29,7 @@ from rosoclingo.reasoning.keywords import (
     success_of,
 )
 from rosoclingo.reasoning.mending import Change
-from rosoclingo.reasoning.observations import MEMORY, Observation
+from rosoclingo.reasoning.observations import MEMORY, Observation, UnhandledFailure
 from rosoclingo.reasoning.records import (
     Record,
     action_to_text,
@@ -37,7 +39,6 @@ from rosoclingo.reasoning.records import (
     symbol_of,
     text_of,
 )
-from rosoclingo.reasoning.untaken_failures import UntakenFailures
 
 #: Facts of one message.
 MOST_FACTS = 1000
@@ -165,7 +166,7 @@ class ExecutionMonitor:
 
     Attributes:
         observations: the latest failures and facts, oldest first.
-        untaken: failures that the program cannot handle, until the goals that rest on their actions are aborted.
+        unhandled: failures that the program cannot handle, until the goals that rest on their actions are aborted.
 
     """
 
@@ -186,9 +187,8 @@ class ExecutionMonitor:
         self._text = 0  # characters of the facts that wait
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
-        self._reasons: Dict[Symbol, Symbol] = {}  # interface -> why an action of it failed last
         self.observations: Deque[Observation] = deque(maxlen=MEMORY)
-        self.untaken = UntakenFailures(program)
+        self.unhandled: List[UnhandledFailure] = []
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
@@ -206,11 +206,12 @@ class ExecutionMonitor:
         return tuple(self._executed)
 
     def likely_return(self, succeeds: bool) -> Optional[Symbol]:
-        """The return of the last action under way, None where more are; its failure as its interface told one last."""
+        """The return of the last action under way, None where more are; a failure has its interface's latest reason."""
         if self._dispatch is None or len(self.awaited) != 1:
             return None
         (action,) = self.awaited
-        reason = self._reasons.get(action.interface, FAILURE)
+        returns = (return_of(one.atom) for one in reversed(self.observations) if one.actions)
+        reason = next((one.value for one in returns if one.interface == action.interface), FAILURE)
         return success_of(action) if succeeds else self._dispatch.failure(action, reason).atom
 
     def preempted(self, action: Action) -> Symbol:
@@ -253,8 +254,8 @@ class ExecutionMonitor:
             failure = Observation(answer.atom, answer.cycle, actions)
             self.observations.append(failure)
             self._feeder.add_failure(answer.atom, actions)
-            self.untaken.note(failure)
-            self._reasons[answer.interface] = answer.value
+            if not self._can_handle(failure):
+                self.unhandled.append(UnhandledFailure(failure))
         self._executed.extend(dispatch.actions)
         return dispatch.actions
 
@@ -263,7 +264,7 @@ class ExecutionMonitor:
         return {
             "dispatch": None if self._dispatch is None else self._dispatch.record(),
             "observations": [one.record() for one in self.observations],
-            "untaken": self.untaken.record(),
+            "unhandled": [{"failure": one.failure.record(), "undone": one.undone} for one in self.unhandled],
             **{f"done:{action_to_text(action)}": 1 for action in self._executed},
             **{f"known:{text_of(fact)}": 1 for fact in self._known},
         }
@@ -273,7 +274,8 @@ class ExecutionMonitor:
         dispatch = record["dispatch"]
         self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
         self.observations.extend(map(Observation.of_record, record["observations"]))
-        self.untaken.restore(record["untaken"])
+        for one in record["unhandled"]:
+            self.unhandled.append(UnhandledFailure(Observation.of_record(one["failure"]), one["undone"]))
         self._executed.extend(action_of(symbol_of(text)) for text in keys_of(record, "done"))
         self._known = {symbol_of(text): None for text in keys_of(record, "known")}
 
@@ -317,7 +319,9 @@ class ExecutionMonitor:
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
         """Redate or withhold observations; ``failures`` are those of the last update."""
-        self.untaken.note_withheld(changes, [*failures, *self.observations])
+        seen = {one.atom: one for one in (*failures, *self.observations) if one.actions}
+        withheld = [one.observation for one in changes if one.taken_as is None and one.observation.atom in seen]
+        self.unhandled += [UnhandledFailure(seen[one.atom], undone=bool(one.actions)) for one in withheld]
         changed = {one.observation.atom for one in changes}
         kept = [one for one in self.observations if one.atom not in changed]
         moved = [one.observation._replace(atom=one.taken_as) for one in changes if one.taken_as is not None]
@@ -325,17 +329,27 @@ class ExecutionMonitor:
         for one in changes:
             self._tell(Problem(self._cycle(), str(one), one.observation.origin))
 
-    def has_untaken(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
-        """Tell whether there are failures that the program cannot handle, also by an update's ``warnings``."""
-        if failures:
-            self.untaken.note_warnings(failures, warnings)
-        return bool(self.untaken.open)
+    def has_unhandled(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
+        """Return whether there are unhandled failures; an update's ``warnings`` name those that the solver ignored."""
+        known = [one.failure.atom for one in self.unhandled]
+        ignored = [one for one in failures if one.atom not in known and is_ignored(one.atom, warnings)]
+        self.unhandled += map(UnhandledFailure, ignored)
+        return bool(self.unhandled)
 
     def forget_all(self) -> None:
         """Forget all facts and observations."""
         self._known.clear()
         self.observations.clear()
-        self.untaken.open.clear()
+        self.unhandled.clear()
+
+    def _can_handle(self, failure: Observation) -> bool:
+        """Return whether the program declares such returns, and a rule can look at this one.
+
+        A rule that looks at the action's return of success sees failures as well, by the absence of that return.
+        """
+        atoms = [failure.atom, return_of(failure.atom).failure, *map(success_of, failure.actions)]
+        declared = self._program.may_define(failure.atom, self._program.first_step)
+        return declared and may_heed(self._program.parts, self._program.values, atoms)
 
     def _is_known(self, atom: Symbol) -> bool:
         """Whether a fact that names its cycle was told before."""

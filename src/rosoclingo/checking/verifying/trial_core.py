@@ -1,6 +1,6 @@
 """The core on trial: it can go back to where it was, and tells where a program leaves it without a way on."""
 
-from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.checking.verifying.moves import Move
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -9,12 +9,10 @@ from rosoclingo.planning.history import History
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.reasoning.events import Event, Problem, UpdateSent
 from rosoclingo.reasoning.journal.kept_core import KeptCore
-from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record
 from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Response, State
-from rosoclingo.reasoning.untaken_failures import UntakenFailures
 
 NO_ANSWER, PUT_OFF = "no-answer", "put-off"
 """What the core itself finds wrong with a program."""
@@ -51,16 +49,6 @@ class _NoRecorder:
         return {}
 
 
-class _UnnotedFailures(UntakenFailures):
-    """Notes no failures: the program's reaction to a failure is verified, so the core must not hide it."""
-
-    def note(self, failure: Observation) -> None:
-        """Leave the failure to the program."""
-
-    def note_warnings(self, failures: Iterable[Observation], warnings: Sequence[str]) -> None:
-        """Leave the failures to the program."""
-
-
 _STOPS = {
     KeptCore._lose_patience: PUT_OFF,
     KeptCore._repair: NO_ANSWER,
@@ -71,7 +59,9 @@ _STOPS = {
 
 
 def _trusting(row: Response) -> Response:
-    """Return a row of the core's table, which stops if the program is wrong."""
+    """Return a row of the core's table, which stops if the program is wrong, and leaves failures to the program."""
+    if row.step is KeptCore._settle_failures:
+        return row._replace(step=lambda core, state: core.leave_failures(state))
     if row.step not in _STOPS:
         return row
     kind = _STOPS[row.step]
@@ -103,9 +93,13 @@ class TrialCore(KeptCore):
         record = None if snapshot is None else snapshot.record
         super().__init__(program, make_solver, self.events.append, settings, record=record)
         self._log = _NoRecorder()  # type: ignore[assignment]
-        self._execution.untaken = _UnnotedFailures(program)
         if snapshot is not None:
             self._planner = self._planner.at(snapshot.log)
+
+    def leave_failures(self, state: State) -> State:
+        """Leave failures to the program: its reaction to them is verified, so the core must not hide it."""
+        self._execution.unhandled.clear()
+        return self._judged(state, state.result)
 
     def snapshot(self) -> CoreSnapshot:
         """Return the state."""

@@ -18,6 +18,12 @@ Answer = FrozenSet[clingo.Symbol]
 NOT_EXTERNAL = "Head {} has not been declared external. The entire rule will be ignored."
 """The warning about a statement of an update whose head the program does not declare."""
 
+
+def is_ignored(head: clingo.Symbol, warnings: Iterable[str]) -> bool:
+    """Return whether an update's ``warnings`` report that its statement with this ``head`` was ignored."""
+    return any(NOT_EXTERNAL.format(head) in warning for warning in warnings)
+
+
 _UNUSED = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
 
 

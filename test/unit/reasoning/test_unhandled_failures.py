@@ -1,4 +1,4 @@
-"""Failures that a program cannot take: no goal is met by an action that failed while nothing was done instead."""
+"""Failures that a program cannot handle: no goal is met by an action that failed while nothing was done instead."""
 
 import pytest
 from core_driver import Driver, Leaving
@@ -30,9 +30,9 @@ _status(I,canceled,t) :- _request(cancel(I),t), wanted(X,I,t-1), not have(X,t-1)
 
 FAILED = "failed(t) :- _return(A,V,t), not _action_lib(A,V,t).\n"
 
-#: Programs that cannot take a failure.
+#: Programs that cannot handle a failure.
 DEAF = FETCH.replace("HEEDED", "")
-UNTAKEN = {
+UNHANDLED = {
     "a constraint forbids it": DEAF + FAILED + ":- failed(t).\n",
     "a constraint on what the arm returns": DEAF + ":- _return(arm,V,t), not _action_lib(arm,V,t).\n",
     "no rule looks at it": DEAF,
@@ -53,14 +53,14 @@ def why(name):
     return CONTRADICTS if name.startswith("a constraint") else UNHEARD
 
 
-@pytest.fixture(params=sorted(UNTAKEN))
+@pytest.fixture(params=sorted(UNHANDLED))
 def name(request):
     return request.param
 
 
 @pytest.fixture(params=["", STATUS], ids=["without statuses", "with statuses"])
 def program(request, name):
-    return UNTAKEN[name] + request.param
+    return UNHANDLED[name] + request.param
 
 
 def test_a_goal_whose_only_action_failed_is_aborted(program, name):
