@@ -157,7 +157,7 @@ class Core:
 
     def prepare(self) -> None:
         """While actions run, have the answer prepared to what may come, or a plan with goals that wait."""
-        self._ahead.prepare(self._planner, self._latest[1], self._announce.told + 1)
+        self._ahead.prepare(self._planner, self._latest[1], self._announce.published + 1)
 
     def abandon(self, why: str) -> None:
         """Abort every goal; the program is to hear of it."""
@@ -187,7 +187,7 @@ class Core:
         executed = self._execution.end_cycle()
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
-        self._step = self._announce.told + 1
+        self._step = self._announce.published + 1
         batch = self._ahead.next_update(self._planner, self._latest[1], self._step)
         self._respond(State(Situation.DUE, batch, now))
 
@@ -267,7 +267,7 @@ class Core:
         """Record the facts of an update in force; omitted ones come later unless it was refused for them."""
         self._step, present = batch.step, self._planner.in_force.heads
         for fact in self._feeder.taken(batch, present, state.situation is Situation.REFUSED):
-            self._problem(f"{fact.told} is dropped: the solver accepts no update with it", fact.origin)
+            self._problem(f"{fact.sent} is dropped: the solver accepts no update with it", fact.origin)
         self._execution.taken(batch.facts, present)
         self._goals.taken(batch.goals, present)
         return state._replace(batch=batch, accepted=True)
@@ -417,8 +417,8 @@ class Core:
 
     def _defer(self, chosen: Sequence[Goal], why: str) -> bool:
         """Take goals out of the program until it is their turn again; return whether there are any."""
-        told, done, look = self._announce.told, self._execution.executed, self._watch_recovery()
-        planner, text = defer(self._planner, self._goals, chosen, why, told, done, look)
+        published, done, look = self._announce.published, self._execution.executed, self._watch_recovery()
+        planner, text = defer(self._planner, self._goals, chosen, why, published, done, look)
         deferred, self._planner = planner is not self._planner, planner
         self._problem(text)
         return deferred

@@ -16,15 +16,16 @@ def defer(
     manager: GoalManager,
     chosen: Sequence[Goal],
     why: str,
-    told: int,
+    published: int,
     executed: Sequence[Action],
     look: Callable[[], Any],
 ) -> Tuple[Planner, str]:
     """Let those of the ``chosen`` goals wait that are not in hand; if all are, the others; ``why`` is the reason.
 
     Cancelled goals end instead if nothing was done for them. Nothing was done for goals that came after the last of the
-    ``executed`` actions. Updates were published up to cycle ``told``. The search for others ends when ``look()`` is not
-    None. Returns the planner that goes on, and a text about the goals. Raises DisturbedError, with nothing changed.
+    ``executed`` actions. ``published`` is the cycle of the last reported update. The search for others ends when
+    ``look()`` is not None. Returns the planner that goes on, and a text about the goals. Raises DisturbedError, with
+    nothing changed.
     """
     first = max([planner.log.keep_from, *(action.cycle + 1 for action in executed)])
     fed = manager.fed
@@ -32,7 +33,7 @@ def defer(
     cancelled = [goal for goal in fresh if goal.cancelling]
     if cancelled:
         planner = planner.restarted(requests_of(cancelled))
-        manager.take_out(cancelled, told)
+        manager.take_out(cancelled, published)
         return planner, f"{why}: {len(cancelled)} of {len(fed)} goals are taken out, as they were cancelled"
     others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
     for goals in (chosen, others):
@@ -44,7 +45,7 @@ def defer(
         if gone:
             planner = planner.restarted(requests_of(gone))
             number = len({*fed, *gone})
-            manager.defer(gone, f"{number} goals were too much: {why}", told)
+            manager.defer(gone, f"{number} goals were too much: {why}", published)
             return planner, f"{why}: {len(gone)} of {number} goals wait"
     manager.queue.stay(chosen)
     return planner, f"{why}: the search goes on"

@@ -163,24 +163,24 @@ class Announcer:
     ``present`` reads what holds now out of answers.
 
     Attributes:
-        told: the cycle whose update was told last.
-        state: what holds now, None where that was never told.
+        published: the cycle of the last reported update.
+        state: what holds now, None if that was never reported.
 
     """
 
     def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
         self._tell, self._cycle, self._present = observer, cycle, present
         self.state: Optional[FrozenSet[Symbol]] = None
-        self.told = 0
+        self.published = 0
 
     def update(self, step: int, update: StreamUpdate) -> None:
         """Tell the update in force, the first of a step alone."""
-        if self.told < step:
+        if self.published < step:
             self.updates(step, [update])
 
     def updates(self, step: int, updates: Iterable[StreamUpdate]) -> None:
         """Tell all that leads to a step."""
-        self.told = step
+        self.published = step
         for update in updates:
             self._tell(UpdateSent(step, str(update.plain), str(update)))
 

@@ -167,22 +167,22 @@ class GoalManager:
         self.queue.found(seconds)
         self._admit()
 
-    def take_out(self, goals: Sequence[Goal], told: int) -> None:
-        """End cancelled goals that the program no longer has; updates were published up to cycle ``told``."""
-        self._withdraw(goals, told)
+    def take_out(self, goals: Sequence[Goal], published: int) -> None:
+        """End cancelled goals that the program no longer has; ``published`` is the cycle of the last reported update."""
+        self._withdraw(goals, published)
         for goal in goals:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
         self.queue.go_on()
 
-    def defer(self, goals: Sequence[Goal], why: str, told: int) -> None:
-        """Let goals wait that the program no longer has; updates were published up to cycle ``told``."""
-        self._withdraw(goals, told)
+    def defer(self, goals: Sequence[Goal], why: str, published: int) -> None:
+        """Let goals wait that the program no longer has; ``published`` is the cycle of the last reported update."""
+        self._withdraw(goals, published)
         self.queue.defer(goals)
         self._wait(goals, why)
 
-    def _withdraw(self, goals: Sequence[Goal], told: int) -> None:
-        published = requests_of(goal for goal in goals if (goal.request_cycle or 0) <= told + 1)
-        self._feeder.add_withdrawals(published)
+    def _withdraw(self, goals: Sequence[Goal], published: int) -> None:
+        known = requests_of(goal for goal in goals if (goal.request_cycle or 0) <= published + 1)
+        self._feeder.add_withdrawals(known)
 
     def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
         """Defer those goals of an update in force whose request is not among its heads: the solver had no time."""

@@ -89,7 +89,7 @@ class Batch(NamedTuple):
     @property
     def without_present_facts(self) -> StreamUpdate:
         """The same update without the facts stated for ``now``."""
-        return self.update.less(frozenset(one.atom for one in self.facts if one.told and _is_of_now(one.told)))
+        return self.update.less(frozenset(one.atom for one in self.facts if _is_of_now(one.sent)))
 
     @property
     def indispensable(self) -> StreamUpdate:
@@ -168,7 +168,7 @@ class LeftFacts:
             self._room = 2 * self._room if self._tries else None
         lost: List[Observation] = []
         for one in left:
-            key = one.told or one.atom
+            key = one.sent
             self._tries[key] = self._tries.get(key, 0) + (len(others) == 1)
             if self._tries[key] > 1:
                 self._rests[key] = math.inf  # the search has taken time: the rest begins at the next tick
@@ -195,7 +195,7 @@ class LeftFacts:
 
     def _drop(self, one: Observation) -> None:
         for table in (self._tries, self._rests):
-            table.pop(one.told or one.atom, None)
+            table.pop(one.sent, None)
 
 
 class InputFeeder:
@@ -275,7 +275,7 @@ class InputFeeder:
         """
         self.arrivals += 1
         known = self._facts.pop(atom, None) if _is_of_now(atom) else self._facts.get(atom)
-        fact = known or Observation(atom, cycle, origin=origin, told=atom)
+        fact = known or Observation(atom, cycle, origin=origin, original=atom)
         self._facts[atom] = fact._replace(message=message)
 
     def add_executed(self, actions: Iterable[Action]) -> None:
@@ -329,7 +329,7 @@ class InputFeeder:
         left = [one for one in batch.facts if not one.is_return and one.atom not in present]
         lost = self._left.taken(batch.facts, left, refused)
         for fact in frozenset(batch.facts).difference(left).union(lost):
-            self._facts.pop(fact.told or fact.atom, None)
+            self._facts.pop(fact.sent, None)
         for goal in batch.goals:
             goal.feed(batch.request_cycle)
         return lost
@@ -411,7 +411,7 @@ class InputFeeder:
         turns = _turns(facts)
         step += self._further_cycles(turns, step)
         dated = (self._dated(fact, step - turns.get(fact.atom, 0), over) for fact in facts)
-        seen = tuple(_in_order(sorted(dated, key=lambda fact: -turns.get(fact.told or fact.atom, 0)), done))
+        seen = tuple(_in_order(sorted(dated, key=lambda fact: -turns.get(fact.sent, 0)), done))
         items: List[Item] = [Over(over)] if over > 0 else []
         items += [Withdraw(one) for one in sorted(self._withdrawn)]
         items += [commitment(action.atom) for action in done]

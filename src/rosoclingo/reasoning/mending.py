@@ -63,7 +63,7 @@ class Change(NamedTuple):
         denied = f"that {was}" if was else "what was done and told before"
         now = f"taken for cycle {self.taken_as.arguments[-1]}" if self.taken_as is not None else "withheld"
         now += "".join(f", {action.atom} counts as not done" for action in one.actions)
-        return f"{one.told or one.atom}{origin} {'contradicts' if self.sure else 'may contradict'} {denied}: {now}"
+        return f"{one.sent}{origin} {'contradicts' if self.sure else 'may contradict'} {denied}: {now}"
 
 
 class Mend(NamedTuple):

@@ -12,19 +12,24 @@ MEMORY = 32
 
 
 class Observation(NamedTuple):
-    """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it may be about.
+    """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it can be about.
 
-    ``origin`` is the interface that told it, ``told`` the fact as it came, where that may be another;
-    ``outdated`` if it came too late, and was taken for the present. ``message`` is greater for a later message.
+    ``origin`` is the interface that sent it, ``original`` the fact as it was sent, None for the same. An ``outdated``
+    fact came too late and was redated to the present. ``message`` is greater for a later message.
     """
 
     atom: Symbol
     cycle: int
     actions: Tuple[Action, ...] = ()
     origin: str = ""
-    told: Optional[Symbol] = None
+    original: Optional[Symbol] = None
     outdated: bool = False
     message: int = 0
+
+    @property
+    def sent(self) -> Symbol:
+        """The fact as it was sent."""
+        return self.original or self.atom
 
     @property
     def facts(self) -> FrozenSet[Symbol]:
@@ -38,14 +43,15 @@ class Observation(NamedTuple):
 
     def record(self) -> Record:
         """Return the observation as a plain value."""
-        told = None if self.told is None else text_of(self.told)
-        return {**self._asdict(), "atom": text_of(self.atom), "actions": actions_to_text(self.actions), "told": told}
+        original = None if self.original is None else text_of(self.original)
+        symbols = {"atom": text_of(self.atom), "actions": actions_to_text(self.actions), "original": original}
+        return {**self._asdict(), **symbols}
 
     @classmethod
     def of_record(cls, record: Record) -> "Observation":
         """Return the observation of :meth:`record`."""
-        told = None if record["told"] is None else symbol_of(record["told"])
-        symbols = {"atom": symbol_of(record["atom"]), "actions": actions_of(record["actions"]), "told": told}
+        original = None if record["original"] is None else symbol_of(record["original"])
+        symbols = {"atom": symbol_of(record["atom"]), "actions": actions_of(record["actions"]), "original": original}
         return cls(**{**record, **symbols})
 
     def __str__(self) -> str:

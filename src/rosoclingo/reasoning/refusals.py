@@ -16,7 +16,7 @@ def refusals(answer: FrozenSet[Symbol], facts: Iterable[Observation]) -> Iterato
     for fact in facts if texts else ():
         if fact.atom in texts:
             yield (
-                f"'{fact.told or fact.atom}' from '{fact.origin}' is ignored: {text_of(texts[fact.atom])}",
+                f"'{fact.sent}' from '{fact.origin}' is ignored: {text_of(texts[fact.atom])}",
                 fact.origin,
             )
 

@@ -310,11 +310,11 @@ class ExecutionMonitor:
         """Remember the ``facts`` of an update that are ``present`` in it; others are new when they come again."""
         for fact in facts:
             if fact.atom not in present:
-                self._known.pop(fact.told or fact.atom, None)
+                self._known.pop(fact.sent, None)
             elif not fact.is_return:
                 self.observations.append(fact)
             if fact.outdated:
-                text = f"{fact.told} from interface {fact.origin} comes too late: it is taken as {fact.atom}"
+                text = f"{fact.sent} from interface {fact.origin} comes too late: it is taken as {fact.atom}"
                 self._tell(Problem(self._cycle(), text))
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:

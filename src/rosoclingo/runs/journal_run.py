@@ -241,7 +241,7 @@ class _Reader:
 
 def _told(state: State) -> int:
     """Return the cycle of the last update in force."""
-    return int(state["core"]["told"])
+    return int(state["core"]["published"])
 
 
 def _facts(update: StreamUpdate) -> List[str]:

@@ -255,7 +255,9 @@ WENT, TOOK = (action_of(parse_term(f"_action_lib({one},2)")) for one in ("go,den
     [
         (Change(SHUT, None), "_shut(d,2) contradicts what was done and told before: withheld"),
         (
-            Change(SHUT._replace(origin="door", told=parse_term("_shut(d,1)")), parse_term("_shut(d,5)"), sure=False),
+            Change(
+                SHUT._replace(origin="door", original=parse_term("_shut(d,1)")), parse_term("_shut(d,5)"), sure=False
+            ),
             "_shut(d,1) from interface door may contradict what was done and told before: taken for cycle 5",
         ),
         (Change(SHUT, None, (WENT,)), "_shut(d,2) contradicts that go(den) was done in cycle 2: withheld"),

@@ -178,7 +178,7 @@ def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
     monitor = monitor_of(events)
     low, high = parse_atom("_battery(low,2)"), parse_atom("_battery(high,2)")
     monitor.receive("meter", [str(low), str(high)])
-    facts = [Observation(low, 2, told=low), Observation(high, 2)]
+    facts = [Observation(low, 2, original=low), Observation(high, 2)]
     ended = parse_atom("_return(walk,a,1)")
     monitor.taken([*facts, Observation(ended, 1)], {low, ended})
     assert list(monitor.observations) == [facts[0]]
@@ -187,7 +187,7 @@ def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
     monitor.forget_all()
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low
-    monitor.taken([Observation(high, 2, origin="meter", told=low, outdated=True)], ())
+    monitor.taken([Observation(high, 2, origin="meter", original=low, outdated=True)], ())
     assert events[-1].message == f"{low} from interface meter comes too late: it is taken as {high}"
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low, "it is known by what was told"

@@ -128,7 +128,7 @@ class TrialCore(KeptCore):
     @property
     def next_step(self) -> int:
         """The step of the next update."""
-        return self._announce.told + 1
+        return self._announce.published + 1
 
     @property
     def updates(self) -> List[UpdateSent]:

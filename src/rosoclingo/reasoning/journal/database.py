@@ -17,7 +17,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Op
 NAME = "journal.db"
 
 #: The format that this version writes and reads, SQLite's ``user_version``.
-FORMAT = 5
+FORMAT = 6
 
 #: The tables. ``change`` is a JSON object: the sections to ``drop`` and the sections to ``set``.
 TABLES = (

@@ -84,7 +84,7 @@ class KeptCore(Core):
                 "step": self._step,
                 "waits": self._waits,
                 "improvable": self._improvable,
-                "told": self._announce.told,
+                "published": self._announce.published,
                 "lookahead": self._planner.lookahead,
                 "used_at": used_at,
             },
@@ -109,7 +109,7 @@ class KeptCore(Core):
     def _restore(self, record: Record) -> None:
         core, plan, latest = record["core"], record["plan"], record["latest"]
         self._started, self._step, self._waits = core["started"], core["step"], core["waits"]
-        self._improvable, self._announce.told = core["improvable"], core["told"]
+        self._improvable, self._announce.published = core["improvable"], core["published"]
         self._planner = self._planner.at(log_of(record))
         self._planner.lookahead = core["lookahead"]
         self._plan = None if plan is None else plan_of(plan)

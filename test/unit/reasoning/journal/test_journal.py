@@ -133,7 +133,7 @@ def test_one_changed_byte_of_the_log_leaves_no_state_that_never_was(killed, scra
         ("DELETE FROM record", "record 1 is missing"),
         ("UPDATE header SET program = 'other'", "the header is not as it was written"),
         ("DELETE FROM header", "the header is not as it was written"),
-        ("PRAGMA user_version = 99", "it is of format 99, this version reads 5"),
+        ("PRAGMA user_version = 99", "it is of format 99, this version reads 6"),
     ],
 )
 def test_what_has_changed_is_refused_at_its_record(folder, change, words):

@@ -98,7 +98,7 @@ def test_another_program(folder, left, resume):
             "UPDATE record SET change = replace(change, 'goal(2)', 'goal(3)')",
             "record 1 is not as it was written: start",
         ),
-        ("PRAGMA user_version = 1", "it is of format 1, this version reads 5: .*journal clear"),
+        ("PRAGMA user_version = 1", "it is of format 1, this version reads 6: .*journal clear"),
     ],
 )
 def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume, change, words):
