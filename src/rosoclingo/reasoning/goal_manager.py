@@ -168,14 +168,14 @@ class GoalManager:
         self._admit()
 
     def take_out(self, goals: Sequence[Goal], published: int) -> None:
-        """End cancelled goals that the program no longer has; ``published`` is the cycle of the last reported update."""
+        """End cancelled goals that the program no longer has; updates were reported up to the cycle ``published``."""
         self._withdraw(goals, published)
         for goal in goals:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
         self.queue.go_on()
 
     def defer(self, goals: Sequence[Goal], why: str, published: int) -> None:
-        """Let goals wait that the program no longer has; ``published`` is the cycle of the last reported update."""
+        """Let goals wait that the program no longer has; updates were reported up to the cycle ``published``."""
         self._withdraw(goals, published)
         self.queue.defer(goals)
         self._wait(goals, why)
