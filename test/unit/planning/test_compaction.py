@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from random_streams import PARTS, UPDATES, without_strangers
-from recorded_streams import STEPS, Planned
 from stream_logs import copied
 from stream_play import atoms, planner_of, play
 
@@ -368,19 +367,6 @@ def test_compaction_follows_an_improvement_without_result(cycles):
     assert first(drive(PlanSolver(PROGRAM, plan_time=0.0), cycles, 0, improves=True)) == cycles
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("offset", [-3, 0, 1, 3])
-@pytest.mark.parametrize("name", ["t", "T"])
-def test_compaction_includes_steps_with_actions_of_other_cycles(offset, name):
-    choice = f"{{ _action_lib(go,x,{name}+{offset}) }} :- now(T), t-1 < T, T <= t"
-    solver = planner_of(f"#program cumulative(t). now(t). {choice}. #program volatile(t).", models=0)
-    for cycle in range(1, 16):
-        answers = play(solver, f"#step {cycle} : 0. {past(cycle, (), 0)}").answers
-        assert len(answers) == (2 if 0 <= offset < cycle else 1), "each cycle is closed without an action"
-    assert first(solver) >= 14 - max(offset, 0)
-    assert name == "T" or len(solver.snapshot.closed) <= 6
-
-
 def test_facts_of_compacted_steps_come_too_late():
     """For a solver that has read the history of another one as well."""
     solver, reader = drive(PlanSolver(PROGRAM), 10, 2), PlanSolver(PROGRAM)
@@ -392,14 +378,6 @@ def test_facts_of_compacted_steps_come_too_late():
             "Head _request(goal(b,3),4) comes too late: steps before 8 are compacted",
         ]
         assert "blocked(11)" in atoms(result)
-
-
-def test_facts_that_later_steps_read_are_never_too_late():
-    solver = drive(PlanSolver(PROGRAM), 10, 2)
-    for step, items in ((11, "sees(x,3)."), (12, "#over 11."), (13, ""), (14, "")):
-        result = play(solver, f"#step {step}. {items}")
-        assert not result.warnings
-        assert f"seen(x,{step})" in atoms(result)
 
 
 # ---- Closed steps ----------------------------------------------------------------------------------------------------
@@ -489,65 +467,7 @@ def test_closed_steps_have_the_answers_of_steps_ground_together(moves, facts, bl
     assert found[:2] == found[2:]
 
 
-RETURNS = """
-#external _request/2. #external _return/3.
-#program cumulative(t).
-wanted(A,t) :- _request(A,t+1).
-wanted(A,t) :- wanted(A,t-1), not done(A,t-1).
-{ _action_lib(go,A,t) : wanted(A,t) } 1.
-failed(t) :- _action_lib(go,A,t), _return(go,V,t), V != A.
-done(A,t) :- _action_lib(go,A,t), not failed(t).
-#program volatile(t).
-:- wanted(A,t), not done(A,t).
-"""
-
-
-@pytest.mark.parametrize("built", [False, True])
-@pytest.mark.parametrize(("value", "again"), [("failed", True), ("a", False)])
-def test_return_is_accepted_after_several_cycles_are_closed(value, again, built):
-    solver = planner_of(RETURNS)
-    play(solver, "#step 1 : 9. _request(a,2).")
-    if built:
-        solver.restore(solver.log)
-    result = play(solver, f"#step 4 : 9. #closed 1..3. :- not _action_lib(go,a,1). _return(go,{value},1).")
-    assert result.warnings == ()
-    assert ("_action_lib(go,a,4)" in atoms(result)) == again
-    assert play(solver, "#step 5 : 9. #closed 4..4.").warnings == ()
-
-
 # ---- Between two updates ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_withdrawal_after_checkpoint_has_verdict_of_whole_history():
-    """And no package is picked up without its request, unless a correction names it."""
-    stream, items, asked, picked = Planned("mailbot", 102), [], set(), set()
-    compacting = stream.solver
-    whole = PlanSolver(compacting.program, log_limit=1000)
-    for step in range(1, 11):
-        items += stream.events()
-        stream.step = step
-        asked |= {parse_atom(one) for one in items if one.startswith("_request(goal")}
-        update = parse_update(f"#step {step} : {STEPS}. " + " ".join(f"{item}." for item in items) + " #endstep.")
-        result = compacting.update(replace(update, items=(Over(step - 4), *update.items)))
-        assert result.outcome is whole.update(update).outcome, str(update)
-        if result.outcome is not SolveOutcome.SATISFIABLE:
-            return
-        compacting.checkpoint()
-        for request in [one for one in asked if step % 2 == 0 and one.arguments[1].number > step - 3]:
-            verdicts = []
-            for solver in (compacting, whole):
-                other = PlanSolver(solver.program)
-                other.restore(solver.log.withdraw(frozenset([request])))
-                verdicts.append(other.solve().outcome)
-            assert verdicts[0] is verdicts[1], (str(update), str(request))
-            if str(request.arguments[0].arguments[-1]) in picked:
-                assert verdicts[0] is SolveOutcome.UNSATISFIABLE, (str(update), str(request))
-        items = stream.outcomes(result)
-        returned = [parse_atom(item) for item in items if item.startswith("_return(pickup")]
-        picked |= {str(one.arguments[1]) for one in returned} - {"1", "2", "777"}  # those that corrections name
-        assert whole.log.length > compacting.log.length
 
 
 class Trip:

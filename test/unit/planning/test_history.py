@@ -286,15 +286,6 @@ def test_history_has_the_update_of_an_interrupted_search():
     assert atoms(reader.solve()) == atoms(writer.solve()) == ["e(2)", "e(9)"]
 
 
-def test_history_checkpoint_keeps_strings():
-    solver = planner_of('#external said/1. known :- said("a b"). #cumulative t.')
-    play(solver, 'said("a b"). said(f("x",1)).')
-    answer = atoms(solver.solve())
-    solver.restore(cut(solver))
-    assert atoms(solver.solve()) == answer
-    assert "known" in answer
-
-
 def test_history_keeps_two_checkpoints_and_no_more():
     solver = planner_of(PROGRAM, log_limit=4)
     first = solver.log

@@ -61,16 +61,6 @@ def test_no_action_beyond_the_horizon(cycle):
             assert len(found.answers) == 2 ** len(possible)
 
 
-@pytest.mark.parametrize("rest", [0, 1])
-def test_no_action_beyond_the_horizon_if_few_steps_have_one(rest):
-    grounding = grounding_of(ACTIONS.format(cycle="T", rest=rf", T \ 2 = {rest}"), 2)
-    for last in (2, 5):
-        if last > 2:
-            grounding.grow_to(last)
-        for horizon in range(1, last + 1):
-            assert cycles(ask(grounding, horizon, horizon).answers) == set(range(2 - rest, horizon + 1, 2))
-
-
 def test_actions_of_one_rule_have_cycles_of_their_own():
     text = "#program cumulative(t). { _action_lib(go,x,2*t+(0..1)) }. #program volatile(t)."
     assert cycles(ask(grounding_of(text, 2), 2, 2).answers) == {2}

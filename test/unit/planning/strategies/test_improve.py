@@ -212,24 +212,6 @@ def test_predicted_updates_after_improve_need_no_search(searches):
     assert len(searches) == 9, "those of the comparison"
 
 
-@pytest.mark.slow
-def test_improve_uses_one_grounding_until_an_unpredicted_update(monkeypatch):
-    built, make = [], Grounding.__init__
-    monkeypatch.setattr(Grounding, "__init__", lambda *given, **named: built.append(1) or make(*given, **named))
-    solver = roomy("line", 30, [-4, 9])
-    for _ in range(3):
-        solver.update(news(solver))
-        idle(solver, 1)
-        built.clear()
-        assert solver.improve() is not None
-        assert built == []
-    idle(solver, 1)
-    past = (Closed(solver.step, solver.step), *map(commitment, at(solver.log.plan, solver.step, solver.step)))
-    solver.restore(solver.log.with_entries(AcceptedUpdate(StreamUpdate(items=past), solver.horizon)))
-    assert_answer(solver, solver.improve())
-    assert len(built) == 2, "a new one, and that of the comparison"
-
-
 def reread(solver):
     """Have the solver forget its answer, which the next update could leave as it is."""
     solver.restore(History.parse(solver.log.text()))

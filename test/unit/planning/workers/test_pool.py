@@ -11,9 +11,7 @@ from pathlib import Path
 
 import pytest
 from children import ended, kill, wait_until_prepared
-from core_journal import Journal
 from plain_walk import RUN
-from shipped import shipped
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -31,7 +29,6 @@ from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.planning.workers.worker import Worker
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, Halt, Outcome
 
 DATA = Path(__file__).parents[3] / "data"
 CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
@@ -320,52 +317,6 @@ def test_stop_while_worker_starts_lets_it_load():
         pid = pool.pid
         assert answers(fed(solver, "2.")) == [["c(1)", "e(1)"]]
         assert pool.pid == pid
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("world", ["office", "house"])
-def test_pool_keeps_its_worker_when_searches_are_stopped(world, monkeypatch):
-    monkeypatch.setattr(worker, "GROWTH", 2**60)  # none is replaced for its size
-    chance, speed, looks = random.Random(3), random.Random(3), [0]
-    program = shipped(*{"office": ["mailbot.lp", "office.lp"], "house": ["house.lp", "home.lp"]}[world])
-
-    def watch():
-        """Stop every other search, sooner or later."""
-        looks[0] = speed.choice([1, 1, 20, 30, 50, 10**9, 10**9])
-
-        def look():
-            looks[0] -= 1
-            return Halt("a goal was cancelled", disturbed=True) if looks[0] <= 0 else None
-
-        return look
-
-    def goal(number):
-        if world == "office":
-            return f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})"
-        return f"bring({chance.choice(['kitchen', 'study', 'bedroom'])},{chance.choice(['cup', 'book', 'tray'])})"
-
-    journal, number, unwanted = Journal(), 0, None
-    with WorkerPool(program, patience=600.0, grace=0.0, **PLANS) as pool:
-        pool.start()
-        core, pid = Core(program, lambda: ProcessSolver(pool), journal, CoreSettings(), watch), pool.pid
-        core.start()
-        while core.cycle < 40:
-            if len(core.live_goals) < 2:
-                number += 1
-                core.add_goal(str(number), goal(number))
-                unwanted = chance.random() < 0.2 and str(number)
-            elif unwanted in [one.key for one in core.live_goals]:
-                core.cancel_goal(unwanted)
-                unwanted = None
-            core.advance(0.0)
-            for action in core.awaited:
-                core.receive("test", [f"_return({action.interface},{action.parameter},{action.cycle})"])
-        assert pool.pid == pid
-    outcomes = [event.outcome for event in journal.of(GoalChanged) if event.outcome is not None]
-    assert outcomes.count(Outcome.SUCCEEDED) > len(outcomes) / 2
-    assert Outcome.ABORTED not in outcomes, "all goals that were not cancelled succeed"
-    assert any("the search was left" in problem for problem in journal.problems)
 
 
 # ---- Long streams ----------------------------------------------------------------------------------------------------
