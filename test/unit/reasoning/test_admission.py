@@ -57,11 +57,6 @@ def test_only_plans_for_new_goals_and_full_rooms_tell_that_there_may_be_more():
     assert slow.goals.queue.size == 4
 
 
-@pytest.mark.parametrize("seconds", [0.1, 1.33, 6.0])
-def test_a_room_that_is_not_full_stays_as_it_is_where_plans_take_no_longer_than_they_may(seconds):
-    assert crowd(3, search_timeout=10.0).plan(seconds).goals.queue.size == 8
-
-
 def test_without_a_limit_in_time_it_does_not_count_how_long_a_plan_takes():
     assert crowd(40).put_off(*range(9, 41)).plan(1000.0).goals.queue.size == 10
 
@@ -149,14 +144,6 @@ def test_a_goal_that_alone_is_too_much_lets_all_others_go_first():
     assert clients.end(1).served == [5]
 
 
-def test_what_was_in_vain_is_joined_once_there_is_a_plan_for_it():
-    clients = crowd(1)
-    assert clients.no_plan() == []
-    clients.add(2)
-    assert clients.served == [1]
-    assert clients.plan().served == [1, 2]
-
-
 def test_of_goals_that_were_in_vain_the_one_comes_first_that_was_least_often():
     clients = crowd(3, at_once=1)
     assert [clients.no_plan() for _ in range(4)] == [[1], [2], [], [3]]
@@ -189,15 +176,6 @@ def test_goals_that_were_in_vain_give_way_to_one_that_was_not():
     assert clients.served == [1, 2]
     assert queue.in_vain() == []
     assert [clients.no_plan(), clients.no_plan()] == [[2], [1]], "perhaps they can by now"
-
-
-def test_a_goal_gives_way_only_to_what_was_less_often_in_vain():
-    clients = crowd(2, at_once=1)
-    queue = clients.goals.queue
-    assert [clients.no_plan(), clients.no_plan()] == [[1], []]
-    assert (clients.served, queue.in_vain()) == ([2], []), "both were in vain once"
-    assert clients.no_plan() == [2]
-    assert (clients.served, queue.in_vain()) == ([1], []), "goal 2 was twice"
 
 
 # -- patience
@@ -427,17 +405,6 @@ def test_goals_that_were_taken_or_have_ended_are_not_left_out():
 
 
 # -- the record
-
-
-def test_requests_that_were_told_are_withdrawn_and_only_those():
-    clients = crowd(2).add(3)
-    clients.feed()
-    clients.step = 1
-    clients.put_off(2, 3)
-    assert clients.fed == ["g1"]
-    assert clients.feed() == ["#withdraw _request(go(2),2)"], "the update with goal 3 was never told"
-    assert clients.feed() == []
-    assert clients.waits(2) == clients.waits(3) == ["too much"]
 
 
 # -- searches that are left for what comes

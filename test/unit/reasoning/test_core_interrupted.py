@@ -123,14 +123,6 @@ def test_time_does_not_count_while_the_solver_is_made_ready():
     assert driver.journal.problems == []
 
 
-def test_the_first_search_may_be_left():
-    driver = Interrupted(start=False)
-    driver.halt = Halt("the test", disturbed=True)
-    driver.core.start()
-    driver.halt = None
-    assert driver.run().goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
-
-
 def test_the_first_search_that_was_left_is_made_again():
     text = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
     driver = Interrupted(text + "#external _request/2. #external _return/3.", start=False)
@@ -149,15 +141,6 @@ def test_the_first_search_may_be_dropped():
     assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
 
 
-def test_recovery_is_left_for_what_comes():
-    driver = Driver(watch=Leaving(3))
-    driver.core.add_goal("a", "do(never,1)")
-    assert driver.core.advance(1.0)
-    assert driver.states("a") == [], "without a plan, but not yet given up"
-    assert driver.run().states("a")[-1] == "aborted"
-    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
-
-
 def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
     text = ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n"
     driver = Driver(text, watch=Leaving(4))
@@ -166,22 +149,6 @@ def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
     assert driver.journal.problems == ["the search was left: the test"]
     assert driver.states("a") == [], "without a plan, but not yet given up"
     assert driver.run().states("a") == ["active", "aborted"]
-
-
-def test_a_goal_whose_update_is_dropped_waits_and_nothing_else():
-    driver = Interrupted().goal("a", "do(walk,1)")
-    driver.core.receive("interface", ["_return(walk,failed,1)", "_seen(sun)"])
-    driver.core.add_goal("b", "do(run,2)")
-    driver.drops = lambda update: "run" in str(update)
-    driver.run()
-    assert driver.states("b") == []
-    assert [one.waits for one in driver.feedback("b")] == ["the solver could not take it in time"]
-    assert any("update 2 is dropped: ended by the test" in problem for problem in driver.problems)
-    assert driver.awaited == ["_action_lib(walk,1,2)"], "the failure was heard"
-    driver.drops = lambda update: False
-    assert driver.finish().states("a")[-1] == "succeeded"
-    assert driver.states("b")[-1] == "succeeded"
-    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
 
 
 def test_a_goal_that_alone_is_dropped_rests_ever_longer():
@@ -255,34 +222,6 @@ def test_mending_is_left_for_what_comes():
     driver.core.add_goal("b", "do(run,2)")
     assert driver.run().finish().states("b")[-1] == "succeeded"
     assert "#withdraw _seen(end)." in "".join(driver.journal.updates)
-    check_replay(driver.program, driver.journal)
-
-
-def test_nothing_is_given_up_after_searches_without_end():
-    driver = Interrupted().goal("a", "do(walk,1)").finish()
-    driver.halt = Halt("the test")
-    for key, number in (("b", 2), ("c", 3), ("d", 4)):
-        driver.core.add_goal(key, f"do(run,{number})")
-        for _ in range(20):
-            assert driver.core.advance(driver.now), "the search goes on"
-    assert [driver.states(key) for key in "bcd"] == [[], [], []]
-    assert any("before the search was ended: the test" in problem for problem in driver.problems)
-    driver.halt = None
-    driver.run().finish()
-    assert [driver.states(key)[-1] for key in "bcd"] == ["succeeded"] * 3
-    assert driver.goal("e", "do(walk,5)").finish().states("e")[-1] == "succeeded"
-
-
-def test_a_solver_that_drops_everything_keeps_what_was_done():
-    driver = Interrupted().goal("a", "do(walk,1)")
-    driver.drops = lambda update: True
-    driver.facts("_return(walk,failed,1)", "_seen(sun)")
-    driver.drops = lambda update: False
-    driver.goal("b", "do(run,2)").finish()
-    assert driver.states("b")[-1] == "succeeded"
-    told = driver.journal.updates[1]
-    assert ":- not _action_lib(walk,1,1)." in told
-    assert "_return(walk,failed,1)." in told
     check_replay(driver.program, driver.journal)
 
 

@@ -63,13 +63,6 @@ def test_what_was_too_much_of_one_interface_is_counted():
     assert throttle.counted(2 * QUIET) == [f"90 more from 'arm' in a minute, the last: cycle 1: {'x' * 100}"]
 
 
-def test_the_same_said_again_is_counted():
-    throttle = LogThrottle()
-    said = [throttle.take(Problem(1, "17(2)", "arm"), 1000.0 + second) for second in range(5)]
-    assert said == ["cycle 1: 17(2)", "", "", "", ""]
-    assert throttle.counted(1000.0 + QUIET) == ["4 more of this kind in a minute, the last: cycle 1: 17(2)"]
-
-
 def test_what_was_too_much_of_the_cores_own_is_counted():
     throttle = LogThrottle()
     for number in range(MANY + 5):

@@ -49,13 +49,6 @@ def test_recovery_after_cycles_of_every_kind():
     assert driver.goal("e", "do(walk,7)").finish().states("e")[-1] == "succeeded"
 
 
-def test_goal_that_cannot_be_met_while_another_is_under_way():
-    driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").goal("bad", "do(never,3)")
-    driver.facts("_return(walk,failed,1)").finish()
-    assert driver.states("bad")[-1] == "aborted"
-    assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
-
-
 @pytest.mark.slow
 def test_what_is_said_of_a_goal_in_the_cycle_in_which_another_cannot_be_met_is_heard():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("a", "goal(office2,office2,3)")
@@ -85,12 +78,6 @@ def test_newer_goal_gives_way():
     driver = Driver(EXCLUSIVE).goal("a", "do(walk,1)").goal("b", "do(open,2)").goal("c", "do(lock,3)").finish()
     assert driver.states("c")[-1] == "aborted"
     assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
-
-
-def test_stream_stays_a_true_record():
-    driver = Driver().goal("a", "do(never,1)").goal("b", "do(walk,2)").finish()
-    steps = [text.split()[1] for text in driver.journal.updates]
-    assert steps == [f"{number}." for number in range(1, len(steps) + 1)]
 
 
 def test_program_that_does_not_understand_cancelling():

@@ -6,21 +6,6 @@ from goal_clients import Clients
 from rosoclingo.reasoning import GoalRefused, GoalState, Outcome
 
 
-def test_any_number_of_goals_is_with_the_program():
-    clients = Clients().add(*range(1, 8))
-    assert len(clients.feed()) == 7
-    assert clients.live == clients.fed == [f"g{number}" for number in range(1, 8)]
-
-
-@pytest.mark.parametrize("at_once", [1, 2, 3])
-def test_some_at_once(at_once):
-    clients = Clients(at_once=at_once).add(1, 2, 3, 4, 5)
-    assert len(clients.feed()) == at_once
-    assert clients.fed == ["g1", "g2", "g3"][:at_once]
-    assert len(clients.live) == 5
-    assert clients.feed() == []
-
-
 def test_the_end_of_one_lets_the_next_in():
     clients = Clients(at_once=2).add(1, 2, 3, 4)
     clients.feed()

@@ -5,7 +5,7 @@ import pytest
 from core_driver import Driver
 
 from rosoclingo.oclingo import parse_term
-from rosoclingo.reasoning import Goal, GoalEvent, TaskPlan, extract_plan
+from rosoclingo.reasoning import Goal, GoalEvent, extract_plan
 from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, Status, update_status
 
 
@@ -123,10 +123,6 @@ def test_programs_reason_in_pieces():
     )
 
 
-def test_accepted_goal_lives_without_a_plan():
-    assert judged("_status(1,accepted,5)").live
-
-
 def test_without_statuses_a_goal_is_met_when_nothing_is_left():
     assert judged("_action_lib(a,x,5)").state.value == "active"
     assert judged("_action_lib(a,x,4)").state.value == "succeeded"
@@ -151,10 +147,6 @@ def test_without_statuses_a_cancelled_goal_ends_when_nothing_is_left():
 )
 def test_before_the_requests_own_cycle(atoms, horizon, state):
     assert judged(*atoms, cycle=5, request_cycle=6, horizon=horizon).state.value == state
-
-
-def test_empty_plan():
-    assert TaskPlan().remaining(1) == ()
 
 
 def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():

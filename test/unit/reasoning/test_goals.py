@@ -121,13 +121,6 @@ def test_identity_is_unique_among_live_goals():
     assert driver.states("second")[-1] == "succeeded"
 
 
-def test_a_goal_that_nobody_has_looked_at():
-    one = goal()
-    assert (one.state, one.request_cycle, one.outcome) == (GoalState.PENDING, None, None)
-    assert (one.known, one.refused, one.overtaken, one.tries, one.message) == (False, False, 0, 0, "")
-    assert one.rests_until < -1e300
-
-
 @pytest.mark.parametrize("rests_until", [float("-inf"), 0.0, 12.5, float("inf")])
 def test_what_is_kept_of_a_goal(rests_until):
     one, twin = goal(), goal()
@@ -138,31 +131,6 @@ def test_what_is_kept_of_a_goal(rests_until):
     twin.restore(record)
     state = ["state", "request_cycle", "known", "refused", "overtaken", "together", "tries", "rests_until"]
     assert [getattr(twin, name) for name in state] == [getattr(one, name) for name in state]
-
-
-def test_refused_goals_reach_the_client_with_the_reason():
-    driver = Driver()
-    driver.goal("bad", "do(").goal("good", "do(walk,1)").goal("twin", "do(walk,1)")
-    assert "cannot be a goal" in driver.message("bad")
-    assert "taken" in driver.message("twin")
-    assert driver.finish().states("good") == ["active", "succeeded"]
-
-
-def test_program_without_requests_refuses_goals():
-    driver = Driver("#program cumulative(t).\n").goal("key", "do(walk,1)")
-    assert "declares no external _request/2" in driver.message("key")
-
-
-def test_identity_may_be_used_again_after_the_end():
-    text = """
-    #external _request/2. #external _return/3.
-    #program cumulative(t).
-    _action_lib(do,I,t) :- _request(go(I),t+1).
-    #program base.
-    #show _action_lib/3.
-    """
-    driver = Driver(text).goal("a", "go(1)").finish().goal("b", "go(1)").finish()
-    assert driver.states("a") == driver.states("b") == ["active", "succeeded"]
 
 
 @pytest.mark.parametrize(

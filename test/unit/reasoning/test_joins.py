@@ -130,15 +130,13 @@ def test_next_cycle_for_joining_is_nearer_after_each_success():
     world = World(delay=3).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
     while "4" not in world.fed:
         world.go_on()
-    far = world.core._ahead._cycles
-    world.standby.delay = 0
-    for number in range(5, 7):
-        world.ask((2, 3))
+    world.standby.delay, cycles = 0, []
+    for number in range(5, 8):
+        cycle = world.ask((2, 3)).core.cycle
         while str(number) not in world.fed:
             world.go_on()
-        assert world.core._ahead._cycles < far
-        far = world.core._ahead._cycles
-    assert far == 1
+        cycles.append(world.core.cycle - cycle)
+    assert cycles[0] > cycles[1] > cycles[2] == 1
     world.finish()
 
 

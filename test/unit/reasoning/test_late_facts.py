@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.reasoning import FactTaken, Halt
+from rosoclingo.reasoning import FactTaken
 
 ROOT = Path(__file__).resolve().parents[3]
 BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
@@ -85,33 +85,6 @@ def test_a_late_fact_that_was_taken_for_the_present_may_be_a_reason():
     assert driver.message("b") == "do(walk,2) cannot be met since _storm(3) was told in cycle 2"
 
 
-def test_a_late_fact_without_a_goal():
-    driver = Driver(DOORS).goal("a", "go(den,1)").finish()
-    driver.facts("_shut(den,0)").facts("_shut(den,0)")
-    assert len(driver.journal.problems) == 1, "told once"
-    assert driver.goal("b", "go(hall,2)").finish().states("b")[-1] == "succeeded"
-
-
-def test_a_late_fact_and_others_in_one_message():
-    driver = Driver(BATTERY).goal("a", "do(walk,1)").finish()
-    driver.core.receive("power", ["_battery(high,1)", "_battery(low,1)", "_battery(low,7)"])
-    driver.goal("b", "do(run,2)").finish()
-    assert driver.states("b")[-1] == "succeeded"
-    assert driver.journal.problems == [
-        "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: taken for cycle 3"
-    ]
-    assert all(
-        fact in driver.journal.updates[2] for fact in ("_battery(high,1).", "_battery(low,3).", "_battery(low,7).")
-    )
-
-
-def test_a_late_fact_while_a_goal_is_under_way():
-    driver = Driver(BATTERY).goal("a", "do(walk,1)").goal("b", "do(run,2)").facts("_battery(low,1)").succeed()
-    assert driver.finish().states("b")[-1] == "succeeded"
-    assert driver.states("a")[-1] == "succeeded"
-    assert len(problems(driver, "contradicts")) == 1
-
-
 def test_a_fact_that_makes_no_sense_at_present_is_withheld():
     driver = Driver(BATTERY + ":- _battery(low,t), t > 1.\n").goal("a", "do(walk,1)").finish()
     driver.core.receive("power", ["_battery(low,1)"])
@@ -119,19 +92,6 @@ def test_a_fact_that_makes_no_sense_at_present_is_withheld():
     assert driver.states("b")[-1] == "succeeded"
     assert driver.journal.problems == [
         "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: withheld"
-    ]
-
-
-def test_a_fact_that_nothing_can_follow_is_withheld():
-    driver = (
-        Driver(BATTERY + "#external _seen/1.\nended(t) :- _seen(end).\n:- ended(t).\n")
-        .goal("a", "do(walk,1)")
-        .facts("_seen(end)")
-    )
-    driver.facts("_return(walk,1,1)")
-    assert driver.states("a")[-1] == "succeeded"
-    assert driver.journal.problems == [
-        "_seen(end) from interface interface contradicts what was done and told before: withheld"
     ]
 
 
@@ -206,47 +166,6 @@ def test_the_house(fact):
     driver.goal("a", "bring(bedroom,newspaper)").finish().facts(fact)
     assert driver.goal("b", "bring(kitchen,newspaper)").finish().states("b")[-1] == "succeeded"
     assert len(driver.journal.of(FactTaken)) == 1
-
-
-def test_of_late_facts_each_is_taken_for_the_present_that_makes_sense_there():
-    text = BATTERY + ":- _battery(hot,t), t > 1.\n:- _battery(hot,1), _action_lib(_,_,1).\n"
-    driver = Driver(text).goal("a", "do(walk,1)").finish()
-    driver.core.receive("power", ["_battery(low,1)", "_battery(hot,1)"])
-    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
-    assert sorted(driver.journal.problems) == [
-        "_battery(hot,1) from interface power contradicts that walk(1) was done in cycle 1: withheld",
-        "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: taken for cycle 3",
-    ]
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_what_comes_late_is_doubted_before_what_is_of_now(order):
-    driver = Driver(DOORS + ":- _shut(red,1), _shut(blue,3).\n").goal("a", "go(den,1)").finish()
-    driver.core.receive("door", ["_shut(red,1)", "_shut(blue,3)"][::order])
-    driver.goal("b", "go(hall,2)").finish()
-    assert driver.states("b")[-1] == "succeeded"
-    assert len(driver.journal.problems) == 1
-    assert driver.journal.problems[0].startswith("_shut(red,1) from interface door contradicts what was done and told")
-
-
-@pytest.mark.parametrize(("fact", "action", "cycle"), [("_shut(den,0)", "den", 1), ("_shut(hall,2)", "hall", 3)])
-def test_the_action_that_can_not_have_been_is_named(fact, action, cycle):
-    driver = Driver(DOORS)
-    for number, room in enumerate(("den", "hall", "den", "hall")):
-        driver.goal(f"g{number}", f"go({room},{number})").finish()
-    done = [text for text in driver.journal.actions if f"go,{action}" in text]
-    assert f"_action_lib(go,{action},{cycle})" in done
-    driver.core.receive("door", [fact])
-    driver.goal("b", "go(den,9)").finish()
-    assert f"contradicts that go({action}) was done in cycle {cycle}: taken for" in driver.journal.problems[0]
-
-
-def test_where_time_is_over_it_is_not_said_to_be_sure():
-    driver = Driver(DOORS, watch_recovery=lambda: lambda: Halt("time is over")).goal("c", "go(den,2)").finish()
-    driver.core.receive("door", ["_shut(den,0)", "_shut(hall,0)"])
-    assert driver.goal("b", "go(hall,3)").finish().states("b")[-1] == "succeeded"
-    assert len(driver.problems) == 2
-    assert all("may contradict what was done and told before" in text for text in driver.problems)
 
 
 @pytest.mark.slow

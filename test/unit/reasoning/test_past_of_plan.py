@@ -52,12 +52,6 @@ def test_it_stays_when_everything_begins_anew():
     check_past(driver)
 
 
-def test_it_stays_when_there_is_no_plan():
-    driver = Driver().goal("a", "do(walk,1)").finish().goal("b", "do(never,2)")
-    assert driver.states("b")[-1] == "aborted"
-    check_past(driver)
-
-
 EVENTS = st.lists(
     st.one_of(
         st.tuples(st.just("goal"), st.sampled_from(["walk", "run", "quick", "never", "trap"])),

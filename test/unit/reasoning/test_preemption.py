@@ -102,13 +102,6 @@ def test_a_place_named_preempted_is_not_taken_for_reached():
     assert one.succeed().states("a")[-1] == "succeeded"
 
 
-def test_without_preempt_it_is_awaited():
-    one = driver(preempt=False).goal("a", "do(walk,1)").cancel("a")
-    assert preempted(one) == []
-    assert one.awaited == ["_action_lib(walk,1,1)"]
-    assert one.succeed().states("a")[-1] == "preempted"
-
-
 def test_an_action_that_is_still_wanted():
     one = driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").facts("_seen(ball)")
     assert preempted(one) == [], "another plan is as short, but none shorter"
@@ -132,12 +125,6 @@ def test_one_of_two_actions():
     assert one.awaited == ["_action_lib(drive,1,1)"]
     one.cancel("a")
     assert preempted(one) == ["_cancel(arm,1,1)", "_cancel(drive,1,1)"]
-
-
-def test_an_action_that_succeeds_all_the_same():
-    one = driver().goal("a", "do(walk,1)").cancel("a").facts("_return(walk,1,1)")
-    assert one.states("a")[-1] == "preempted"
-    assert one.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
 
 
 def test_a_shorter_way_opens():

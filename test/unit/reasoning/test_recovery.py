@@ -84,25 +84,6 @@ def test_what_was_told_long_before():
     assert driver.states("a")[-1] == "succeeded"
 
 
-def test_two_observations():
-    text = rooms().replace("barred(R) :- door(R,D), _shut(D).", "barred(hall) :- _shut(d), _shut(e).")
-    driver = Driver(text).facts("_shut(d)").facts("_shut(c)").facts("_shut(e)").goal("a", "reach(hall,1)")
-    assert (
-        driver.message("a")
-        == "reach(hall,1) cannot be met since _shut(d) was told in cycle 1 and _shut(e) was told in cycle 2"
-    )
-
-
-def test_two_goals():
-    driver = Driver(rooms(clashes=[("hall", "den")]))
-    driver.goal("a", "reach(attic,1)")
-    for key, text in (("b", "reach(hall,2)"), ("c", "reach(loft,3)"), ("d", "reach(den,4)")):
-        driver.core.add_goal(key, text)
-    driver.succeed().finish()
-    assert driver.message("d") == "reach(den,4) cannot be met together with reach(hall,2)"
-    assert [driver.states(key)[-1] for key in "abc"] == ["succeeded"] * 3
-
-
 def test_a_malformed_explanation_is_told():
     driver = Driver(rooms(words="_explain(I,R,soon(t)) :- asked(R,I,t)."))
     driver.goal("a", "reach(hall,1)").facts("_return(enter,blocked,1)")

@@ -9,7 +9,7 @@ from test_late_facts import BATTERY
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
-from rosoclingo.reasoning.keywords import LONGEST, action_of
+from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.observations import MEMORY, Observation
 from rosoclingo.reasoning.returns import EXECUTED, ExecutionMonitor
 
@@ -20,19 +20,6 @@ MOST_FACTS = 3
 def few_facts(monkeypatch):
     """Messages have few facts, to be quick."""
     monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_FACTS", MOST_FACTS)
-
-
-def test_as_many_facts_as_a_message_may_have():
-    driver = Driver().facts(*(f"_seen({number})" for number in range(MOST_FACTS)))
-    assert driver.problems == []
-    assert f"_seen({MOST_FACTS - 1})." in driver.journal.updates[0]
-
-
-def test_a_fact_as_long_as_it_may_be():
-    fact = '_seen("{}")'.format("x" * (LONGEST - len('_seen("")')))
-    driver = Driver().facts(fact)
-    assert driver.problems == []
-    assert fact in driver.journal.updates[0]
 
 
 def test_what_is_told_has_the_present_cycle_and_its_interface():
@@ -148,29 +135,6 @@ def test_what_is_under_way_done_and_told_goes_on_in_another_monitor():
         assert one.end_cycle() == actions
     assert twin.observations == monitor.observations
     assert twin.executed == monitor.executed == (walk, *actions)
-
-
-def test_when_time_jumps_back_the_wait_begins_anew():
-    monitor = monitor_of([])
-    monitor.begin(1, (action_of(parse_atom("_action_lib(walk,a,1)")),), 100.0)
-    for now, over in ((109.0, False), (20.0, False), (29.0, False), (30.0, True)):
-        monitor.expire(now, 10.0)
-        assert (monitor.awaited == ()) is over
-
-
-def test_so_many_facts_may_wait(monkeypatch):
-    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_WAITING", 2)
-    events = []
-    monitor = monitor_of(events)
-    monitor.receive("eye", ["_seen(a)", "_seen(b)", "_seen(c)"])
-    assert [type(one) for one in events] == [FactTaken, FactTaken, Problem]
-    assert "2 facts wait for the next update already" in events[-1].message
-
-
-def test_a_fact_may_not_be_longer():
-    events = []
-    monitor_of(events).receive("eye", ['_seen("{}")'.format("x" * (LONGEST - len('_seen("")') + 1))])
-    assert [f"write at most {LONGEST} characters" in one.message for one in events] == [True]
 
 
 def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():

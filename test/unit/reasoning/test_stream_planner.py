@@ -15,7 +15,6 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.oclingo.progression.updates import Over
-from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.question import Verdict
 from rosoclingo.planning.solver import PlanSolver
@@ -129,14 +128,6 @@ def test_a_dropped_search_names_the_reason_where_there_is_one():
     assert bench.planner.ended_by == ""
 
 
-def test_the_first_reason_counts():
-    bench = Bench(lookahead=200)
-    halts = iter([Halt("first")] + [Halt("later", disturbed=True)] * 1000)
-    planner = Planner(bench.make, 200, lambda: lambda: next(halts))
-    planner.update(parse_update("#step 1. _request(do(never,1),2). #endstep."))
-    assert planner.ended_by == "first"
-
-
 @pytest.mark.parametrize("kept", [True, False])
 def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
     bench = Bench()
@@ -154,15 +145,6 @@ def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
 def test_a_planner_beside_a_fresh_one():
     beside = Bench().planner.restarted()
     assert plan(beside.update(parse_update("#step 1. _request(do(walk,1),2). #endstep."))) == ["_action_lib(walk,1,1)"]
-
-
-def test_a_planner_beside_knows_all_but_what_is_left_out():
-    bench = Bench()
-    bench.update("#step 1. _request(do(walk,1),2).")
-    bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3). _return(walk,failed,1).")
-    assert plan(bench.planner.restarted().solve()) == plan(bench.planner.solve())
-    without = bench.planner.restarted(frozenset({parse_atom("_request(do(run,2),3)")}))
-    assert not any("run" in action for action in plan(without.update(parse_update("#step 2. #endstep."))))
 
 
 class Told:
@@ -392,14 +374,3 @@ def test_without_a_watch_a_search_takes_the_time_it_takes():
     planner = Planner(lambda: Told(asks=2, late=3), 8)
     assert planner.solve().outcome is SolveOutcome.SATISFIABLE
     assert planner.take(parse_update("#step 2. #endstep.")).outcome is SolveOutcome.SATISFIABLE
-
-
-def test_a_planner_beside_grounds_once_for_all_that_it_reads(monkeypatch):
-    bench = Bench()
-    bench.update("#step 1. _request(do(walk,1),2).")
-    made, ground = [], Grounding.__init__
-    monkeypatch.setattr(Grounding, "__init__", lambda *rest, **more: made.append(1) or ground(*rest, **more))
-    beside = bench.planner.restarted()
-    assert plan(beside.update(parse_update("#step 2. _request(cancel(1),2). #endstep."))) == []
-    assert len(made) == 1
-    assert plan(bench.planner.restarted().update(parse_update("#step 2. #endstep."))) != []

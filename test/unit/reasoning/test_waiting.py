@@ -100,24 +100,6 @@ def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     assert len(joins) < 12, "they join together"
 
 
-def test_the_number_at_once_is_a_limit_as_well():
-    driver = ask(BusyDriver(settings=CoreSettings(goals_at_once=2), most=9), 1, 2, 3).run()
-    assert driver.waits("g3") == ["2 goals at a time are planned for"]
-    assert not told(driver, 3)
-    driver.finish()
-    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
-
-
-def test_a_goal_that_waits_is_cancelled_at_once():
-    driver = ask(BusyDriver(most=2), 1, 2, 3, 4).run()
-    assert [goal.key for goal in driver.core.queue.waiting] == ["g3", "g4"]
-    driver.cancel("g4")
-    assert driver.states("g4") == ["recalling", "recalled"]
-    driver.finish()
-    assert not told(driver, 4)
-    assert [driver.states(f"g{number}")[-1] for number in (1, 2, 3)] == ["succeeded"] * 3
-
-
 def test_a_goal_that_was_active_stays_so_while_it_waits_and_is_cancelled_at_once():
     driver = ask(BusyDriver(most=4), 1, 2, 3, 4).run()
     driver.succeed()
@@ -141,14 +123,6 @@ def test_what_is_impossible_ends_with_its_proof_though_other_searches_are_cut():
     assert found.pop("g3") is Outcome.ABORTED
     assert driver.message("g3").startswith("do(never,3) cannot be met: there is no plan of at most")
     assert found == {f"g{number}": Outcome.SUCCEEDED for number in (1, 2, 4, 5)}
-
-
-def test_a_goal_that_alone_is_too_much_lets_others_go_first_and_then_has_more_time():
-    driver = BusyDriver(most=9, heavy={"g1": 4})
-    ask(driver, 1, 2, 3).run().finish()
-    assert driver.order() == ["g2", "g3", "g1"]
-    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
-    assert driver.core.queue.patience == 1, "after a plan the usual time is enough"
 
 
 def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
@@ -360,12 +334,3 @@ def test_a_goal_whose_search_never_ends_is_cancelled():
     assert driver.states("g9")[-1] == "recalled"
     assert driver.message("g9") == "do(walk,9) is cancelled before anything was done for it"
     assert ask(driver, 1).turns(6).ended() == {"g1"}
-
-
-def test_a_goal_that_something_was_done_for_stays_where_its_search_is_too_long():
-    driver = EndlessDriver(most=9)
-    ask(driver, 1, 2).turns(1)
-    driver.heavy = {"g2": 10**9}
-    driver.core.receive("interface", ["_return(walk,failed,1)"])
-    driver.turns(1)
-    assert driver.core.queue.waiting == [], "who knows whether it is in hand"
