@@ -232,12 +232,6 @@ def test_compaction_leaves_contradictions_that_can_be_withdrawn():
     assert play(solver, "#step 6 : 0. #withdraw e(2).").outcome is SolveOutcome.SATISFIABLE
 
 
-def test_compaction_leaves_externals_of_base_open():
-    solver = compact("#external door. #program cumulative(t). s(t) :- door, t > 7. #program volatile(t).", steps=7)
-    assert first(solver) == 6
-    assert atoms(play(solver, "#step 8. door.")) == ["door", "s(8)"]
-
-
 SEVERAL = "day(t). #external e(T) : day(T), T > t-3. c(T,t) :- e(T), day(T), T > t-3. "
 
 

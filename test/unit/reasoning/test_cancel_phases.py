@@ -157,36 +157,6 @@ def test_an_action_that_serves_another_goal_as_well_goes_on(preempt):
 
 
 @pytest.mark.slow
-def test_a_goal_that_cannot_be_met_is_told_in_the_programs_words():
-    office = Office().ask(3, 4, 1).until("move_base,office4").refuse("blocked").finish()
-    assert office.message("1") == (
-        "goal(office3,office4,1) cannot be met: office4 is unreachable"
-        " since the connection office3-office4 was blocked in cycle 4"
-    )
-    assert office.states("1")[-1] == "aborted"
-    assert office.world.places == {"1": "office3"}, "it is brought back"
-    assert office.ask(3, 4, 2).finish().states("2")[-1] == "succeeded", "asked again, it is tried again"
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize("tries", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
-def test_somebody_else_drives_the_robot(tries):
-    office = Office().ask(3, 2, 1)
-    for _ in range(min(tries, 3)):
-        assert "move_base" in office.awaited[0]
-        office.refuse("preempted")
-    if tries < 3:
-        assert office.finish().states("1")[-1] == "succeeded"
-        return
-    assert office.awaited == []
-    text = office.message("1")
-    assert text.startswith("goal(office3,office2,1) cannot be met: somebody else drives the robot since move_base("), (
-        text
-    )
-    assert office.ask(3, 2, 2).finish().states("2")[-1] == "succeeded", "asked again it tries again"
-
-
-@pytest.mark.slow
 @pytest.mark.once
 def test_what_the_core_ended_itself_is_counted_for_nobody():
     office = Office(preempt=True)
@@ -196,28 +166,3 @@ def test_what_the_core_ended_itself_is_counted_for_nobody():
     assert len(office.preempted) == 5
     assert office.ask(3, 2, 6).finish().states("6")[-1] == "succeeded"
     assert office.problems == []
-
-
-@pytest.mark.slow
-def test_put_down_failed_and_asked_for_again():
-    office = Office().ask(2, 3, 4).until("deliver")
-    for _ in range(3):
-        office.refuse("failed")
-    assert office.message("4").endswith("package 4 could not be put down at office3: failed")
-    office.goal("wrong", "goal(office1,office3,4)")
-    assert office.message("wrong").endswith("package 4 is on the robot, which picked it up at office2")
-    office.goal("again", "goal(office2,office1,4)").finish()
-    assert office.states("again")[-1] == "succeeded"
-    assert office.world.places["4"] == "office1"
-
-
-@pytest.mark.slow
-def test_cut_off_and_asked_for_again():
-    office = Office().ask(2, 3, 4).until("pickup").succeed()
-    for _ in range(3):
-        office.refuse("blocked") if office.awaited else None
-    assert office.states("4")[-1] == "aborted"
-    assert office.awaited[0].startswith("_action_lib(deliver,4") or office.awaited == []
-    office.finish().goal("again", "goal(office2,office1,4)").finish()
-    assert office.states("again")[-1] == "succeeded"
-    assert office.world.places["4"] == "office1"

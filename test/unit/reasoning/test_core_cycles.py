@@ -179,16 +179,6 @@ def test_where_it_stays_open_whether_there_is_an_answer_nothing_is_given_up_nor_
     assert driver.goal("c", "do(walk,3)").finish().states("c")[-1] == "succeeded"
 
 
-def test_a_search_that_is_cut_before_there_was_a_plan_is_made_again():
-    driver = Undecided()
-    driver.halts = lambda _update: True
-    driver.core.receive("interface", ["_seen(ball)"])
-    assert driver.core.advance(1.0)
-    assert driver.core.plan.actions == ()
-    driver.halts = lambda _update: False
-    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
-
-
 def test_a_plan_that_is_kept_is_put_off_by_the_cycles_in_which_nothing_was_done():
     watch = Leaving()
     driver = Undecided(watch=watch)

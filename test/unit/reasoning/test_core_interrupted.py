@@ -1,14 +1,11 @@
 """Searches that are ended: by what comes meanwhile, by time, by the loss of the solver's process."""
 
-from functools import partial
-
 from core_driver import ERRANDS, Driver, Leaving, shortest
-from mailbot_world import program as mailbot
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import DroppedError, NotReadyError
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings, Halt
+from rosoclingo.reasoning import Halt
 from rosoclingo.reasoning.input_feeder import PAUSE
 
 
@@ -223,33 +220,3 @@ def test_mending_is_left_for_what_comes():
     assert driver.run().finish().states("b")[-1] == "succeeded"
     assert "#withdraw _seen(end)." in "".join(driver.journal.updates)
     check_replay(driver.program, driver.journal)
-
-
-def test_goals_are_left_out_also_while_the_plan_for_others_is_a_better_one():
-    """What goes on with it, its update without them, took no search: it tells nothing of how long plans take."""
-    ends = []
-
-    def make(program):
-        solver = shortest(program, partial(Solver, plan_time=0.0))
-        solver.drops = lambda update: bool(ends) and "_request" in str(update)
-        return solver
-
-    program = mailbot(5, ((1, 2), (2, 3), (3, 4), (4, 5)), 1, 2)
-    driver = Driver(settings=CoreSettings(search_timeout=600.0), program=program, solver=make)
-    for number, errand in enumerate(["o2,o5", "o3,o4", "o5,o1", "o5,o1", "o4,o3", "o5,o2"], 1):
-        driver.core.add_goal(str(number), f"goal({errand},{number})")
-    driver.run()
-    improved = 0
-    while driver.core.improve(lambda: False):
-        improved += 1
-    assert improved
-    ends.append(True)
-    driver.core.add_goal("7", "goal(o3,o1,7)")
-    driver.succeed()
-    (waits,) = [one.waits for one in driver.feedback("7") if one.waits]
-    assert waits.startswith("the solver could not take it in time")
-    assert driver.core.queue.size == 6, "there is room for no more"
-    ends.clear()
-    while driver.core.awaited:
-        driver.succeed()
-    assert [driver.states(str(number))[-1] for number in range(1, 8)] == ["succeeded"] * 7

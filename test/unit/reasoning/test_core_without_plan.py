@@ -38,17 +38,6 @@ def test_only_the_goal_at_fault_ends():
     assert driver.states("a")[-1] == driver.states("c")[-1] == "succeeded"
 
 
-def test_recovery_after_cycles_of_every_kind():
-    driver = Driver().goal("a", "do(walk,1)").cancel("a").succeed()
-    driver.goal("b", "do(walk,2)").facts("_return(walk,failed,3)", "_seen(ball)").finish()
-    driver.goal("c", "do(run,3)").finish().goal("bad", "do(never,4)")
-    assert driver.states("bad")[-1] == "aborted"
-    assert driver.journal.problems == []
-    assert driver.goal("d", "do(walk,5)").finish().states("d")[-1] == "succeeded"
-    assert driver.goal("worse", "do(never,6)").states("worse")[-1] == "aborted"
-    assert driver.goal("e", "do(walk,7)").finish().states("e")[-1] == "succeeded"
-
-
 @pytest.mark.slow
 def test_what_is_said_of_a_goal_in_the_cycle_in_which_another_cannot_be_met_is_heard():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("a", "goal(office2,office2,3)")

@@ -309,12 +309,6 @@ def test_what_follows_from_the_facts_that_a_refutation_names_is_not_asked(ways):
             assert not any(conflict <= later for later in asked[number + 1 :]), conflict
 
 
-def test_all_questions_are_asked_of_one_planner():
-    world = World(4, "ab", conflicts=["3 a", "4 b"])
-    assert lost(world) == ["3 a", "4 b"]
-    assert len(world.without) == 2, "and one is the way on"
-
-
 def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
     world = World(4, conflicts=["1 2", "3 4", "1 4"])
     found = recover(world, world.question)

@@ -99,28 +99,8 @@ def test_malformed_statuses_of_cycles_that_are_over_are_told_no_more():
     assert [fault[:14] for fault in statuses.faults] == ["'_status(2,odd", "'_status(3,odd"]
 
 
-@pytest.mark.parametrize(
-    ("word", "state"),
-    [
-        ("accepted", "active"),
-        ("rejected", "rejected"),
-        ("succeeded", "succeeded"),
-        ("canceled", "recalled"),
-        ("aborted", "aborted"),
-    ],
-)
-def test_program_decides(word, state):
-    assert judged(f"_status(1,{word},5)", "_action_lib(a,x,6)").state.value == state
-
-
 def test_programs_reason_is_told():
     assert judged("_status(1,rejected(unknown_office(office9)),5)").message.endswith("go(1): unknown_office(office9)")
-
-
-def test_programs_reason_in_pieces():
-    assert judged('_status(1,aborted(("package ",3," is not at ",office2)),5)').message.endswith(
-        "go(1) up: package 3 is not at office2"
-    )
 
 
 def test_without_statuses_a_goal_is_met_when_nothing_is_left():

@@ -85,31 +85,12 @@ def test_a_late_fact_that_was_taken_for_the_present_may_be_a_reason():
     assert driver.message("b") == "do(walk,2) cannot be met since _storm(3) was told in cycle 2"
 
 
-def test_a_fact_that_makes_no_sense_at_present_is_withheld():
-    driver = Driver(BATTERY + ":- _battery(low,t), t > 1.\n").goal("a", "do(walk,1)").finish()
-    driver.core.receive("power", ["_battery(low,1)"])
-    driver.goal("b", "do(run,2)").finish()
-    assert driver.states("b")[-1] == "succeeded"
-    assert driver.journal.problems == [
-        "_battery(low,1) from interface power contradicts that walk(1) was done in cycle 1: withheld"
-    ]
-
-
 def test_a_fact_of_a_cycle_to_come_that_bites_when_it_has_come():
     text = BATTERY + "#external _must/1.\n:- _must(t), not _action_lib(rest,9,t).\n"
     driver = Driver(text).goal("r", "do(rest,9)").facts("_must(4)")
     for _ in range(3):
         driver.facts(f"_return(rest,failed,{driver.core.cycle})")
     assert driver.finish().states("r")[-1] == "succeeded"
-    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
-
-
-def test_returns_that_contradict_what_was_done_are_withheld():
-    driver = Driver(BATTERY + ":- _return(W,odd,t).\n").goal("a", "do(walk,1)").facts("_return(walk,odd,1)")
-    assert driver.message("a") == (
-        "do(walk,1) cannot be met since walk(1) returned odd in cycle 1, which contradicts the program"
-    )
-    assert problems(driver, "_return(walk,odd,1) from interface interface contradicts")
     assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
 
 

@@ -39,15 +39,6 @@ def test_the_atoms_of_the_cycle_and_those_without_a_time():
     assert reader.of(frozenset(), 3) == frozenset()
 
 
-def test_each_predicate_is_asked_for_once_and_an_answer_is_gone_through_once():
-    asked = []
-    reader = Present(lambda name, arity: asked.append((name, arity)))
-    answer = frozenset(map(parse_term, ["a(1)", "a(2)", "b"]))
-    for cycle in range(5):
-        reader.of(answer, cycle)
-    assert sorted(asked) == [("a", 1), ("b", 0)]
-
-
 @pytest.mark.parametrize(
     ("show", "terms"),
     [("", set()), ("#show lamp/1.", {"lamp(hall)", "lamp(yard)"}), ("#show on(L,(t)) : lit(L,t).", {"on(hall,now)"})],

@@ -49,17 +49,6 @@ def test_actions_that_time_out_are_told_one_by_one():
 
 
 @pytest.mark.parametrize(
-    ("parameter", "value"), [("timeout", "failed(timeout)"), ("failed(timeout)", "timeout"), ('"timeout"', "timeout")]
-)
-def test_an_action_that_times_out_is_never_a_success(parameter, value):
-    driver = Driver(settings=CoreSettings(horizon_limit=8, action_timeout=0.5)).goal("a", f"do(walk,{parameter})")
-    driver.now += 0.5
-    driver.run()
-    assert f"_return(walk,{value},1)." in driver.journal.updates[1]
-    assert driver.awaited == [f"_action_lib(walk,{parameter},2)"], "it is tried again"
-
-
-@pytest.mark.parametrize(
     ("parameter", "value"), [("failed", "failed(failed)"), ("lost", "failed(lost)"), ("a", "lost")]
 )
 def test_the_likely_failure_of_an_action_is_no_success(parameter, value):

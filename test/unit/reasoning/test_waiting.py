@@ -71,23 +71,6 @@ def test_the_last_plan_is_kept_where_it_still_is_one():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_there_is_slowly_room_for_more_goals_again():
-    """After searches that were cut; goals join once half of the room is free."""
-    driver = ask(BusyDriver(most=3), *range(1, 60)).run()
-    assert len(driver.core.queue.served) == 2
-    driver.most = 100
-    sizes = []
-    for _ in range(40):
-        driver.succeed()
-        sizes.append(driver.core.queue.size)
-    assert sizes == sorted(sizes)
-    assert len(set(sizes)) > 5
-    driver.finish()
-    assert len(ends(driver)) == 59
-
-
-@pytest.mark.slow
-@pytest.mark.once
 def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
     driver = ask(BusyDriver(most=99), *range(1, 60))

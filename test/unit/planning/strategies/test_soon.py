@@ -250,12 +250,6 @@ def test_soon_has_no_time_for_a_predicted_plan(news, searches):
     assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
-def test_soon_finds_the_best_answer_of_its_horizon():
-    text = "#program cumulative(t). { a(t) }. { b(t) }. #program volatile(t). :- not a(t). #minimize { 1,t : b(t) }."
-    result = PlanSolver(ReactiveProgram.from_text(text), plan_time=FOREVER).update(StreamUpdate(1))
-    assert [sorted(map(str, answer)) for answer in result.answers] == [["a(1)"]]
-
-
 def test_soon_takes_the_best_answer_that_was_found_in_time(monkeypatch):
     """To prove that fourteen pigeons in thirteen holes can't all sit alone takes for ever."""
     text = """

@@ -271,16 +271,6 @@ def test_a_disk_that_fails_is_told_and_tried_again(folder):
     assert folder.read().state == {"core": 6}
 
 
-def test_a_database_without_room_is_told_and_tried_again(folder):
-    journal = Journal(folder, HEADER, retry=0.0)
-    journal.write({"core": 1}, 0.0)
-    folder._connect().execute("PRAGMA max_page_count = 4")
-    journal.write({"core": "x" * 20000}, 1.0)
-    assert journal.fault == f"the journal {folder.path} cannot be written: database or disk is full"
-    journal.write({"core": "x" * 20000}, 2.0)
-    assert (journal.fault, folder.read().state) == ("", {"core": "x" * 20000})
-
-
 def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
     journal = Journal(folder, HEADER)
     journal.write({"core": 1}, 0.0)

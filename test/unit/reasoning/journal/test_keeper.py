@@ -231,18 +231,6 @@ def test_an_action_that_may_not_have_gone_out_is_still_awaited(start):
     assert [event.outcome for event in ends] == [Outcome.SUCCEEDED]
 
 
-def test_a_core_that_was_shut_down_in_order_cancels_what_its_program_knows(start):
-    node = start()
-    node.goal("a", "do(walk,1)")
-    node.core.leave("is given up: the core shuts down")
-    node.keeper.send()
-    assert [event.outcome for event in node.told if isinstance(event, GoalChanged)][-1] is Outcome.ABORTED
-    again = start()
-    again.succeed()
-    assert not again.core.awaited
-    assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
-
-
 #: Any number of errands at once; the program hears of the actions that are ended, and takes no other preemption.
 TOGETHER = (
     ERRANDS.replace("W != quick } 1.", "W != quick }.")
@@ -325,18 +313,6 @@ def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
     assert max(sizes) < 20 * max(states)
 
 
-@pytest.mark.slow
-def test_the_journal_stays_small(start, monkeypatch):
-    monkeypatch.setattr(folder, "RECORDS", 20)
-    node, records = start(), []
-    for number in range(30):
-        node.goal(str(number), f"do(quick,{number})").succeed()
-        records.append(node.folder.records)
-    assert any(after < before for before, after in zip(records, records[1:])), "it was written anew"
-    assert max(records) <= 20
-    assert size_of(node.folder) < 25 * len(json.dumps(node.on_disk))
-
-
 def kept(journal, now=lambda: 0.0):
     """A core that has not begun, its keeper, and what that lets out."""
     told = []
@@ -393,8 +369,3 @@ def test_what_is_wrong_with_the_journal_is_told(tmp_path):
     assert keeper.fault == ""
     assert place.read().state["client:a"] == Client("do(walk,1)", (1, 2)).record(), "though nothing has happened"
     keeper.close()
-
-
-def test_why_there_is_no_journal_is_told():
-    keeper = Keeper(lambda event: None, None, lambda: 0.0, fault="no journal is kept")
-    assert keeper.fault == "no journal is kept"

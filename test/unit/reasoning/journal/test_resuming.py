@@ -111,13 +111,6 @@ def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume, c
     assert found.odd, "another launch begins anew, and tells it"
 
 
-def test_two_cores(folder):
-    first = open_journal(folder, "ask", AGAIN)
-    with pytest.raises(JournalError, match="another core has the journal"):
-        open_journal(folder, "ask", AGAIN)
-    first.journal.close()
-
-
 def test_a_journal_that_cannot_be_read(folder):
     """It is refused, and the folder is free again."""
     (folder / "journal.db").mkdir(parents=True)
