@@ -35,11 +35,6 @@ class Office(Driver):
             self.succeed()
         raise AssertionError(f"{action} is never under way")
 
-    def refuse(self, reason):
-        """What is under way fails."""
-        action = self.core.awaited[0]
-        return self.facts(f"_return({action.interface},{reason},{action.cycle})")
-
     @property
     def preempted(self):
         return [str(one.cancellation) for event in self.journal.of(ActionsPreempted) for one in event.actions]
@@ -69,7 +64,7 @@ def test_driving_to_the_pickup(preempt):
     office = Office(preempt).ask(3, 2, 1).until("move_base,office3").cancel("1")
     assert office.preempted == (["_cancel(move_base,office3,2)"] if preempt else [])
     assert office.awaited == ["_action_lib(move_base,office3,2)"]
-    office.refuse("preempted") if preempt else office.succeed()
+    office.fail("preempted") if preempt else office.succeed()
     assert office.states("1")[-1] == "preempted"
     assert office.awaited == []
     assert office.world.robot == ("office2" if preempt else "office3")
@@ -82,7 +77,7 @@ def test_driving_to_the_pickup(preempt):
 def test_during_the_pickup(preempt, answer):
     office = Office(preempt).ask(3, 2, 1).until("pickup,1").cancel("1")
     assert office.preempted == (["_cancel(pickup,1,3)"] if preempt else [])
-    office = office.succeed() if answer == "success" else office.refuse(answer)
+    office = office.succeed() if answer == "success" else office.fail(answer)
     office.finish()
     assert office.states("1")[-1] == "preempted"
     assert office.world.places == {"1": "office3"}, "it is put back where it was"
@@ -93,7 +88,7 @@ def test_during_the_pickup(preempt, answer):
 def test_between_pickup_and_delivery(preempt):
     office = Office(preempt).ask(3, 1, 1).until("pickup,1").succeed().cancel("1")
     assert office.preempted == (["_cancel(move_base,office2,4)"] if preempt else [])
-    office = office.refuse("preempted") if preempt else office.succeed()
+    office = office.fail("preempted") if preempt else office.succeed()
     assert office.states("1")[-1] == "preempting", "its package has to be brought back"
     assert office.finish().states("1")[-1] == "preempted"
     assert office.world.places == {"1": "office3"}
@@ -108,7 +103,7 @@ def test_during_the_delivery(preempt):
 
 @PREEMPT
 def test_during_a_delivery_that_fails(preempt):
-    office = Office(preempt).ask(3, 2, 1).until("deliver,1").cancel("1").refuse("failed").finish()
+    office = Office(preempt).ask(3, 2, 1).until("deliver,1").cancel("1").fail("failed").finish()
     assert office.states("1")[-1] == "preempted"
     assert office.world.places == {"1": "office3"}
 
@@ -132,7 +127,7 @@ def test_together_with_a_failure(preempt, action):
 def test_twice_and_unknown_and_after_the_end(preempt):
     office = Office(preempt).ask(3, 2, 1).cancel("1").cancel("1").cancel("nobody")
     assert len(office.preempted) == preempt
-    office = office.refuse("preempted") if preempt else office.succeed()
+    office = office.fail("preempted") if preempt else office.succeed()
     before = office.states("1")
     assert office.cancel("1").states("1") == before
     assert sum(text.count("_request(cancel(") for text in office.journal.updates) == 1
@@ -161,7 +156,7 @@ def test_an_action_that_serves_another_goal_as_well_goes_on(preempt):
 def test_what_the_core_ended_itself_is_counted_for_nobody():
     office = Office(preempt=True)
     for package in range(1, 6):
-        office.ask(3, 2, package).cancel(str(package)).refuse("preempted")
+        office.ask(3, 2, package).cancel(str(package)).fail("preempted")
         assert office.states(str(package))[-1] == "preempted"
     assert len(office.preempted) == 5
     assert office.ask(3, 2, 6).finish().states("6")[-1] == "succeeded"

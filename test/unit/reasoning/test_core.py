@@ -13,9 +13,9 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings, GoalProgress, PlanMade, Problem
+from rosoclingo.reasoning import CoreSettings, GoalProgress, Problem
 from rosoclingo.reasoning.keywords import LONGEST
-from rosoclingo.reasoning.returns import DONE, MOST_FACTS
+from rosoclingo.reasoning.returns import MOST_FACTS
 
 #: Nothing can be done before cycle 4; goals ``wait(Id)``.
 WAIT = """
@@ -141,17 +141,6 @@ def test_waits_for_one_goal_do_not_count_for_the_next():
         driver.goal(f"g{number}", f"go({number})").finish()
     assert [driver.states(f"g{number}")[-1] for number in range(1, 6)] == ["succeeded"] * 5
     assert not any("put off" in problem for problem in driver.journal.problems)
-
-
-def test_a_plan_that_is_put_off_for_something_that_has_come_is_not_given_up():
-    core, journal = idle_core(Procrastinator)
-    core.add_goal("a", "do(walk,1)")
-    for cycle in range(1, 21):
-        assert core.advance(1.0)
-        if cycle % 4 == 0:
-            core.receive("interface", ["_seen(ball)"])
-    assert journal.problems == []
-    assert [goal.key for goal in core.live_goals] == ["a"]
 
 
 def test_a_plan_of_which_something_is_done_now_and_then_is_not_given_up():
@@ -358,16 +347,3 @@ def test_a_return_that_the_program_does_not_know_ends_the_action():
     assert driver.awaited == []
     assert driver.core.cycle == 3, "the next cycle begins, though there is nothing to feed"
     assert "declares no external _return/3" in driver.journal.problems[0]
-
-
-@pytest.mark.slow
-def test_of_what_is_done_the_last_actions_are_told():
-    driver = Driver()
-    for number in range(1, 2 * DONE + 1):
-        driver.goal(str(number), f"do(walk,{number})").finish()
-    driver.goal("last", f"do(run,{2 * DONE + 1})")
-    walks = [action for action in driver.journal.actions if "walk" in action]
-    run = [action for action in driver.journal.actions if "run" in action]
-    for event in (driver.journal.of(PlanMade)[-1], driver.feedback("last")[-1]):
-        assert [str(action.atom) for action in event.actions] == walks[-DONE:] + run
-    assert driver.feedback("last")[-1].position == DONE

@@ -267,6 +267,7 @@ def test_what_begins_anew_keeps_the_new_goals_only():
     driver = contradicted(Driver(IMPOSSIBLE))
     assert driver.message("c") == "do(rest,9) is given up: the program begins anew"
     assert driver.states("b") == []
+    assert sum(text.startswith("ERROR: ") for text in driver.problems) == 1
     assert driver.awaited == ["_action_lib(run,2,4)"]
     assert [" ".join(text.split()[1:-2]) for text in driver.journal.updates[2:]] == [
         "3. #anew.",

@@ -148,23 +148,6 @@ def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
     assert driver.run().states("a") == ["active", "aborted"]
 
 
-def test_a_goal_that_alone_is_dropped_rests_ever_longer():
-    driver = Interrupted()
-    driver.drops = lambda update: "run" in str(update)
-    driver.goal("a", "do(run,1)")
-    assert driver.awaited == []
-    for rest in (10.0, 20.0, 40.0):
-        told = len(driver.problems)
-        driver.now += rest - 1.0
-        assert len(driver.run().problems) == told
-        driver.now += 1.0
-        assert len(driver.run().problems) > told
-    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"
-    driver.drops = lambda update: False
-    driver.now += 80.0
-    assert driver.run().finish().states("a")[-1] == "succeeded"
-
-
 def test_one_that_comes_while_such_a_goal_is_tried_again_is_served_first():
     driver = Interrupted()
     driver.drops = lambda update: "run" in str(update)

@@ -43,13 +43,6 @@ def test_plans_of_many_answers_keep_no_symbols():
     assert len(gc.get_objects()) - before < 1000
 
 
-def test_plan_of_an_answer_has_its_dated_actions():
-    steps = [parse_atom(text) for text in ("_action_lib(a,b,1)", "_action_lib(a,b,2)", "_action_lib(a,b,c)", "seen(1)")]
-    assert Plan.from_atoms(steps, 2).actions == frozenset(steps[:2])
-    assert Plan.from_atoms(steps, 2).actions == frozenset(steps[:2]), "also the next time"
-    assert Plan.from_atoms(steps[1:], 2).actions == frozenset(steps[1:2])
-
-
 def test_texts_of_long_symbols_are_not_cached():
     long = [parse_atom("seen({}{})".format("x" * 50000, number)) for number in range(10)]
     gc.collect()

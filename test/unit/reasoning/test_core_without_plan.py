@@ -3,8 +3,6 @@
 import pytest
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.reasoning import Halt
-
 #: ``lock`` and ``open`` exclude each other.
 EXCLUSIVE = (
     ERRANDS
@@ -92,17 +90,3 @@ def test_program_without_any_answer_from_the_start():
     assert "no answer before any request" in driver.journal.problems[0]
     driver.facts("_seen(sun)").goal("a", "do(walk,1)").finish()
     assert driver.states("a")[-1] == "succeeded"
-
-
-def test_a_search_that_was_ended_is_no_proof():
-    searches = []
-
-    def watch():
-        """End the first search after the core has begun."""
-        searches.append(None)
-        return lambda: Halt("the test ends it") if len(searches) == 2 else None
-
-    driver = Driver(watch=watch).goal("a", "do(never,1)")
-    assert any("no plan was found before the search was ended: the test ends it" in one for one in driver.problems)
-    assert driver.message("a") == "do(never,1) cannot be met: there is no plan of at most 8 steps"
-    assert driver.goal("b", "do(walk,2)").finish().states("b")[-1] == "succeeded"

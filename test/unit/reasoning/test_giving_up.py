@@ -13,7 +13,7 @@ from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Verdict
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.recovery import FEW, Question, first_found, is_answerable, recover
+from rosoclingo.reasoning.recovery import FEW, Question, is_answerable, recover
 from rosoclingo.reasoning.stream_planner import Halt
 
 #: The cycle that is to start.
@@ -275,29 +275,6 @@ def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
     assert lost(World(3, conflicts=["3"], steps={"3": STEPS + 1})) == ["3"]
 
 
-@pytest.mark.parametrize(("conflict", "questions"), [("3", 3), ("1 3", 6), ("1 2 3", 6)])
-def test_once_the_least_conflict_is_known_no_more_time_is_needed_to_give_up(conflict, questions):
-    steps = len(conflict.split()) * STEPS
-    world = World(3, conflicts=[conflict], time=questions)
-    world.lookahead = steps
-    assert lost(world)[0].startswith("3")
-    world = World(3, conflicts=[conflict], time=questions - 1)
-    world.lookahead = steps
-    with pytest.raises(UndecidedError):
-        recover(world, world.question)
-
-
-def test_no_question_is_asked_twice():
-    """Only what is found is planned in the end."""
-    for conflicts in (["1 2"], ["1 3"], ["1", "2", "3"], ["1 2", "2 3"], ["1 2 3"]):
-        world = World(3, conflicts=conflicts)
-        world.lookahead = max(len(one.split()) for one in conflicts) * STEPS
-        lost(world)
-        *asked, planned = world.asked
-        assert len(asked) == len(set(asked)), asked
-        assert planned in asked
-
-
 @pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])
 def test_what_follows_from_the_facts_that_a_refutation_names_is_not_asked(ways):
     world = World(8, "ab", conflicts=["5 a", "6", "7", "8"], cores=True, ways=ways)
@@ -336,20 +313,3 @@ def test_time_for_the_fewest_goals_and_time_for_the_reasons(observations, time, 
 
 def test_a_reason_that_is_not_found_out_is_not_sure():
     assert lost(World(3, "a", conflicts=["1 3 a"], slow_without={"a": "13"})) == ["3? 1"]
-
-
-@pytest.mark.parametrize(
-    ("gives", "found"),
-    [("a", "a"), (" a", "a"), ("?a", "a"), ("ab?", "a"), ("", None), ("  ", None), ("? ", "?"), (" ?", "?")],
-)
-def test_the_first_that_gives_something(gives, found):
-    def find(one):
-        if one == "?":
-            raise UndecidedError
-        return one.strip() or None
-
-    if found == "?":
-        with pytest.raises(UndecidedError):
-            first_found(gives, find)
-    else:
-        assert first_found(gives, find) == found

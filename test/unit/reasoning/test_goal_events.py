@@ -76,14 +76,6 @@ def test_the_table_is_whole():
     assert live == {state.value for state in set(GoalState) - TERMINAL}
 
 
-def test_cancelled_before_it_was_fed():
-    manager, goal, told = a_goal("pending")
-    goal.forget()
-    manager.cancel("key")
-    manager.cancel("key")
-    assert [one.state.value for one in told] == ["recalling", "recalled"]
-
-
 def test_outcomes_are_those_of_the_page():
     for outcome in Outcome:
         assert f"`{outcome.name}` {int(outcome)}" in PAGE

@@ -5,8 +5,6 @@ from pathlib import Path
 import pytest
 from core_driver import ERRANDS, Driver
 
-from rosoclingo.reasoning import FactTaken
-
 ROOT = Path(__file__).resolve().parents[3]
 BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
 
@@ -109,17 +107,6 @@ def test_a_cancel_that_contradicts_the_past():
     assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
 
 
-def test_what_was_done_can_not_be():
-    """Where it is neither goals nor observations, all begins anew, and says so."""
-    driver = Driver(BATTERY + ":- _action_lib(walk,1,t-2).\n").goal("a", "do(walk,1)").finish()
-    driver.goal("b", "do(run,2)").finish()
-    assert driver.states("b")[-1] == "succeeded"
-    assert len(problems(driver, "ERROR")) == 1
-    assert problems(driver, "begins anew")
-    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
-    assert any("#anew." in text for text in driver.journal.updates)
-
-
 @pytest.mark.slow
 @pytest.mark.once
 def test_facts_of_cycles_long_over_are_taken_for_the_present():
@@ -135,18 +122,6 @@ def test_facts_of_cycles_long_over_are_taken_for_the_present():
         == "_battery(low,3) from interface power comes too late: it is taken as _battery(low,261)"
     )
     assert driver.finish().states("b")[-1] == "succeeded"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "fact",
-    [pytest.param("_blocked(hallway,living_room,1)", marks=pytest.mark.slow), "_blocked(hallway,living_room,now)"],
-)
-def test_the_house(fact):
-    driver = Driver.of_shipped("house.lp", "home.lp")
-    driver.goal("a", "bring(bedroom,newspaper)").finish().facts(fact)
-    assert driver.goal("b", "bring(kitchen,newspaper)").finish().states("b")[-1] == "succeeded"
-    assert len(driver.journal.of(FactTaken)) == 1
 
 
 @pytest.mark.slow

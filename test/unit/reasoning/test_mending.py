@@ -211,19 +211,6 @@ def test_nothing_helps():
     assert world.asked == ["_request(go(1),6) go(w)"], "the last update's answer is known, and requests are no cancels"
 
 
-@pytest.mark.parametrize(
-    ("world", "asked"),
-    [
-        (World("_a(5)", ["_a(5)"]), ["", ""]),
-        (World("_a(2)", ["_a(2)"]), ["", "_a(5)", "_a(5)"]),
-        (World("_next(4)", ["_next(4)"]), ["", ""]),  # it is taken for the present already
-    ],
-)
-def test_as_few_searches_as_there_need_be(world, asked):
-    mend(world, world.case)
-    assert world.asked == asked
-
-
 def test_of_many_facts_each_is_tried_once():
     facts = [f"_a({number})" for number in range(10, 22)]
     world = World(" ".join([*facts, "_b(5)"]), facts)

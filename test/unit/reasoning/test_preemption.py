@@ -173,25 +173,6 @@ def test_a_solver_that_refuses_the_thought():
     assert one.succeed().states("a")[-1] == "preempted"
 
 
-def test_it_thinks_when_something_has_come_and_only_then():
-    searches = []
-    one = driver(watch=lambda: searches.append(1) or (lambda: None))
-    one.goal("a", "do(walk,1)")
-    before = len(searches)
-    assert before == 2, "the first one and the goal's: of what has just gone out none is made"
-    one.run().run()
-    assert len(searches) == before, "nothing has come"
-    one.facts("_seen(ball)")
-    after = len(searches)
-    assert after > before
-    one.run().run()
-    assert len(searches) == after
-    one.cancel("a")
-    after = len(searches)
-    one.facts("_seen(dog)")
-    assert len(searches) == after, "none is left that may be unwanted"
-
-
 def test_a_program_that_does_not_know_the_return():
     text = ERRANDS.replace("#external _return/3.", "#external _return(walk,(1;failed),1..9).")
     one = driver(text).goal("a", "do(walk,1)").cancel("a")

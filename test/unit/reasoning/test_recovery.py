@@ -118,16 +118,6 @@ def test_what_was_withheld_is_no_reason_either_where_time_is_over():
     assert driver.message("a") == "reach(hall,1) cannot be met since _shut(d) was told in cycle 1"
 
 
-@pytest.mark.slow
-def test_the_same_in_a_solver_process():
-    program = ReactiveProgram.from_text(rooms(words=WORDS))
-    with WorkerPool(program, shortest=True) as process:
-        driver = Driver(program=program, solver=lambda _program: ProcessSolver(process))
-        driver.goal("a", "reach(hall,1)").goal("b", "reach(den,2)").facts("_return(enter,blocked,1)").finish()
-    assert driver.message("a").endswith("hall is unreachable since the way to hall was blocked in cycle 1")
-    assert driver.states("b")[-1] == "succeeded"
-
-
 ROOM_NAMES = ("hall", "den", "attic", "loft")
 INSTANCES = st.fixed_dictionaries(
     {

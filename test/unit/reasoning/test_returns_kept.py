@@ -160,22 +160,6 @@ def test_a_failure_is_told_though_a_fact_of_its_message_is_too_costly():
     assert driver.goal("b", "fetch(mug,2)").finish().states("b")[-1] == "succeeded"
 
 
-def test_a_cancel_in_an_update_that_is_dropped_comes_all_the_same():
-    fates = Fates(["taken", "taken", "taken", *["dropped"] * 4])
-    driver = Driver(program=PROGRAM, solver=fates.solver)
-    driver.core.add_goal("a", "fetch(cup,1)")
-    driver.goal("b", "fetch(mug,2)")
-    key, other = ("a", "b") if "cup" in driver.awaited[0] else ("b", "a")
-    driver.core.cancel_goal(other)
-    driver.succeed()
-    go_on(driver)
-    driver.now += 11.0
-    driver.run().finish()
-    assert driver.states(key)[-1] == "succeeded"
-    assert driver.states(other)[-1] == "preempted"
-    assert len(driver.journal.actions) == 1
-
-
 def test_a_return_that_the_solver_refuses_is_left_out_with_its_action():
     fates = Fates()
     driver = Driver(program=PROGRAM, solver=fates.solver).goal("a", "fetch(cup,1)")

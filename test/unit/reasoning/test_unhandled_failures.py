@@ -93,19 +93,6 @@ def test_goals_that_do_not_need_the_failed_action_go_on(program):
     assert len(done) == 2, "each was fetched"
 
 
-def test_a_goal_whose_last_action_failed_is_aborted(program):
-    driver = Driver(program)
-    for key, goal in (("a", "fetch(cup,1)"), ("b", "fetch(mug,2)")):
-        driver.core.add_goal(key, goal)
-    driver.run().succeed()
-    failed = str(driver.core.awaited[0].parameter)
-    driver.fail("failed").finish()
-    assert {key: driver.states(key)[-1] for key in "ab"} == {
-        "a": "aborted" if failed == "cup" else "succeeded",
-        "b": "aborted" if failed == "mug" else "succeeded",
-    }
-
-
 def test_an_action_that_never_returns_has_failed(program, name):
     driver = Driver(program, CoreSettings(horizon_limit=8, action_timeout=10.0)).goal("a", "fetch(cup,1)")
     driver.now = 20.0
