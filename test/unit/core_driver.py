@@ -1,12 +1,12 @@
 """Drives the pure core in tests: small programs, a journal, and returns on demand."""
 
 from pathlib import Path
-from typing import Callable, List, Optional
+from typing import Any, Callable, List, Optional
 
 from core_journal import Journal
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo import ReactiveProgram, SolverError, SolveResult, StreamUpdate
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Halt, Problem
@@ -165,3 +165,27 @@ class Driver:
     def feedback(self, key: str) -> List[GoalProgress]:
         """The feedback that a goal got."""
         return [event for event in self.journal.of(GoalProgress) if event.key == key]
+
+
+class FaultyDriver(Driver):
+    """A driver whose solvers raise the error that ``fault`` returns for an update, in place of taking it."""
+
+    def __init__(self, text: str = ERRANDS, settings: Optional[CoreSettings] = None, **others: Any) -> None:
+        super().__init__(text, settings, solver=self._make, **others)
+
+    def fault(self, update: StreamUpdate) -> Optional[SolverError]:
+        """Return the error, None to take the update."""
+
+    def _make(self, program: ReactiveProgram) -> PlanSolver:
+        driver = self
+
+        class FaultySolver(PlanSolver):
+            def update(self, update: StreamUpdate, stopped: Any = None) -> SolveResult:
+                error = driver.fault(update)
+                if error is None:
+                    return super().update(update, stopped)
+                if stopped is not None:
+                    stopped()
+                raise error
+
+        return shortest(program, FaultySolver)

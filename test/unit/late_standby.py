@@ -43,6 +43,6 @@ class _Solver(PlanSolver):
     def has_prefetched(self, update, stopped=None):
         return self._standby.has((update, self.log.key), self.log.step)
 
-    def _search(self, update, *watches):
-        self._standby.searches += not self.has_prefetched(update)
-        return super()._search(update, *watches)
+    def update(self, update, *watches):
+        self._standby.searches += not (self.predicts(update) or self.has_prefetched(update))
+        return super().update(update, *watches)

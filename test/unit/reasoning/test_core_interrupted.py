@@ -1,6 +1,6 @@
 """Searches that are ended: by what comes meanwhile, by time, by the loss of the solver's process."""
 
-from core_driver import ERRANDS, Driver, Leaving, shortest
+from core_driver import ERRANDS, Driver, FaultyDriver, Leaving, shortest
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import DroppedError, NotReadyError
@@ -9,31 +9,15 @@ from rosoclingo.reasoning import Halt
 from rosoclingo.reasoning.input_feeder import PAUSE
 
 
-class Solver(PlanSolver):
-    """Drops, in place of searching, each update for which ``drops(update)``; ``halts`` are asked for first."""
-
-    drops = staticmethod(lambda update: False)
-
-    def update(self, update, stopped=None):
-        if self.drops(update):
-            if stopped is not None:
-                stopped()
-            raise DroppedError("ended by the test")
-        return super().update(update, stopped)
-
-
-class Interrupted(Driver):
+class Interrupted(FaultyDriver):
     """A driver whose searches end as soon as ``halt`` is set, and are dropped where ``drops`` says so."""
 
     def __init__(self, text=ERRANDS, start=True):
-        self.halt = None
-        self.drops = lambda update: False
-        super().__init__(text, solver=self._make, watch=lambda: lambda: self.halt, start=start)
+        self.halt, self.drops = None, lambda update: False
+        super().__init__(text, watch=lambda: lambda: self.halt, start=start)
 
-    def _make(self, program):
-        solver = shortest(program, Solver)
-        solver.drops = lambda update: self.drops(update)
-        return solver
+    def fault(self, update):
+        return DroppedError("ended by the test") if self.drops(update) else None
 
     def once(self):
         """Advance once, with a search that is left for what comes."""

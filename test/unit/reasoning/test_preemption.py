@@ -1,9 +1,8 @@
 """With preempt, an action under way that the new plan does not want is ended at once; any other is awaited as ever."""
 
-from core_driver import ERRANDS, Driver, shortest
+from core_driver import ERRANDS, Driver, FaultyDriver
 
 from rosoclingo.oclingo import SolverError
-from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import ActionsPreempted, CoreSettings, Halt
 
 #: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
@@ -157,17 +156,9 @@ def test_no_plan_begins_in_the_past():
     assert preempted(one) == [], "a side in cycle 1 would be half the way"
 
 
-class Strict(PlanSolver):
-    """Takes nothing in which something was preempted."""
-
-    def update(self, update, stopped=None):
-        if "preempted" in str(update):
-            raise SolverError("not this one")
-        return super().update(update, stopped)
-
-
 def test_a_solver_that_refuses_the_thought():
-    one = driver(solver=lambda program: shortest(program, Strict))
+    one = FaultyDriver(settings=CoreSettings(horizon_limit=8, preempt=True))
+    one.fault = lambda update: SolverError("not this one") if "preempted" in str(update) else None
     one.goal("a", "do(walk,1)").cancel("a")
     assert preempted(one) == []
     assert one.succeed().states("a")[-1] == "preempted"

@@ -4,13 +4,12 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
-from core_driver import ERRANDS, Driver, Leaving
+from core_driver import ERRANDS, Driver, FaultyDriver, Leaving
 from stream_replay import check_replay
 from test_core import Procrastinator
 from test_late_facts import BATTERY
 
 from rosoclingo.oclingo import DroppedError, SolverError
-from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import Core, CoreSettings, Halt
 from rosoclingo.reasoning.situations import Situation
 
@@ -30,39 +29,27 @@ wanted(I,t) :- wanted(I,t-1), not _action_lib(arm,I,t-1), not _request(cancel(I)
 """
 
 
-class Solver(PlanSolver):
-    """Raises the error that ``fault`` gives for an update, if any."""
-
-    def __init__(self, program, driver):
-        super().__init__(program)
-        self._driver = driver
-
-    def update(self, update, stopped=None):
-        error = self._driver.fault(update)
-        if error is not None:
-            self._driver.calls.append(f"{'search' if update.bound else 'take'} {text_of(update)}")
-            raise error
-        return super().update(update, stopped)
-
-
 def text_of(update):
     """The update in one line, without its bound, and what it says of the past."""
     return " ".join(str(update.plain).split()[1:-2])
 
 
-class FaultyDriver(Driver):
-    """A core whose solver raises errors: ``fault`` gives that for an update, ``calls`` are the updates in question."""
+class FailingDriver(FaultyDriver):
+    """A core whose solver raises errors; ``calls`` are the updates in question."""
 
-    def __init__(self, text=ERRANDS):
-        self.fault, self.calls = lambda update: None, []
-        super().__init__(text, solver=lambda program: Solver(program, self))
+    def __init__(self):
+        self.calls = []
+        super().__init__()
 
     def failing(self, error, *words, search=False):
         """From now on updates with one of the ``words`` raise an error, with ``search`` only if they look ahead."""
 
         def fault(update):
-            wanted = not words or any(word in text_of(update) for word in words)
-            return error("no") if wanted and (update.bound or not search) else None
+            text = text_of(update)
+            if (words and not any(word in text for word in words)) or (search and not update.bound):
+                return None
+            self.calls.append(f"{'search' if update.bound else 'take'} {text}")
+            return error("no")
 
         self.fault = fault
         return self
@@ -70,7 +57,7 @@ class FaultyDriver(Driver):
 
 def busy(driver=None):
     """Goal a is under way; it returns success together with a new goal and a fact."""
-    driver = driver or FaultyDriver()
+    driver = driver or FailingDriver()
     driver.goal("a", "do(walk,1)")
     driver.core.add_goal("b", "do(run,2)")
     driver.core.receive("interface", ["_return(walk,failed,1)", "_seen(sun)"])
@@ -117,7 +104,7 @@ WAYS = {
     ],
     S.DROPPED: [
         lambda: busy().failing(DroppedError, "do(run").run(),
-        lambda: FaultyDriver().failing(DroppedError, "do(run", search=True).goal("b", "do(run,2)"),
+        lambda: FailingDriver().failing(DroppedError, "do(run", search=True).goal("b", "do(run,2)"),
         lambda: busy().failing(DroppedError, "do(run", "_seen").run(),
         lambda: busy().failing(DroppedError).run(),
     ],
@@ -188,7 +175,7 @@ def test_each_row_of_the_table_is_reached(monkeypatch, situation, number):
     used = record(monkeypatch)
     driver = WAYS[situation][number]()
     assert (situation, number) in used
-    if isinstance(driver, FaultyDriver):
+    if isinstance(driver, FailingDriver):
         driver.fault = lambda update: None
         driver.now += 100.0
         driver.run()
@@ -252,6 +239,6 @@ def test_dropped_update_is_sent_without_goals_then_without_facts(word, without):
 
 
 def test_dropped_update_is_sent_once_in_each_form():
-    driver = FaultyDriver().goal("a", "do(walk,1)").failing(DroppedError)
+    driver = FailingDriver().goal("a", "do(walk,1)").failing(DroppedError)
     driver.succeed()
     assert driver.calls == [f"{how} 2. {DONE} _return(walk,1,1)." for how in ("search", "take")]
