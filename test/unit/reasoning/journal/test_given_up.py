@@ -4,61 +4,21 @@ import json
 
 import pytest
 from clingo import parse_term
-from core_driver import ERRANDS, shortest
+from kept_node import PROGRAM
 
-from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
-from rosoclingo.reasoning import CoreSettings, GoalUnmet, given_up
+from rosoclingo.reasoning import GoalUnmet, given_up
 from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
-from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Keeper
-from rosoclingo.reasoning.journal.kept_core import KeptCore
-
-PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
 
 
-class Life:
-    """A core over the journal in a folder, from its start until it is killed."""
-
-    def __init__(self, path):
-        self._folder = JournalFolder(path)
-        kept = self._folder.read()
-        record = None if kept is None else kept.state
-        self.keeper = Keeper(lambda event: None, Journal(self._folder, Header("run", "program")), lambda: 0.0)
-        settings = CoreSettings(horizon_limit=4, search_timeout=0.0)
-        self.core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), self.keeper, settings, record=record)
-        self.keeper.attach(self.core, record)
-        self.core.start()
-
-    def goals(self, **texts):
-        """Goals come, and the core does what it can without an answer of the world."""
-        for key, text in texts.items():
-            self.core.add_goal(key, text)
-        while self.core.advance(1.0):
-            self.keeper.send()
-        self.keeper.send()
-
-    def kill(self):
-        """It writes no more."""
-        self._folder.close()
-
-
-@pytest.fixture
-def live(tmp_path):
-    lives = []
-
-    def make():
-        for one in lives:
-            one.kill()
-        lives.append(Life(tmp_path))
-        return lives[-1]
-
-    yield make
-    lives[-1].kill()
+def ask(node, **texts):
+    """Goals come, and the core does what it can without an answer of the world."""
+    for key, text in texts.items():
+        node.core.add_goal(key, text)
+    return node.run()
 
 
 def told(core, name):
@@ -68,21 +28,20 @@ def told(core, name):
 
 
 @pytest.mark.slow
-def test_a_core_that_goes_on_tells_what_the_one_before_would_have_told(live):
-    first = live()
-    first.goals(a="do(walk,1)", b="do(never,2)")
+def test_a_core_that_goes_on_tells_what_the_one_before_would_have_told(start):
+    first = ask(start(horizon_limit=4), a="do(walk,1)", b="do(never,2)")
     (walk,) = first.core.awaited
     first.core.receive("hand", [f"_return(walk,1,{walk.cycle})"])
-    first.goals(c="do(never,3)")
+    ask(first, c="do(never,3)")
     reasons = {name: told(first, name) for name in ("b", "do(never, 2)", "2", "c")}
     assert reasons["b"].rules
     assert "do(never,2)" in " ".join(fact.text for fact in reasons["b"].told)
-    again = live()
+    again = start(horizon_limit=4)
     assert [str(term) for term in again.keeper.given_up.terms] == ["do(never,2)", "do(never,3)"]
     assert {name: told(again, name) for name in reasons} == reasons
     assert again.keeper.given_up.find("walk") is None
-    again.goals(d="do(never,4)")
-    third = live()
+    ask(again, d="do(never,4)")
+    third = start(horizon_limit=4)
     assert [str(term) for term in third.keeper.given_up.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
     assert told(third, "3") == reasons["c"]
 

@@ -7,6 +7,7 @@ from contextlib import closing
 
 import pytest
 from core_driver import ERRANDS, FORGETFUL, shortest
+from kept_node import PROGRAM
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import (
@@ -25,71 +26,9 @@ from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 
-PROGRAM = ReactiveProgram.from_text(ERRANDS)
-
-
-class Node:
-    """What a node does with a core, a keeper and a journal; ``told`` are the events that went out."""
-
-    def __init__(self, path, program=PROGRAM):
-        self.folder = JournalFolder(path)
-        kept = self.folder.read()
-        self.told, self.at_event = [], lambda event: None
-        self.keeper = Keeper(self._tell, Journal(self.folder, Header("run", "program")), lambda: 0.0)
-        record = None if kept is None else kept.state
-        settings = CoreSettings(horizon_limit=8, search_timeout=0.0)
-        self.core = KeptCore(program, lambda: shortest(program), self.keeper, settings, record=record)
-        self.keeper.attach(self.core, record)
-        self.core.start()
-        self.keeper.send()
-
-    def _tell(self, event):
-        self.at_event(event)
-        self.told.append(event)
-
-    @property
-    def on_disk(self):
-        """The state that another core would find."""
-        return self.folder.read().state
-
-    def goal(self, key, text):
-        """A goal comes."""
-        self.keeper.add(key, Client(text, (1, 2)))
-        self.keeper.keep()
-        self.core.add_goal(key, text)
-        return self.run()
-
-    def run(self):
-        """Go on as far as it goes."""
-        self.keeper.send()
-        while self.core.advance(1.0):
-            self.keeper.send()
-        self.keeper.send()
-        return self
-
-    def succeed(self):
-        """What is under way succeeds."""
-        for one in self.core.awaited:
-            self.core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
-        return self.run()
-
 
 class KilledError(Exception):
     """Stands for SIGKILL."""
-
-
-@pytest.fixture
-def start(tmp_path):
-    nodes = []
-
-    def make(program=PROGRAM):
-        for node in nodes:
-            node.folder.close()
-        nodes.append(Node(tmp_path, program))
-        return nodes[-1]
-
-    yield make
-    nodes[-1].folder.close()
 
 
 def test_whatever_goes_out_is_on_disk_before(start):
