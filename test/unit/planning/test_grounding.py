@@ -84,6 +84,15 @@ def test_externals_are_closed_in_restored_histories_too(text, updates, late, clo
     assert atoms(play(solver, f"#step 6. #closed 5. {late}")) == expected, "what was asserted in time stays"
 
 
+def test_rules_and_facts_of_open_predicates_are_restored():
+    solver = planner_of("{ a }. #external sees/1. #cumulative t. b(X,t) :- sees(X). #volatile t.", models=0)
+    play(solver, "#step 1. sees(x) :- a. sees(y). sees(z). sees(z) :- a. :- sees(w).")
+    expected = set(play(solver, "#step 2.").answers)
+    assert len(expected) == 2
+    solver.restore(cut(solver))
+    assert set(solver.solve().answers) == expected
+
+
 def only(question):
     """A strategy that asks one question."""
     return (yield question)

@@ -79,6 +79,12 @@ def test_program_forgets_no_end_of_a_horizon():
         assert len(play(solver, f"#step {step} : 0.").answers) == answers
 
 
+@pytest.mark.parametrize(("rule", "shown"), [("{ _action_lib(go,x,t-1) }.", []), ("_action_lib(go,x,t-1).", [0])])
+def test_only_certain_actions_before_the_first_cycle(rule, shown):
+    solver = planner_of(f"#program cumulative(t). {rule} #program volatile(t).", models=0)
+    assert [cycles([answer]) for answer in play(solver, "#step 1.").answers] == [set(shown)]
+
+
 def test_answers_hide_the_literals_of_horizons():
     solver = planner_of(WALK, horizon_limit=30)
     play(solver, "#step 1. _request(4,1).")

@@ -4,7 +4,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from stream_play import WALK, planner_of, play
+from stream_play import WALK, plan, planner_of, play
 
 from rosoclingo.oclingo import SolveOutcome
 from rosoclingo.planning import solver as solver_module
@@ -28,6 +28,22 @@ def test_solver_keeps_the_last_plan_without_an_answer():
     assert len(last.actions) == 2
     assert play(solver, "#step 2 : 0. #volatile. :- at(0,0).").outcome is SolveOutcome.UNSATISFIABLE
     assert solver.log.plan == last
+
+
+def line(first, last):
+    """The actions of a walk to the right."""
+    return [f"_action_lib(move,{step},{step})" for step in range(first, last + 1)]
+
+
+def test_solver_finds_shortest_plans_after_going_back():
+    solver = planner_of(WALK, horizon_limit=30)
+    assert plan(play(solver, "#step 1. _request(4,1).")) == line(1, 4)
+    log, grown = solver.log, solver.horizon
+    play(solver, "#step 2. _request(-4,2).")
+    assert solver.horizon > grown
+    solver.restore(log)
+    assert solver.horizon == grown
+    assert plan(play(solver, "#step 1. _request(5,1).")) == line(1, 5)
 
 
 def test_result_has_the_last_horizon_searched():

@@ -109,6 +109,23 @@ def test_forgetting_spares_heads_of_lapsing_statements(section, end):
         assert texts(play(solver, "#step 3 : 0. e(1).")) == {frozenset(["e(1)", "c(1)"])}
 
 
+def test_statements_of_a_window_hold_to_its_end():
+    solver = planner_of(EXTERNALS)
+    play(solver, "#step 2 : 0. #volatile : 2. e(1).")
+    assert [texts(play(solver, f"#step {step} : 0.")) for step in (3, 4)] == [
+        {frozenset(["e(1)", "c(1)"])},
+        {frozenset()},
+    ]
+
+
+def test_several_updates_define_a_head_before_its_step():
+    solver = planner_of("{ a }. { b }. " + EXTERNALS, models=0)
+    for text in ("#step 1 : 0. e(3) :- a.", "#step 2 : 0. e(3) :- b.", "#step 3 : 0. :- a."):
+        result = play(solver, text)
+    assert texts(result) == {frozenset(), frozenset(["b", "e(3)", "c(3)"])}
+    assert ignored(play(solver, "e(3) :- not b.")) == ["e(3)"]
+
+
 def test_retracting_an_unknown_term_is_ignored():
     result = play(planner_of(EXTERNALS), "#step 1. #retract : x.")
     assert result.warnings == ("Term x has not been asserted. The retraction is ignored.",)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning import GoalProgress, Halt, PlanMade
+from rosoclingo.reasoning import GoalProgress, Halt, PlanMade, Problem
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.returns import DONE
 
@@ -40,6 +40,15 @@ def test_it_stays_when_nothing_has_been_done_for_long():
     cycle = driver.core.cycle
     for event in (driver.journal.of(PlanMade)[-1], driver.feedback("b")[-1]):
         assert [str(one.atom) for one in event.actions] == ["_action_lib(walk,1,1)", f"_action_lib(run,2,{cycle})"]
+    check_past(driver)
+
+
+def test_it_stays_when_everything_begins_anew():
+    driver = Driver(TRAP).goal("a", "do(trap,1)").finish().goal("b", "do(run,2)")
+    assert any("it begins anew" in event.message for event in driver.journal.of(Problem))
+    cycle = driver.core.cycle
+    plan = [str(one.atom) for one in driver.journal.of(PlanMade)[-1].actions]
+    assert plan == ["_action_lib(trap,1,1)", f"_action_lib(run,2,{cycle})"]
     check_past(driver)
 
 

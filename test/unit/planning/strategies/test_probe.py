@@ -153,6 +153,23 @@ def test_probe_heeds_the_bound_of_its_update():
     assert probe(solver, "#step 1 : 148. go.", "go", "go").satisfiable
 
 
+def test_probe_finds_answers_that_further_steps_end():
+    """From the third step on there is no answer without told(a), before it none with told(b) or told(c)."""
+    solver = planner_of(
+        "#external told/1. #program cumulative(t). :- t > 2, not told(a). "
+        "#program volatile(t). :- t < 2, told(b). :- t < 4, told(c)."
+    )
+
+    def without(disabled):
+        text = "#step 1 : 6. told(a). told(b). told(c)."
+        return probe(solver, text, "told(a) told(b) told(c)", disabled)
+
+    satisfiable, core = without("told(a)")
+    assert not satisfiable
+    assert core >= atoms("told(a) told(c)")
+    assert all(without(one).satisfiable for one in ("", "told(a) told(c)", "told(a) told(b) told(c)"))
+
+
 @pytest.mark.parametrize(
     ("rules", "asks"),
     [
