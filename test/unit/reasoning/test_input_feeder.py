@@ -164,7 +164,7 @@ def test_facts_of_cycles_that_are_over_are_taken_for_the_present():
     batch = feeder.next_update(10, over=9)
     assert str(batch.update.items[0]) == "#over 9."
     assert heads(batch.update) == ["_seen(ball,9)", "_seen(dog,9)", "_seen(cat,9)", "_kind(2)", "_return(a,x,2)"]
-    assert [str(one.told) for one in batch.facts if one.outdated] == ["_seen(ball,2)"]
+    assert [str(one.sent) for one in batch.facts if one.outdated] == ["_seen(ball,2)"]
     assert {(one.origin, one.cycle) for one in batch.facts} == {("eye", 10)}
     assert heads(feeder.next_update(10, over=1).update) == heads(feeder.next_update(10).update)
     assert [str(feeder.next_update(10, over).update.items[0]) for over in (0, 1)] == ["_seen(ball,2).", "#over 1."]
