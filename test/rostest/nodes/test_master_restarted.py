@@ -26,9 +26,13 @@ ERRANDS = ROOT / "test" / "data" / "errands.lp"
 ANSWER = "{interface: test, facts: ['_return(walk,1,1)']}"
 
 
+#: The address on which the nodes of this test listen.
+ADDRESS = os.environ.get("ROS_HOSTNAME", "localhost")
+
+
 def free_port():
     with socket.socket() as one:
-        one.bind(("localhost", 0))
+        one.bind((ADDRESS, 0))
         return one.getsockname()[1]
 
 
@@ -37,7 +41,7 @@ class MasterRestarted(unittest.TestCase):
         self.stack = ExitStack()
         self.addCleanup(self.stack.close)
         self.port = str(free_port())
-        environment = {"ROS_MASTER_URI": f"http://localhost:{self.port}", "PYTHONUNBUFFERED": "1"}
+        environment = {"ROS_MASTER_URI": f"http://{ADDRESS}:{self.port}", "PYTHONUNBUFFERED": "1"}
         self.stack.enter_context(mock.patch.dict(os.environ, environment))
         self.start_master()
 
