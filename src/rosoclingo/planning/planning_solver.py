@@ -10,7 +10,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import AcceptedUpdate, History, Plan
 from rosoclingo.planning.prediction import is_predicted
-from rosoclingo.planning.question import Stop, Verdict
+from rosoclingo.planning.question import Reply, Stop
 
 LONG_PREDICTED = 20
 """Number of updates after which a checkpoint is worthwhile even without a search: every reader has to fold them."""
@@ -75,8 +75,8 @@ class PlanningSolver(ABC):
         assumable: FrozenSet[clingo.Symbol],
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
-    ) -> Verdict:
-        """Return whether ``update`` would have an answer without the facts ``disabled``."""
+    ) -> Reply:
+        """Return whether ``update`` would have an answer without the facts ``disabled``, or else the unsat core."""
 
     def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
         """Prefetch the answer to ``update``, in case it follows the updates ``before``; return whether this started.

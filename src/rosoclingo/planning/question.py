@@ -95,19 +95,6 @@ class Reply(NamedTuple):
 UNKNOWN = Reply(None)
 
 
-class Verdict(NamedTuple):
-    """The reply to a hypothetical question.
-
-    Attributes:
-        satisfiable: whether there is an answer, None after a stop.
-        core: assumable facts that exclude an answer, each enabled or disabled as in the question.
-
-    """
-
-    satisfiable: Optional[bool]
-    core: FrozenSet[clingo.Symbol] = frozenset()
-
-
 Result = TypeVar("Result")
 
 Strategy = Generator[Question, Reply, Result]

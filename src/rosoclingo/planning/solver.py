@@ -11,7 +11,7 @@ import clingo
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.update_reader import is_predictable
+from rosoclingo.oclingo.program.update_reader import reports_only_success
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
@@ -21,7 +21,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, Verdict
+from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
@@ -125,7 +125,7 @@ class PlanSolver(PlanningSolver):
         if self._plan_time is None:
             strategy = shortest(asking, self.models, self._hint)
         else:
-            predictable = update is not None and is_predictable(update, before.permanent)
+            predictable = update is not None and reports_only_success(update, before.permanent)
             limit = TimeLimit(self._plan_time, predictable, self._clock)
             strategy = Soon(asking, self.models, self.log.plan, limit).run()
         try:
@@ -269,28 +269,17 @@ class PlanSolver(PlanningSolver):
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
         dropped: Optional[Stop] = None,
-    ) -> Verdict:
-        """Return whether ``update`` would have an answer without the facts ``disabled``; the history is unchanged.
-
-        The ``disabled`` facts are some of the ``assumable`` ones: facts of the stream or the update, and actions, which
-        then were not executed. The grounding is cached by history, update and assumable facts. Raises as
-        :meth:`update`.
-        """
-        check_horizon_limit(update, self.horizon, self._horizon_limit)
-        reply = self.probe(update, assumable, disabled, stopped or _never, dropped)
-        return Verdict(reply.satisfiable, reply.core)
-
-    def probe(
-        self,
-        update: StreamUpdate,
-        assumable: FrozenSet[clingo.Symbol],
-        disabled: FrozenSet[clingo.Symbol],
-        halt: Stop,
-        dropped: Optional[Stop] = None,
         kept: Sequence[clingo.Symbol] = (),
         believes: bool = True,
     ) -> Reply:
-        """Return the reply to :meth:`inquire`, for answers in which the atoms ``kept`` are true."""
+        """Return whether ``update`` would have an answer without the facts ``disabled``; the history is unchanged.
+
+        The ``disabled`` facts are some of the ``assumable`` ones: facts of the stream or the update, and actions, which
+        then were not executed. The atoms ``kept`` have to be true; ``believes`` as in :class:`Question`. The grounding
+        is cached by history, update and assumable facts. Raises as :meth:`update`.
+        """
+        check_horizon_limit(update, self.horizon, self._horizon_limit)
+        halt = stopped or _never
         unbounded = replace(update, bound=None)
         key = self.log.key, unbounded, assumable
         probed, self._probed = self._probed, None  # dropped if an error occurs

@@ -35,7 +35,7 @@ from rosoclingo.planning.minimal_sets import (
     remember,
     yes_or_no,
 )
-from rosoclingo.planning.question import Verdict
+from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
@@ -294,7 +294,7 @@ class _Attempts:
             self._refuted.append(_Refuted(verdict.core, verdict.core & disabled, steps))
         return verdict.satisfiable
 
-    def _ask(self, disabled: FrozenSet[Symbol], steps: int) -> Verdict:
+    def _ask(self, disabled: FrozenSet[Symbol], steps: int) -> Reply:
         goals = self._question.goals
         cancels = self._cancels(goals)
         assumable = _facts_of(self._question.observations)
@@ -304,7 +304,7 @@ class _Attempts:
             self._beside = self._beside or self._planner.restarted()
             return self._beside.inquire(update, assumable, disabled, steps)
         except SolverError:  # takes too long, or is refused
-            return Verdict(None)
+            return UNKNOWN
 
     def _cancels(self, goals: Collection[Goal]) -> List[Symbol]:
         """The cancellations of the goals, of the oldest first; none where goals are withheld."""

@@ -23,7 +23,7 @@ from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Verdict
+from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.input_feeder import Batch
 from rosoclingo.reasoning.keywords import Action
 
@@ -176,7 +176,7 @@ class Planner:
 
     def inquire(
         self, update: StreamUpdate, assumable: FrozenSet[Symbol], disabled: FrozenSet[Symbol], steps: int
-    ) -> Verdict:
+    ) -> Reply:
         """Return whether there would be a plan of at most ``steps`` after ``update`` without the facts ``disabled``.
 
         The history stays as it is. The ``disabled`` are some of the ``assumable``. The program is ground once if only

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.planning.minimal_sets import UndecidedError
-from rosoclingo.planning.question import Verdict
+from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.recovery import FEW, Question, is_answerable, recover
@@ -116,10 +116,10 @@ class Beside:
         outcome = self._outcome(update, disabled, disabled & requests, steps)
         satisfiable = None if outcome is INTERRUPTED else outcome is SATISFIABLE
         if satisfiable or not self._world.cores:
-            return Verdict(satisfiable, frozenset() if satisfiable else doubted)
+            return Reply(satisfiable, core=frozenset() if satisfiable else doubted)
         told = set(self._world.asked[-1].split())
         whole = next((one for one in self._world.conflicts if one <= told), None)
-        return Verdict(False, frozenset(fact for fact in doubted if whole is None or name(fact) in whole))
+        return Reply(False, core=frozenset(fact for fact in doubted if whole is None or name(fact) in whole))
 
     def _outcome(self, update, disabled, withdrawn, steps):
         world = self._world

@@ -16,7 +16,7 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.progression.updates import Over
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.planning.question import Verdict
+from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, DisturbedError, Halt, Planner, steps_for
@@ -301,7 +301,7 @@ def test_a_plan_that_is_refused_is_none_any_more():
     ],
 )
 def test_an_inquiry_is_asked_as_an_update_that_is_not_taken(satisfiable, halt, ended_by):
-    solver = Told(verdict=Verdict(satisfiable))
+    solver = Told(verdict=Reply(satisfiable))
     planner = Planner(lambda: solver, 8, lambda: lambda: halt)
     planner.update(parse_update("#step 1. _seen(a). #endstep."))
     a, b = frozenset([parse_atom("_seen(a)")]), frozenset([parse_atom("_seen(b)")])
@@ -314,7 +314,7 @@ def test_an_inquiry_is_asked_as_an_update_that_is_not_taken(satisfiable, halt, e
 
 
 def test_an_inquiry_is_left_for_what_comes():
-    planner = Planner(lambda: Told(verdict=Verdict(None)), 8, lambda: lambda: Halt("news", disturbed=True))
+    planner = Planner(lambda: Told(verdict=UNKNOWN), 8, lambda: lambda: Halt("news", disturbed=True))
     with pytest.raises(DisturbedError):
         planner.inquire(parse_update("#step 1. #endstep."), frozenset(), frozenset(), 5)
 

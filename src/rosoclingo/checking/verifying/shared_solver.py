@@ -18,7 +18,7 @@ from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, SolveOutcome, Solve
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, StoppedError, Verdict
+from rosoclingo.planning.question import Question, Read, Reply, StoppedError
 from rosoclingo.planning.snapshot import Snapshot, TimedStatement
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
@@ -286,9 +286,9 @@ class SharedSolver(PlanningSolver):
         assumable: FrozenSet[clingo.Symbol],
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Callable[[], bool]] = None,
-    ) -> Verdict:
+    ) -> Reply:
         """Tell whether there would be an answer after ``update``, had the facts ``disabled`` not been told."""
         snapshot = self._after(replace(update, bound=None)).without_facts(disabled)
         bound = 0 if update.bound is None else update.bound
         found = self._streams.least(snapshot, bound, self.log.horizon)
-        return Verdict(found is not None, frozenset() if found is not None else assumable)
+        return Reply(found is not None, core=frozenset() if found is not None else assumable)

@@ -51,10 +51,10 @@ def closed_cycles(update: StreamUpdate, first: int, step: int) -> Dict[int, Froz
     return {cycle: frozenset(filter(is_action_of(cycle), update.committed)) for cycle in cycles}
 
 
-def is_predictable(update: StreamUpdate, before: Iterable[Statement]) -> bool:
-    """Whether ``update`` holds nothing but commitments and the returns of what was done with success.
+def reports_only_success(update: StreamUpdate, before: Iterable[Statement]) -> bool:
+    """Return whether ``update`` holds nothing but commitments and returns that report success.
 
-    ``before`` are the statements that hold for ever before it.
+    ``before`` are the earlier statements that never lapse.
     """
     as_planned = _successes(update, before)
     plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)

@@ -75,7 +75,7 @@ class Questions:
         disabled = frozenset() if facts is None else self.facts - facts
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
         try:
-            reply = self._solver.probe(
+            reply = self._solver.inquire(
                 update, self.facts, disabled, self._halt, self._halt, sorted(kept), believes=False
             )
         except DroppedError:

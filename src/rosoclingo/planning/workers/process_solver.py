@@ -11,7 +11,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History, Plan, entry_from_message
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
-from rosoclingo.planning.question import Stop, Verdict
+from rosoclingo.planning.question import Reply, Stop
 from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.wire import result_from_message
@@ -81,11 +81,11 @@ class ProcessSolver(PlanningSolver):
         assumable: FrozenSet[clingo.Symbol],
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
-    ) -> Verdict:
+    ) -> Reply:
         """Return whether ``update`` has an answer without the ``disabled`` facts; raises like :meth:`update`."""
         facts = {"assumable": symbols_to_text(sorted(assumable)), "disabled": symbols_to_text(sorted(disabled))}
         reply = self._pool.ask({"do": "inquire", "update": str(update), **facts}, self.log, stopped)
-        return Verdict(reply["satisfiable"], symbols_from_text(reply["core"]))
+        return Reply(reply["satisfiable"], core=symbols_from_text(reply["core"]))
 
     def _ask_idle(self, do: str, stopped: Optional[Stop]) -> Message:
         """Return the reply to an optional command; an empty reply after a stop."""

@@ -4,7 +4,7 @@ import pytest
 from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.program.update_reader import is_predictable, with_failures, with_their_failures
+from rosoclingo.oclingo.program.update_reader import reports_only_success, with_failures, with_their_failures
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Volatile, Withdraw
 
 PROGRAM = """
@@ -86,4 +86,4 @@ COMMITMENT, RETURN, OTHER = (
     ],
 )
 def test_only_commitments_and_their_successes_are_foreseen(before, items, predicted):
-    assert is_predictable(StreamUpdate(2, None, tuple(items)), before) is predicted
+    assert reports_only_success(StreamUpdate(2, None, tuple(items)), before) is predicted

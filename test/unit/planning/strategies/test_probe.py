@@ -12,6 +12,7 @@ from rosoclingo.oclingo.progression.updates import Closed, StreamUpdate
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate
+from rosoclingo.planning.question import UNKNOWN, Reply
 
 # ---- On random streams -----------------------------------------------------------------------------------------------
 
@@ -130,7 +131,8 @@ def atoms(text):
 
 def probe(solver, text, assumable, disabled="", **stops):
     """The verdict on an update; assumable and disabled facts as text."""
-    return solver.inquire(parse_update(f"{text} #endstep."), atoms(assumable), atoms(disabled), **stops)
+    found = solver.inquire(parse_update(f"{text} #endstep."), atoms(assumable), atoms(disabled), **stops)
+    return Reply(found.satisfiable, core=found.core)
 
 
 def verdicts(solver, text, assumable):
@@ -143,7 +145,7 @@ def test_probe_sees_updates_since_the_last_probe():
     assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)").satisfiable
     play(solver, "#step 1 : 3. knock(d).")
     for disabled in ("", "bolt(a)"):
-        assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)", disabled) == (False, frozenset()), "none is blamed"
+        assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)", disabled) == Reply(False), "none is blamed"
 
 
 def test_probe_heeds_the_bound_of_its_update():
@@ -164,9 +166,9 @@ def test_probe_finds_answers_that_further_steps_end():
         text = "#step 1 : 6. told(a). told(b). told(c)."
         return probe(solver, text, "told(a) told(b) told(c)", disabled)
 
-    satisfiable, core = without("told(a)")
-    assert not satisfiable
-    assert core >= atoms("told(a) told(c)")
+    found = without("told(a)")
+    assert not found.satisfiable
+    assert found.core >= atoms("told(a) told(c)")
     assert all(without(one).satisfiable for one in ("", "told(a) told(c)", "told(a) told(b) told(c)"))
 
 
@@ -207,8 +209,8 @@ def test_probe_takes_facts_of_compacted_steps():
 def test_probe_stopped_knows_nothing_and_goes_on(looks):
     solver, asked = planner_of(FAR), []
     verdict = probe(solver, "#step 1 : 100. go.", "go", stopped=lambda: asked.append(1) or len(asked) > looks)
-    assert verdict == (None, frozenset())
-    assert probe(solver, "#step 1 : 100. go.", "go") == (False, atoms("go"))
+    assert verdict == UNKNOWN
+    assert probe(solver, "#step 1 : 100. go.", "go") == Reply(False, core=atoms("go"))
 
 
 def test_probe_after_an_error_grounds_again(monkeypatch):
@@ -223,7 +225,7 @@ def test_probe_after_an_error_grounds_again(monkeypatch):
         patched.setattr(ClaspSearch, "run", fail)
         with pytest.raises(SolverError, match="too large"):
             probe(solver, "#step 5 : 5. knock(d).", "knock(d)")
-    assert probe(solver, "#step 5 : 5. knock(d).", "knock(d)") == (False, atoms("knock(d)"))
+    assert probe(solver, "#step 5 : 5. knock(d).", "knock(d)") == Reply(False, core=atoms("knock(d)"))
 
 
 # ---- Work ------------------------------------------------------------------------------------------------------------

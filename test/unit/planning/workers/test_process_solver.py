@@ -347,6 +347,7 @@ def test_worker_answers_what_would_be():
         here.update(first)
         log = solver.log
         for disabled in (frozenset(), frozenset([parse_atom("e(1)")])):
-            assert solver.inquire(update, facts, disabled) == here.inquire(update, facts, disabled)
+            found, expected = (one.inquire(update, facts, disabled) for one in (solver, here))
+            assert (found.satisfiable, found.core) == (expected.satisfiable, expected.core)
         assert solver.inquire(update, facts, frozenset()).core == facts - {parse_atom('e("3")')}
         assert solver.log is log
