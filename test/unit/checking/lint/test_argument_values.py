@@ -147,3 +147,39 @@ def test_no_value_is_missed(rules):
     except OverflowError:
         return  # it has no end
     check(found, [one.symbol for one in control.symbolic_atoms])
+
+
+FIXED, STEPPED = ["p({},{})", "q({},{})", "s(f({},{}))"], ["r({},{},t)", "r(({},{}),t)"]
+ACTING = "_action_lib({},{},t)"
+DEFINED = "p(a,b). q(b,c). s(f(c,a)).\n", "{ r(X,Y,t) } :- p(X,Y). { r((Y,X),t) } :- q(X,Y).\n"
+VARIABLE = st.sampled_from("XYZ")
+
+
+def joined(head, body):
+    """A rule that has the last and the first variable of its body in its head."""
+    atoms = ", ".join(one.format(*names) for one, *names in body)
+    return f"{{ {head.format(body[-1][2], body[0][1])} }} :- {atoms}."
+
+
+def joins(heads, atoms):
+    """Rules that join, swap and nest arguments."""
+    body = st.lists(st.tuples(st.sampled_from(atoms), VARIABLE, VARIABLE), min_size=1, max_size=3)
+    return st.lists(st.builds(joined, st.sampled_from(heads), body), min_size=1, max_size=3).map("\n".join)
+
+
+CONSTANT = st.sampled_from("abc")
+FACTS = st.lists(st.builds("p({0},{1}). q({1},{2}).".format, CONSTANT, CONSTANT, CONSTANT), max_size=3).map("\n".join)
+
+
+@pytest.mark.slow
+@given(FACTS, joins(FIXED, FIXED), joins([*STEPPED, ACTING, ACTING], [*FIXED, *STEPPED]))
+def test_argument_values_rows_of_actions_are_exact(facts, fixed, stepped):
+    """Compare with the grounding of one step, for rules without negation and sums."""
+    base, cumulative = f"{DEFINED[0]}{facts}\n{fixed}\n", f"{DEFINED[1]}{stepped}\n"
+    control = clingo.Control(["--warn=none", "--const", "t=1"], logger=lambda code, message: None)
+    control.add("base", [], base + cumulative)
+    control.ground([("base", [])])
+    expected = {tuple(one.symbol.arguments[:2]) for one in control.symbolic_atoms.by_signature("_action_lib", 3)}
+    found = ArgumentValues(program(f"{base}#program cumulative(t).\n{cumulative}"))
+    rows = {tuple(one.arguments[:2]) for number in range(len(found.rules)) for one in found.derived_by(number)}
+    assert rows == expected
