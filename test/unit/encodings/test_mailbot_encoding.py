@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import Mailbot, fewest_steps, neighbours
 from shipped import ENCODINGS, shipped
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.solver import PlanSolver
@@ -445,17 +446,18 @@ def test_the_search_that_plans_are_compared_with():
 def test_what_is_remembered_of_a_long_run_does_not_grow():
     """As long as a bound is kept (``_window``), the requests of its cycle are; all else that is over is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
-    program = ReactiveProgram.from_files(files, {"_window": "20"})
+    window, cycles = sized((8, 36), (20, 60))
+    program = ReactiveProgram.from_files(files, {"_window": str(window)})
     solver = shortest(program)
     driver = Driver(settings=CoreSettings(), program=program, solver=lambda _: solver)
     number = 0
-    while driver.core.cycle < 60:
+    while driver.core.cycle < cycles:
         number += 1
         driver.goal(str(number), f"goal(office{number % 4 + 1},office{number % 3 + 1},{number})").finish()
     past = solver.snapshot.past
-    assert past.first > 20
+    assert past.first > window
     times = [atom.arguments[-1].number for atom in past.facts if atom.name in ("waiting", "_aim", "_crossed")]
-    assert min(times) >= past.first - 20
+    assert min(times) >= past.first - window
 
 
 @pytest.mark.slow

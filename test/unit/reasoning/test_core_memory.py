@@ -4,6 +4,7 @@ import gc
 
 import pytest
 from core_driver import FORGETFUL, Driver
+from workloads import sized
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.planning.history import Plan
@@ -29,8 +30,9 @@ def objects(driver, first, last):
 def test_core_keeps_as_much_after_many_goals_as_after_some():
     driver = Driver(FORGETFUL, events=10)
     objects(driver, 0, GOALS)
-    before = objects(driver, GOALS, 2 * GOALS)
-    assert objects(driver, 2 * GOALS, 3 * GOALS) - before < GOALS, "an object or more is kept for each goal"
+    more = sized(50, GOALS)
+    before = objects(driver, GOALS, GOALS + more)
+    assert objects(driver, GOALS + more, GOALS + 2 * more) - before < more, "an object or more is kept for each goal"
 
 
 def test_plans_of_many_answers_keep_no_symbols():

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from core_driver import ERRANDS, Driver
+from workloads import sized
 
 ROOT = Path(__file__).resolve().parents[3]
 BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
@@ -110,16 +111,18 @@ def test_a_cancel_that_contradicts_the_past():
 @pytest.mark.slow
 @pytest.mark.once
 def test_facts_of_cycles_long_over_are_taken_for_the_present():
+    goals = sized(60, 130)
+    now = 2 * goals + 1
     driver = Driver(BATTERY)
-    for number in range(130):
+    for number in range(goals):
         driver.goal(str(number), f"do(walk,{number})").finish()
     driver.core.receive("power", ["_battery(low,3)", "_battery(low,4)"])
     driver.goal("b", "do(run,200)")
-    assert "_battery(low,261)." in driver.journal.updates[-2]
-    assert driver.awaited == ["_action_lib(run,200,262)"]
+    assert f"_battery(low,{now})." in driver.journal.updates[-2]
+    assert driver.awaited == [f"_action_lib(run,200,{now + 1})"]
     assert (
         driver.journal.problems[0]
-        == "_battery(low,3) from interface power comes too late: it is taken as _battery(low,261)"
+        == f"_battery(low,3) from interface power comes too late: it is taken as _battery(low,{now})"
     )
     assert driver.finish().states("b")[-1] == "succeeded"
 

@@ -8,6 +8,7 @@ from contextlib import closing
 import pytest
 from core_driver import ERRANDS, FORGETFUL, shortest
 from kept_node import PROGRAM
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import (
@@ -240,12 +241,12 @@ def size_of(journal):
 def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
     monkeypatch.setattr(folder, "SYNCED", "OFF")
     monkeypatch.setattr(folder, "RECORDS", 20)
-    node, sizes, states = start(ReactiveProgram.from_text(FORGETFUL)), [], []
-    for number in range(240):
+    node, sizes, states, goals = start(ReactiveProgram.from_text(FORGETFUL)), [], [], sized(120, 240)
+    for number in range(goals):
         node.goal(str(number), f"do({number})").succeed()
         sizes.append(size_of(node.folder))
         states.append(len(json.dumps(node.core.record())))
-    assert [event.outcome for event in node.told if isinstance(event, GoalChanged)].count(Outcome.SUCCEEDED) == 240
+    assert [event.outcome for event in node.told if isinstance(event, GoalChanged)].count(Outcome.SUCCEEDED) == goals
     half = len(sizes) // 2
     assert max(states[half:]) < 1.25 * max(states[:half])
     assert max(sizes[half:]) < 1.25 * max(sizes[:half])
