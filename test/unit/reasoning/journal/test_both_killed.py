@@ -251,7 +251,7 @@ ORDERED = st.one_of(
 
 @pytest.mark.slow
 @pytest.mark.once
-@settings(max_examples=max(5, settings.default.max_examples // 8))
+@settings(max_examples=max(3, settings.default.max_examples // 8))
 @given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
 def test_each_package_of_the_mailbot_is_where_it_belongs(script, kills):
     played(script, kills, Mailbot)
