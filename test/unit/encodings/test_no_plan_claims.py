@@ -4,13 +4,14 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from mailbot_world import ENCODINGS
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.action_rules import STEPS, is_action_of
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.solver import PlanSolver
 
-BOUND = 24
+BOUND = sized(16, 24)
 FLOORS = {
     "row": "corridor(o1,o2). corridor(o2,o3).",
     "loop": "corridor(o1,o2). corridor(o2,o3). corridor(o3,o1).",

@@ -74,7 +74,7 @@ STREAMS = st.lists(st.lists(FACTS, max_size=3, unique=True).map(" ".join), min_s
 
 @pytest.mark.slow
 @SETTINGS
-@settings(max_examples=settings.default.max_examples // 3)
+@settings(max_examples=max(3, settings.default.max_examples // 5))
 @example(["_request(go(3),2). _shut(1,0).", "", "_opened(1,2).", "_shut(2,3).", "_request(cancel(3),5)."])
 @example(["_request(go(3),2). _shut(1,0). _opened(1,20)."])
 @given(news=STREAMS)
