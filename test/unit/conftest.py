@@ -8,6 +8,7 @@ import os
 import browser
 import pytest
 from hypothesis import HealthCheck, settings
+from workloads import sized
 
 _slow = [HealthCheck.too_slow, HealthCheck.data_too_large]  # no test depends on the machine's speed
 settings.register_profile("random", deadline=None, suppress_health_check=_slow)
@@ -47,6 +48,16 @@ def pytest_collection_modifyitems(config, items):
 def name_of(item):
     """The name of a test without that of its case."""
     return item.nodeid.partition("[")[0]
+
+
+@pytest.fixture(scope="module")
+def reorder_effort():
+    """Try fewer orders of a plan's tasks in the standing run, where most of the time would go."""
+    from rosoclingo.planning.strategies import reorder
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reorder, "EFFORT", sized(4_000, reorder.EFFORT))
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,8 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 from incmode import shortest_plan  # noqa: E402
 from planning_domains import DOMAINS, check, superfluous  # noqa: E402
 
+pytestmark = pytest.mark.usefixtures("reorder_effort")
+
 #: Takes the first plan that is found: no time is left to shorten it.
 FIRST = partial(soon, plan_time=0.0)
 

@@ -21,6 +21,8 @@ from rosoclingo.planning.prediction import success_of
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
 
+pytestmark = pytest.mark.usefixtures("reorder_effort")
+
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
 
 #: What comes with each step: places that are wanted, and whether the action before has failed.
