@@ -10,6 +10,7 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 
 import many_goals  # noqa: E402
 from deliveries import World, random_requests, row  # noqa: E402
+from workloads import sized  # noqa: E402
 
 OPTIONS = Namespace(
     seconds=[10],
@@ -37,13 +38,14 @@ def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
 @pytest.mark.slow
 @pytest.mark.once
 def test_a_plan_for_all_that_takes_too_long_is_given_up_and_the_first_one_is_for_some():
-    floor, options = row(20), Namespace(**{**vars(OPTIONS), "all_seconds": 0.3})
-    requests = random_requests(floor, 40, seed=1)
+    offices, goals, seconds = sized((12, 24, 0.1), (20, 40, 0.3))
+    floor, options = row(offices), Namespace(**{**vars(OPTIONS), "all_seconds": seconds})
+    requests = random_requests(floor, goals, seed=1)
     assert many_goals.plan_for_all(floor, requests, options) == {"all [s]": None, "all": None}
-    assert many_goals.plans_after(floor, requests, [0.3], plan_time=0.0) == {"0.3 s": None}
+    assert many_goals.plans_after(floor, requests, [seconds], plan_time=0.0) == {f"{seconds:g} s": None}
     first = many_goals.first_plan(floor, requests, options)
     assert first["steps"] > 0
-    assert 0 < first["wait"] < 40
+    assert 0 < first["wait"] < goals
 
 
 @pytest.mark.slow

@@ -146,11 +146,11 @@ def runner(*arguments):
 @pytest.mark.slow
 @pytest.mark.once
 def test_a_real_bench(tmp_path):
-    done = runner("service", "--work", tmp_path)
+    done = runner("oclingo", "--work", tmp_path)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
-    assert [line.split()[0] for line in lines[1:-1]] == ["service"] * 10
+    assert [line.split()[0] for line in lines[1:-1]] == ["oclingo"] * 8
     assert not list((tmp_path / "bench").iterdir()), "the logs of what went well are removed"
 
 
