@@ -6,8 +6,8 @@ from collections import Counter
 
 import pytest
 from core_driver import ERRANDS, shortest
-from hypothesis import settings
 from hypothesis import strategies as st
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState
@@ -18,7 +18,6 @@ from rosoclingo.reasoning.journal.keeper import Client, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
-FEW = 100  # random examples, of which a profile for more than the standing run has more
 KINDS = ("walk", "run", "quick", "never", "nonsense")
 
 
@@ -57,7 +56,7 @@ class Fate:
 
     def every_instant(self):
         """From 1 to the last; every fourth where random examples are few."""
-        return range(1, self.instants + 1, 1 if settings.default.max_examples > FEW else 4)
+        return range(1, self.instants + 1, sized(standing=4, full=1))
 
     @contextlib.contextmanager
     def rules(self):
