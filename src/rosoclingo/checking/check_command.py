@@ -138,7 +138,7 @@ def _nothing_dropped() -> Iterator[None]:
 def _trials(
     program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, more: Optional[More]
 ) -> "List[Trial]":
-    """Try the requests, if there are any, after the stream; what is wrong with its syntax is told elsewhere."""
+    """Try the requests, if there are any, after the stream; errors of its syntax are reported elsewhere."""
     if not options.plan:
         return []
     from rosoclingo.checking.trial_plans import Trials  # noqa: PLC0415 much to load, and rarely asked for
@@ -168,8 +168,8 @@ def _look(
         # without a program there is only its syntax to be looked at
         faults = faults + ([] if program is None else lint_stream(program, one.text, one.name))
     if more is not None:
-        told = more.look(options, program)
-        faults, files = faults + told.faults, files + told.files
+        others = more.look(options, program)
+        faults, files = faults + others.faults, files + others.files
     return findings(faults, files, grave), files, program
 
 
@@ -196,8 +196,8 @@ def _print_text(
         output.write(f"{_place(one.fault)}: {one.severity}: {_words(one.fault)} [{one.fault.kind}]\n")
         output.write(_shown(one.fault, lines.get(one.fault.file, ())))
     errors = sum(map(is_error, found))
-    told = [_counted(errors, "error"), _counted(len(found) - errors, "warning")]
-    output.write("{} in {}\n".format(", ".join(filter(None, told)) or "nothing", _counted(len(files), "file")))
+    counts = [_counted(errors, "error"), _counted(len(found) - errors, "warning")]
+    output.write("{} in {}\n".format(", ".join(filter(None, counts)) or "nothing", _counted(len(files), "file")))
     width = max(shutil.get_terminal_size((100, 24)).columns, 60)
     output.writelines(f"\n{one.text(width)}" for one in trials)
     if verdict is not None:
@@ -237,8 +237,8 @@ def _print_json(
     output: TextIO,
 ) -> None:
     errors = sum(map(is_error, found))
-    told: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
-    told["findings"] = [
+    report: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
+    report["findings"] = [
         {
             "kind": one.fault.kind,
             "severity": one.severity,
@@ -251,10 +251,10 @@ def _print_json(
         for one in found
     ]
     if trials:
-        told["plans"] = [one.to_message() for one in trials]
+        report["plans"] = [one.to_message() for one in trials]
     if verdict is not None:
-        told["verify"] = verdict.to_message()
-    output.write(json.dumps(told, indent=2) + "\n")
+        report["verify"] = verdict.to_message()
+    output.write(json.dumps(report, indent=2) + "\n")
 
 
 if __name__ == "__main__":

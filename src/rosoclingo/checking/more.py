@@ -1,4 +1,4 @@
-"""What else than program and stream a check looks at: a robot's files, which need ROS's messages."""
+"""What a check can look at beyond program and stream: a robot's files, which need ROS's messages."""
 
 import argparse
 from typing import Iterable, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Tuple
@@ -14,17 +14,17 @@ Kinds = Sequence[Iterable[str]]
 
 
 class Texts(NamedTuple):
-    """What is looked at: faults, and files by their names and texts, in the order in which findings are told."""
+    """Faults, and the names and texts of the files in the order of the findings."""
 
     faults: List[Fault]
     files: List[Tuple[str, str]]
 
 
 class More(Protocol):
-    """What else than program and stream a command looks at."""
+    """What a command looks at beyond program and stream."""
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Add what names it on the command line."""
+        """Add its command line arguments."""
 
     def sources(self, options: argparse.Namespace) -> List[Source]:
         """Return what it adds to the program; raises ProgramError where a file cannot be read."""

@@ -107,17 +107,17 @@ class _Linker:
         for include, way in zip(self._documents[number].includes, self._included[number]):
             for one in way:
                 if one in self._above:
-                    self._tell_circle(number, include, one)
+                    self._report_circle(number, include, one)
                 self._link(one)
         self._above.pop()
         for procedure in program.procedures:
             self._declare(number, procedure)
 
-    def _tell_circle(self, number: int, include: Include, first: int) -> None:
+    def _report_circle(self, number: int, include: Include, first: int) -> None:
         names = [PurePath(self._documents[one].name).name for one in self._above[self._above.index(first) :]]
-        told = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
+        message = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
         mend = "put what both need into a third file" if names[1:] else "leave it out"
-        self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, told, mend))
+        self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, mend))
 
     def _declare(self, number: int, procedure: Node) -> None:
         head, name = signature(procedure), procedure.tokens[0]
@@ -126,6 +126,6 @@ class _Linker:
             return
         file, other = self._declared[head]
         where = "" if file == number else f"{self._documents[file].name}, "
-        told = f"procedure {name} with {arguments(head[1])} is in {where}line {other.line} already"
+        message = f"procedure {name} with {arguments(head[1])} is in {where}line {other.line} already"
         place = (self._documents[number].name, name.line or 1, name.column or 1)
-        self.faults[number].append(Fault(*place, told, "give one of them another name"))
+        self.faults[number].append(Fault(*place, message, "give one of them another name"))

@@ -1,6 +1,6 @@
-"""Procedures that call themselves before they have done anything: what is left of them would have no end.
+"""Endless recursion: procedures that call themselves before any action.
 
-Calls with a number that goes down, or up, to a bound come to an end.
+A recursion ends if an argument counts down, or up, to a bound.
 """
 
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
@@ -11,7 +11,7 @@ from rosoclingo.oclingo.grammars import Node
 Signature = Tuple[str, int]
 
 COUNTING = "if N > 0 { p(N - 1); }"
-"""A call that comes to an end, whatever has been done."""
+"""An example of a recursion that ends."""
 
 _LOOPS = ("while", "star", "every", "achieve")
 _TOGETHER = ("seq", "conc", "prio", "order", "interrupts")
@@ -26,9 +26,9 @@ class _Begin(NamedTuple):
 
 
 def endless_calls(procedures: Mapping[Signature, Node], own: Iterable[Signature]) -> Iterator[Tuple[Node, str, str]]:
-    """Yield, for each of a file's ``own`` procedures that may call itself before any action, the call.
+    """Yield the call, the message and the mend for each of a file's ``own`` procedures that may recurse endlessly.
 
-    With it come what is wrong and the mend. The ``procedures`` are all that may be called.
+    The ``procedures`` are all that may be called.
     """
     idle: Set[Signature] = set()
     begins: Dict[Signature, _Begin] = {}
@@ -74,7 +74,7 @@ def _begin(one: Node, procedures: Mapping[Signature, Node], idle: Set[Signature]
     return _Begin(calls, (all if kind in _TOGETHER else any)(part.idle for part in parts))
 
 
-# ---- calls that come to an end -------------------------------------------------------------------------------------
+# ---- recursion that ends -------------------------------------------------------------------------------------------
 
 
 class _Bound(NamedTuple):
@@ -107,7 +107,7 @@ def _without_ends(calls: List[Node], procedure: Node) -> List[Node]:
 
 
 def _bounded(one: Node, procedure: Node, known: FrozenSet[str], bounds: _Bounds) -> Iterator[Tuple[Node, _Bounds]]:
-    """Yield the calls in a statement where parameters that are ``known``, not named anew, have ``bounds``."""
+    """Yield the recursive calls in a statement, with the ``bounds`` of parameters ``known`` there."""
     if one.kind == "step":
         if signature(one.parts[0]) == signature(procedure):
             yield one.parts[0], bounds

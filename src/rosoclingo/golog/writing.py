@@ -25,11 +25,11 @@ from rosoclingo.oclingo.grammars import Node, Token
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_']*")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 ROW = 8
-"""So many statements or parts stand in one term; what follows is a term of its own, or terms would have no bound."""
+"""Limit of the statements or parts in one term; further ones are in terms of their own, so that terms stay small."""
 DEEPEST = 300
-"""So deep may a term be that a statement becomes."""
+"""Limit of the nesting of a term."""
 ORDERED = 20
-"""So many parts may any order have."""
+"""Limit of the parts of a statement in any order."""
 
 
 _ROWS = {"interrupts": "prio", **{kind: kind for kind in ("seq", "choice", "conc", "prio", "order")}}
@@ -44,10 +44,15 @@ class Declared(NamedTuple):
 
 
 class Writer:
-    """Writes the rules of one file, one on a line; ``places`` says from where each comes (line, column).
+    """Writes the rules of one file, one on a line.
 
-    ``procedures`` are those that its statements may call, its own among them. In the names that it gives to choices
-    and conditions is ``stem``, a term that no other file of the program has. What is wrong is added to ``faults``.
+    Its statements may call the ``procedures``, which include its own. The names of choices and conditions contain
+    ``stem``, a term that no other file of the program has. Errors are added to ``faults``.
+
+    Attributes:
+        lines: the rules.
+        places: line and column in the file from which each rule comes.
+
     """
 
     def __init__(
@@ -114,7 +119,7 @@ class Writer:
         return f"{kind}({','.join(words)})" if words else kind
 
     def _tell(self, name: str, text: str, one: Node) -> None:
-        """Write what is said where a test or a choice leads no further."""
+        """Write the message for a test or a choice that leads no further."""
         place = re.sub(r'["\\\n]', "_", f"line {one.line} of {PurePath(self._file).name}")
         self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', one)
 
@@ -122,8 +127,8 @@ class Writer:
         """Return ``kind(a,kind(b,c))`` for the parts a, b, c; a long one goes on behind calls."""
         if kind == "order":
             if len(parts) > ORDERED:
-                told = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
-                raise self._scope.fault(self._name, told, f"have at most {ORDERED}")
+                message = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
+                raise self._scope.fault(self._name, message, f"have at most {ORDERED}")
             return f"order({self._nested('l', [*parts, 'end'])})"
         first = max(0, len(parts) - 1) // ROW * ROW
         text = self._nested(kind, parts[first:])
@@ -146,9 +151,9 @@ class Writer:
         if others:
             files = {self._procedures[name, number].file for number in others} - {self._file}
             where = f" of {', '.join(sorted(files))}" if files else ""
-            told = f"procedure {name}{where} has {' or '.join(map(arguments, others))}, not {count}"
-            raise self._scope.fault(what, told, "call it with as many as it has")
-        if term not in self._actions:  # so that check tells of an action that the domain does not know
+            message = f"procedure {name}{where} has {' or '.join(map(arguments, others))}, not {count}"
+            raise self._scope.fault(what, message, "call it with as many as it has")
+        if term not in self._actions:  # so that check reports an action that the domain does not know
             self._actions.add(term)
             asked = f"golog_wants({term},{STEP}), golog_action({term},_,_,{STEP})"
             self._add(f"golog_possible({term},{STEP}) :- {asked}.", what)
@@ -197,8 +202,8 @@ class Writer:
     def _check_bound(self, one: Node, way: Sequence[Literal], known: Iterable[str], wanted: Sequence[str]) -> None:
         for name in unbound(way, known, wanted):
             where = self._scope.first.get(name, one)
-            told = f"no fluent says which values {where.text} may have"
-            raise self._scope.fault(where, told, f"add a fluent that has it, or {where.text} in 1..3, or in {{a, b}}")
+            mend = f"add a fluent that has it, or {where.text} in 1..3, or in {{a, b}}"
+            raise self._scope.fault(where, f"no fluent says which values {where.text} may have", mend)
 
     def _literals(self, way: Sequence[Literal], asked: str) -> str:
         """Return the body of a rule, and write what its negations mean."""

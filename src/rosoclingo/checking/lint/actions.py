@@ -74,7 +74,7 @@ class Actions:
                     found.setdefault(str(name), set()).add(parameter)
                     self._nodes.setdefault(str(name), parted(rule.head.term)[1][0])
         self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {
-            name: None if ANY in told else frozenset(told) for name, told in found.items()
+            name: None if ANY in values else frozenset(values) for name, values in found.items()
         }
 
     def without_interface(self, interfaces: Sequence[Named]) -> Iterator[Fault]:

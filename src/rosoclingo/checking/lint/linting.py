@@ -19,7 +19,7 @@ from rosoclingo.checking.lint.talk import (
     like_cancel,
     missing_words,
     statuses,
-    told_at_the_end,
+    statuses_at_the_end,
 )
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program import checks
@@ -59,10 +59,10 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     if checks.uses_keywords(program.parts) if core is None else core:
         trial = None if program.faults else program.trial
         found += [*missing_words(survey), *demanded_actions(survey, trial), *statuses(survey, values)]
-        found += [*told_at_the_end(survey), *hidden(survey), *like_cancel(survey), *idle_words(program)]
+        found += [*statuses_at_the_end(survey), *hidden(survey), *like_cancel(survey), *idle_words(program)]
         found += [*histories(survey), *other_steps(survey), *exchanged_words(survey)]
-    told = {(one.file, one.line, one.column) for one in found}
-    found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in told]
+    known = {(one.file, one.line, one.column) for one in found}
+    found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in known]
     found = _without_doubles(found)
     proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
     return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
@@ -84,10 +84,10 @@ def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ())
     listed = list(texts)
     order = {name: number for number, (name, _) in enumerate(listed)}
     silences, errors = Silences(listed), set(grave)
-    told = dict.fromkeys([*faults, *silences.faults])
+    reported = dict.fromkeys([*faults, *silences.faults])
     found = [
         Finding(one, ERROR if one in errors else KINDS[one.kind].severity)
-        for one in told
+        for one in reported
         if one in errors or not silences.covers(one)
     ]
     return sorted(found, key=lambda one: (order.get(one.fault.file, len(order)), one.fault.line, one.fault.column))

@@ -47,13 +47,13 @@ def unused(survey: Survey) -> List[Fault]:
         if signature in looked_at:
             continue
         meant = None if signature in _KEYWORDS else slip_of(signature, looked_at | _KEYWORDS, survey.shows)
-        told = survey.defining.get(signature, survey.declaring.get(signature))
+        places = survey.defining.get(signature, survey.declaring.get(signature))
         primed = primed_mend(signature, survey.known)
         if primed or meant is not None:
-            found += _at(survey, signature, told, "misspelt", primed or asked(meant))
+            found += _at(survey, signature, places, "misspelt", primed or asked(meant))
         elif survey.shows:
             mend = _UNHEARD.get(signature.name, f"use it, #show {signature}. or leave it out")
-            found += _at(survey, signature, told, "unused", mend)
+            found += _at(survey, signature, places, "unused", mend)
     return found
 
 
@@ -67,14 +67,14 @@ def _defines_alone(statement: Node, signature: Signature) -> bool:
     return statement.ast_type == ASTType.Rule and heads == {signature}
 
 
-def _at(survey: Survey, signature: Signature, told: Optional[List[Place]], kind: str, mend: str) -> Iterator[Fault]:
-    if told is None:
+def _at(survey: Survey, signature: Signature, places: Optional[List[Place]], kind: str, mend: str) -> Iterator[Fault]:
+    if places is None:
         opened = survey.opened[signature]
         yield Fault(opened.file, opened.line, 1, f"nothing looks at the external {signature}", mend, kind)
-    elif told[0].occurrence.term.location.begin.filename != LABELS:
-        what = "the external " if told[0].declares else ""
-        shown = "" if told[0].declares or not survey.shows else ", and nothing shows it"
-        yield told[0].fault(kind, f"nothing looks at {what}{signature}{shown}", mend)
+    elif places[0].occurrence.term.location.begin.filename != LABELS:
+        what = "the external " if places[0].declares else ""
+        shown = "" if places[0].declares or not survey.shows else ", and nothing shows it"
+        yield places[0].fault(kind, f"nothing looks at {what}{signature}{shown}", mend)
 
 
 # ---- what can never be true -----------------------------------------------------------------------------------------
@@ -134,8 +134,8 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
     for signature in needs.keys() - excused:
         names = ", ".join(map(str, sorted(needs[signature])))
         message = f"{signature} is never true: its rules need {names}, and no fact or choice is at the bottom of these"
-        told = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
-        found.append(told[0].fault("unfounded", message, "write the rule by which it begins"))
+        places = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
+        found.append(places[0].fault("unfounded", message, "write the rule by which it begins"))
     return found
 
 

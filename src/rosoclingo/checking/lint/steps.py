@@ -77,11 +77,11 @@ def _differing(signature: Signature, timed: Sequence[Place], survey: Survey) -> 
 
 def _elsewhere(places: Sequence[Place], survey: Survey) -> Iterator[Fault]:
     """Yield the atom whose step is another argument than in all others of its predicate."""
-    told = [(one, set(survey.steps(one))) for one in places if survey.steps(one)]
-    if len(told) < _ALIKE or any(one.part.parameter and not survey.steps(one) for one in places):
+    positioned = [(one, set(survey.steps(one))) for one in places if survey.steps(one)]
+    if len(positioned) < _ALIKE or any(one.part.parameter and not survey.steps(one) for one in places):
         return
-    for place, positions in told:
-        others = set.intersection(*(other for one, other in told if one is not place))
+    for place, positions in positioned:
+        others = set.intersection(*(other for one, other in positioned if one is not place))
         if others and not others & positions:
             number = min(others) + 1
             message = f"{written(place.occurrence.term)} has its step elsewhere: in all others it is argument {number}"

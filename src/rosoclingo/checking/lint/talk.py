@@ -59,12 +59,12 @@ def demanded_actions(survey: Survey, trial: Optional[Trial]) -> List[Fault]:
 
 
 def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
-    """Return a fault of the program as a whole: it is told at the first line, where it can be silenced."""
+    """Return a fault of the program as a whole: it lies at the first line, where it can be silenced."""
     return Fault(survey.first_file, 1, 1, message, mend, kind)
 
 
-def told_at_the_end(survey: Survey) -> List[Fault]:
-    """Return the rules for what the core reads that hold at the last step of a plan alone."""
+def statuses_at_the_end(survey: Survey) -> List[Fault]:
+    """Return faults of rules for the core that hold at the last step of a plan alone."""
     found = []
     for place in (one for signature in KEYWORDS.values() for one in survey.defining.get(signature, ())):
         if place.part.name == "volatile":

@@ -28,7 +28,7 @@ _GOAL = (
     "a goal that may come, as in goal(office1,office2,1); may be repeated (default: some with something to do, of "
     "those of --orders or else of those that the rules ask for)"
 )
-_FACT = "only facts of this name may be told, as in _blocked; may be repeated; none: no facts (default: all declared)"
+_FACT = "only facts of this name may come, as in _blocked; may be repeated; none: no facts (default: all declared)"
 _EACH = "goals of each kind, and facts of each name, that may come (default: %(default)s)"
 _LATE = "cycles that facts may be late (default: %(default)s)"
 _EARLY = "cycles that facts may be early (default: %(default)s)"
@@ -38,7 +38,7 @@ _SKIP = "do not look for these faults; may be repeated: " + ", ".join(one.value 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what tells how."""
+    """Add the options of the verification."""
     add = parser.add_argument_group("verify").add_argument
     kinds = [one.value for one in Kind]
     for name, settings, words in (

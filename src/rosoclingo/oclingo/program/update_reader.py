@@ -24,8 +24,8 @@ def with_failures(program: ReactiveProgram, update: StreamUpdate, before: Iterab
     """Return the update as ``program`` is to see it; ``before`` are the statements that hold for ever before it."""
     if FAILED not in program.open_signatures:
         return update
-    told = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
-    failed = told - _successes(update, before) if told else told
+    returns = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
+    failed = returns - _successes(update, before) if returns else returns
     if not failed:
         return update
     items: List[Item] = []
