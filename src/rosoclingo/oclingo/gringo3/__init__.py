@@ -1,6 +1,6 @@
-"""gringo 3's language, in which programs for oClingo are written: told from clingo 5's and translated into it.
+"""gringo 3's language, in which programs for oClingo are written: recognized, and translated into clingo 5's.
 
-What differs and how it is translated is told in ``doc/gringo3.md``.
+``doc/gringo3.md`` describes the differences and their translation.
 """
 
 from rosoclingo.oclingo.gringo3.dialect import Dialect

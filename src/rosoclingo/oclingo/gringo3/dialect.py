@@ -90,7 +90,7 @@ def inspect(text: str, tokens: Sequence[Token]) -> FileDialect:
 
 
 def decide(files: Sequence[FileDialect], undecided: Dialect) -> List[Tuple[Dialect, bool]]:
-    """The language of each file of a program, and whether anything told it.
+    """Return the language of each file of a program, and whether there was evidence for it.
 
     A pragma ``% dialect: gringo 3`` decides; then evidence, if it is all for one language; then oClingo's directives
     against ``#program``. A file that reads differently in both languages and holds nothing of that follows the other

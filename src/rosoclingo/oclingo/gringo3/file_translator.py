@@ -76,8 +76,8 @@ def translated(
     """Return the translation of each file, and the warnings about it; raises TranslationError."""
     program = Program(Naming(token.text for found in lexed for token in found if token.kind is Kind.VARIABLE))
     translators = [
-        FileTranslator(program, name, text, found, told, dialect)
-        for (name, text), found, told, dialect in zip(files, lexed, inspected, dialects)
+        FileTranslator(program, name, text, found, evidence, dialect)
+        for (name, text), found, evidence, dialect in zip(files, lexed, inspected, dialects)
     ]
     faults = [fault for translator in translators for fault in translator.run()] + program.visibility.write()
     if faults:
@@ -89,21 +89,21 @@ class FileTranslator:
     """Translates one file of a program; files have to be run in order."""
 
     def __init__(
-        self, program: Program, name: str, text: str, tokens: Sequence[Token], told: FileDialect, dialect: Dialect
+        self, program: Program, name: str, text: str, tokens: Sequence[Token], evidence: FileDialect, dialect: Dialect
     ) -> None:
-        self._program, self._tokens, self._told, self._dialect = program, tokens, told, dialect
+        self._program, self._tokens, self._evidence, self._dialect = program, tokens, evidence, dialect
         self._text, self._name, self._file = text, name, PurePath(name).name
         self.rewriting = Rewriting(text, tokens)
         self.warnings: List[str] = []
         self._rules = RuleTranslator(self.rewriting, program.naming)
         self._optimization = OptimizationTranslator(self.rewriting, program.naming, self._file)
         self._step = ""
-        self._has_gringo3 = bool(told.of(Dialect.GRINGO3))
+        self._has_gringo3 = bool(evidence.of(Dialect.GRINGO3))
 
     def run(self) -> List[Fault]:
         """Translate all statements; what could not be translated."""
         faults = []
-        for statement in self._told.statements:
+        for statement in self._evidence.statements:
             try:
                 self._statement(statement)
             except RefusalError as refusal:
@@ -127,7 +127,7 @@ class FileTranslator:
 
     def _is_gringo3(self, statement: Dialect) -> bool:
         """Whether a statement counts as gringo 3's; its own evidence weighs more than the file's language."""
-        if self._told.pragma is Dialect.CLINGO5 or statement is Dialect.CLINGO5:
+        if self._evidence.pragma is Dialect.CLINGO5 or statement is Dialect.CLINGO5:
             return False
         mixed = statement is Dialect.EITHER and self._has_gringo3
         return self._dialect is Dialect.GRINGO3 or statement is Dialect.GRINGO3 or mixed

@@ -49,8 +49,10 @@ def translate_program(
 
         texts = translated(files, lexed, inspected, dialects)
     return tuple(
-        TranslationResult(_marked(old, new), warnings + (() if certain else _undecided(name, told, dialect)), dialect)
-        for (name, old), (new, warnings), told, (dialect, certain) in zip(files, texts, inspected, decided)
+        TranslationResult(
+            _marked(old, new), warnings + (() if certain else _undecided(name, evidence, dialect)), dialect
+        )
+        for (name, old), (new, warnings), evidence, (dialect, certain) in zip(files, texts, inspected, decided)
     )
 
 
@@ -73,8 +75,8 @@ def _marked(old: str, new: str) -> str:
     return new + ("" if new.endswith("\n") else "\n") + MARK + "\n"
 
 
-def _undecided(name: str, told: FileDialect, dialect: Dialect) -> Tuple[str, ...]:
-    conflicts = [one for statement in told.of(Dialect.CONFLICT) for one in statement.conflicts if one.what]
+def _undecided(name: str, evidence: FileDialect, dialect: Dialect) -> Tuple[str, ...]:
+    conflicts = [one for statement in evidence.of(Dialect.CONFLICT) for one in statement.conflicts if one.what]
     text = "{}:{}:{}: {} means one thing in gringo 3 and another in clingo 5; read as {} (say so by '% dialect: {}')"
     return tuple(
         text.format(name, one.token.line, one.token.column, one.what, dialect.value, dialect.value)
