@@ -190,7 +190,7 @@ def test_an_overlay_that_is_none_is_told_before_any_set_up(tmp_path, command):
 def test_an_overlay_where_there_can_be_none(arguments):
     code, said = dev(*arguments)
     assert code == 1
-    assert "--overlay" in said or "is not for overlays" in said
+    assert "--overlay" in said or "does not support overlays" in said
 
 
 def test_times_of_compiled_files_follow_from_their_contents(tmp_path):
