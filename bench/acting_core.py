@@ -1,9 +1,7 @@
-"""A core for benches that play the world to it without ROS: plans made soon, its solver in processes as the node's."""
+"""A core without ROS for benchmarks: its solver works in processes as the node's does, and a bench plays the world."""
 
 import time
 from pathlib import Path
-
-from cycles import processor_clock
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -13,7 +11,7 @@ from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChan
 from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import unwatched
 
-ENCODING = Path(__file__).resolve().parents[1] / "encodings" / "mailbot.lp"
+ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 
 MOST_IDLE = 600
 """Limit of seconds without an action: the core defers what its solver could not accept."""
@@ -21,14 +19,24 @@ MOST_IDLE = 600
 
 def mailbot_program(floor):
     """The mailbot's program with a floor of deliveries.py."""
-    return ReactiveProgram([Source.from_file(ENCODING), Source(floor.name, floor.instance)])
+    return ReactiveProgram([Source.from_file(ENCODINGS / "mailbot.lp"), Source(floor.name, floor.instance)])
+
+
+def processor_clock(pid):
+    """The clock of a process's processor time, as clock_getcpuclockid(3) makes it on Linux."""
+    return (~pid << 3) | 2
+
+
+def returned(action, value=None):
+    """The return of an action, by default its success."""
+    return f"_return({action.interface},{value or action.parameter},{action.cycle})"
 
 
 class PooledCore:
     """A pure core whose solver works in processes of its own."""
 
-    def __init__(self, program, plan_time, settings=None):
-        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
+    def __init__(self, program, plan_time=0.0, settings=None, standby=True):
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=standby)
         watches = {"watch": self.watch, "watch_joining": self.watch_joining}
         self.core = Core(program, lambda: ProcessSolver(self.process), self.note, settings or CoreSettings(), **watches)
 
@@ -153,7 +161,7 @@ class ActingCore(PooledCore):
         self.execute(actions)
         self._returned = time.perf_counter() if in_force else None
         for action in actions:
-            self.core.receive("bench", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+            self.core.receive("bench", [returned(action)])
 
     def watch(self):
         """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""

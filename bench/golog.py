@@ -14,20 +14,13 @@ import argparse
 import random
 import statistics
 import time
-from functools import partial
 from pathlib import Path
 
 from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.sources import Source
-
-try:
-    from rosoclingo.planning.solver import PlanSolver
-except ImportError:  # ./dev bench --against a commit in which the solver of oclingo made plans
-    from rosoclingo.oclingo import ReactiveSolver
-
-    PlanSolver = partial(ReactiveSolver, shortest=True, oclingo_strings=False)
+from rosoclingo.planning.solver import PlanSolver
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 

@@ -1,105 +1,82 @@
 #!/usr/bin/env python3
-"""Measures what a goal costs the core when a run has got long: processor time in both processes of the core.
+"""Measures the cost of a goal in a long run: processor time of the core and its solver.
 
-The pure core with the program of a house or a row of offices, its solver in a process of its own as the node has it;
-each action is answered at once, with success or, now and then, a failure. What is told of plan and goals is made into
-the texts that the node publishes. In the end a long run and a short one go on in turns. To be run in the built
-workspace: ./dev exec python3 bench/long_run.py
+The pure core with the program of a house or a row of offices, its solver in a process of its own. Each action is
+returned at once, as a success or sometimes a failure; events of plan and goals are written as the node publishes them.
+At the end a long run and a short one continue in turns.
+Run it in the built workspace: ./dev exec python3 bench/long_run.py
 """
 
 import argparse
 import random
 import statistics
 import time
-from pathlib import Path
 
+from acting_core import ENCODINGS, PooledCore, returned
 from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.planning.workers.pool import WorkerPool
-from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, PlanMade
-
-ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
+from rosoclingo.reasoning import GoalProgress, PlanMade
 
 OFFICES = ["office1", "office2", "office3", "office4"]
 ROOMS = ["hallway", "kitchen", "living_room", "bathroom", "study", "bedroom"]
 THINGS = ["cup", "tray", "book", "newspaper", "towel"]
 
 
-def errand(source, number):
+def office_goal(source, number):
     """A goal for the row of offices."""
     start, end = source.sample(OFFICES, 2)
     return f"goal({start},{end},{number})"
 
 
-def wish(source, number):
-    """A goal for the house; a thing is asked for once at a time."""
+def house_goal(source, number):
+    """A goal for the house, for another thing than the goals before."""
     return f"bring({source.choice(ROOMS)},{THINGS[number % len(THINGS)]})"
 
 
-PROGRAMS = {"mailbot": (["mailbot.lp", "office.lp"], errand), "house": (["house.lp", "home.lp"], wish)}
+PROGRAMS = {"mailbot": (["mailbot.lp", "office.lp"], office_goal), "house": (["house.lp", "home.lp"], house_goal)}
 
 
 def load(name):
-    """The program of a name, and what makes goals for it."""
+    """The program of a name, and a function that makes goals for it."""
     names, goal = PROGRAMS[name]
     return ReactiveProgram.from_files([ENCODINGS / one for one in names]), goal
 
 
 def answer(action, source, failures):
-    """The return of an action, some of which fail."""
-    value = "failed" if source.random() < failures else action.parameter
-    return f"_return({action.interface},{value},{action.cycle})"
+    """The return of an action; a share of the actions fails."""
+    return returned(action, "failed" if source.random() < failures else None)
 
 
-class Teller:
-    """Stands for the node: writes what it would publish."""
-
-    def __init__(self):
-        self.bytes = 0
-        self.ended = 0
-
-    def __call__(self, event):
-        if isinstance(event, (PlanMade, GoalProgress)):
-            self.bytes += sum(len(str(action.atom)) for action in event.actions)
-        elif isinstance(event, GoalChanged) and event.outcome is not None:
-            self.ended += 1
-
-
-class Run:
-    """A core that is given goals, each action of which is answered at once; an own process has its solver."""
+class Run(PooledCore):
+    """A core whose actions are returned at once; ``bytes`` counts the text that the node would publish."""
 
     def __init__(self, program, goal, failures):
-        self.process = WorkerPool(program, shortest=True)
-        self.process.start()
-        self.teller = Teller()
-        self.core = Core(program, lambda: ProcessSolver(self.process), self.teller, CoreSettings())
-        self.core.start()
+        super().__init__(program, standby=False)
         self._goal, self._failures = goal, failures
-        self._source = random.Random(1)
-        self._number = 0
+        self._source, self._number, self.bytes = random.Random(1), 0, 0
+
+    def note(self, event):
+        """Write the actions of a plan."""
+        if isinstance(event, (PlanMade, GoalProgress)):
+            self.bytes += sum(len(str(action.atom)) for action in event.actions)
 
     def goals(self, count):
-        """Send goals and answer until all have ended; return seconds of processor time and bytes told for each."""
-        spent, told = self._spent(), self.teller.bytes
+        """Send goals and return actions until all have ended; return seconds of processor time and bytes for each."""
+        seconds, size = time.process_time() + self.process.cpu_time, self.bytes
         for _ in range(count):
             self._number += 1
             self.core.add_goal(str(self._number), self._goal(self._source, self._number))
         while self.core.live_goals:
-            while self.core.advance(0.0):
-                pass
+            self.advance()
             for action in self.core.awaited:
                 self.core.receive("bench", [answer(action, self._source, self._failures)])
-        return (self._spent() - spent) / count, (self.teller.bytes - told) / count
-
-    def _spent(self):
-        """Seconds of this process, of the solver's, and of those that were there before it: one that has grown goes."""
-        return time.process_time() + self.process.cpu_time
+        seconds = time.process_time() + self.process.cpu_time - seconds
+        return seconds / count, (self.bytes - size) / count
 
 
 def grow(run, cycles, batch, step=500):
-    """Let a run come to a cycle, and print the cost of a goal on the way."""
+    """Continue a run up to a cycle, and print the cost of a goal on the way."""
     mark, sample = run.core.cycle + step, []
     while run.core.cycle < cycles:
         sample.append(run.goals(batch))
@@ -109,7 +86,7 @@ def grow(run, cycles, batch, step=500):
 
 
 def compare(long, short, cycles, batch):
-    """Let two runs go on for some cycles, in turns, so that other programs slow both down alike; return the figures."""
+    """Continue two runs for some cycles in turns, so that other programs slow both; return the figures."""
     samples = {long: [], short: []}
     ends = {run: run.core.cycle + cycles for run in samples}
     while any(run.core.cycle < end for run, end in ends.items()):
@@ -119,16 +96,15 @@ def compare(long, short, cycles, batch):
         print(f"up to cycle {run.core.cycle:6d}: {describe(sample)}")
     seconds = [statistics.mean(one for one, _ in sample) for sample in samples.values()]
     print(f"a goal of the long run costs {seconds[0] / seconds[1]:.2f} times one of the short run")
-    names = zip(("long", "short"), seconds, samples.values())
-    costs = [Figure(f"a goal of the {name} run", 1000 * one, "ms of processor") for name, one, _ in names]
-    told = statistics.mean(size for _, size in samples[long])
-    return [*costs, Figure("long over short", seconds[0] / seconds[1], ""), Figure("told of a goal", told / 1000, "kB")]
+    costs = [Figure(f"a goal of the {name} run", 1000 * one, "ms") for name, one in zip(("long", "short"), seconds)]
+    size = statistics.mean(size for _, size in samples[long])
+    return [*costs, Figure("long over short", seconds[0] / seconds[1], ""), Figure("told of a goal", size / 1000, "kB")]
 
 
 def describe(sample):
     """The means of a sample, in words."""
     seconds, size = map(statistics.mean, zip(*sample))
-    return f"{1000 * seconds:6.1f} ms a goal, {size / 1000:5.1f} kB told"
+    return f"{1000 * seconds:6.1f} ms a goal, {size / 1000:5.1f} kB published"
 
 
 def add_run(parser, failures):
@@ -148,10 +124,10 @@ def main():
     parser.add_argument("--window", type=int, default=400, help="cycles to compare them for (default: %(default)s)")
     options = parse(parser, cycles=300, beside=30, window=60)
     program, goal = load(options.program)
-    runs = [Run(program, goal, options.failures) for _ in range(2)]
-    for run, cycles in zip(runs, (options.cycles, options.beside)):
-        grow(run, cycles, options.batch)
-    write(options.json, compare(*runs, options.window, options.batch))
+    with Run(program, goal, options.failures) as long, Run(program, goal, options.failures) as short:
+        grow(long, options.cycles, options.batch)
+        grow(short, options.beside, options.batch)
+        write(options.json, compare(long, short, options.window, options.batch))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the benches' short forms one after the other and prints one table of their figures: ./dev bench.
+"""Runs the short forms of the benches one after the other and prints one table of their figures: ./dev bench.
 
-With --against another commit is measured beside this checkout, in turns: one run of each, three times or more. It is
-built once, in a folder of its own outside the source tree. This checkout's benches measure both, so that the measure is
-the same; where one does not run there, that commit's own does if it writes figures, else the bench is "not there".
-The ratio is that of the bests; "better" and "worse" mark those that differ by more than a tenth, with "?" where some
-runs of the one are as good as some of the other: more rounds, or a machine with less to do, tell whether it is so.
+With --against, another commit is measured in turns with this checkout, in at least three rounds. It is built once, in a
+folder outside the source tree. The benches of this checkout measure both; one that does not run there is "not there".
+The ratio compares the best runs; "better" and "worse" mark a difference of more than a tenth, with "?" if the runs of
+the two overlap: repeat it with more rounds, or on a quieter machine.
 
 The exit code is 0; 1 if a bench failed or the other commit cannot be built; 2 for a wrong command line.
 """
@@ -42,36 +41,19 @@ class BenchError(Exception):
 
 
 class Checkout:
-    """This checkout, or the tree of another commit: where its benches lie, best first, and what begins the command."""
+    """This checkout, or the tree of another commit: the folder of the benches, and the start of the command."""
 
-    def __init__(self, name: str, folders: Sequence[Path], start: Sequence[str], logs: Path) -> None:
-        self.name, self._folders, self._start, self._logs = name, folders, start, logs
-        self._scripts: Dict[str, Path] = {}  # what has run
+    def __init__(self, name: str, folder: Path, start: Sequence[str], logs: Path) -> None:
+        self.name, self._folder, self._start, self._logs = name, folder, start, logs
 
     def measure(self, bench: str) -> List[figures.Figure]:
-        """Run a bench's short form; raises BenchError."""
-        reasons = []
-        for script in self._candidates(bench):
-            try:
-                found = self._measure(script)
-            except BenchError as failed:
-                reasons.append(str(failed))
-            else:
-                self._scripts[bench] = script
-                return found
-        raise BenchError(reasons[0])
-
-    def _candidates(self, bench: str) -> List[Path]:
-        if bench in self._scripts:
-            return [self._scripts[bench]]
-        return [path for path in (folder / f"{bench}.py" for folder in self._folders) if path.exists()]
-
-    def _measure(self, script: Path) -> List[figures.Figure]:
-        handle, name = tempfile.mkstemp(prefix=f"{script.stem}-{self.name}-", suffix=".log", dir=str(self._logs))
+        """Run the short form of a bench; raises BenchError."""
+        handle, name = tempfile.mkstemp(prefix=f"{bench}-{self.name}-", suffix=".log", dir=str(self._logs))
         os.close(handle)
         log = Path(name)
         result = log.with_suffix(".json")
-        ended = run([*self._start, str(script), "--short", "--json", str(result)], log, LIMIT, os.environ)
+        command = [*self._start, str(self._folder / f"{bench}.py"), "--short", "--json", str(result)]
+        ended = run(command, log, LIMIT, os.environ)
         if ended.code is None:
             raise BenchError(f"it did not end within {LIMIT:.0f} s, its output is {log}")
         if ended.code != 0:
@@ -137,7 +119,7 @@ def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
         subprocess.run([*start, "true"], check=True)
     except (OSError, subprocess.CalledProcessError) as error:
         raise BenchError(f"commit {commit[:12]} cannot be built: {error}") from error
-    return Checkout(commit[:8], [lent, tree / "bench"], [*start, "python3"], logs)
+    return Checkout(commit[:8], lent, [*start, "python3"], logs)
 
 
 def compare(bench: str, here: Checkout, there: Optional[Checkout], rounds: int) -> List[figures.Row]:
@@ -165,7 +147,7 @@ def tell(text: str) -> None:
 
 def measure_all(options, logs: Path) -> int:
     """Run what was asked for and print the table; return the exit code."""
-    here, there = Checkout("here", [ROOT / "bench"], [sys.executable], logs), None
+    here, there = Checkout("here", ROOT / "bench", [sys.executable], logs), None
     if options.against:
         there = other_checkout(options.against, options.work / "against", logs)
     found, failures = [], 0

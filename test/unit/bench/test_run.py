@@ -67,7 +67,7 @@ def repository(tmp_path, monkeypatch):
 
 def compare(repository, commit, rounds=3):
     logs = repository.folder.parent / "logs"
-    here = run.Checkout("here", [repository.folder / "bench"], [sys.executable], logs)
+    here = run.Checkout("here", repository.folder / "bench", [sys.executable], logs)
     there = run.other_checkout(commit, repository.folder.parent / "against", logs)
     return [(row.name, row.here, row.there) for row in run.compare("speed", here, there, rounds)]
 
@@ -94,16 +94,7 @@ def test_it_measures_a_commit_that_has_another(repository):
 NEEDS_NEW = 'sys.path.append(str(Path(__file__).resolve().parents[1] / "src"))\nimport new'
 
 
-def test_where_it_does_not_run_the_commits_own_does(repository):
-    repository.bench("a value")
-    commit = repository.commit(3)
-    repository.bench("a value", NEEDS_NEW)
-    repository.write("src/new.py", "")
-    repository.write("src/value", "2")
-    assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
-
-
-def test_where_none_runs_it_is_told_why(repository, capfd):
+def test_a_bench_that_does_not_run_there_is_reported(repository, capfd):
     commit = repository.commit(3)
     repository.bench("a value", NEEDS_NEW)
     repository.write("src/new.py", "")
