@@ -4,8 +4,8 @@ from typing import Dict, FrozenSet, Iterable, List
 
 import clingo
 
+from rosoclingo.oclingo.program.update_reader import with_their_failures
 from rosoclingo.oclingo.solving.atom_table import BackendSession
-from rosoclingo.planning.snapshot import with_their_failures
 
 
 class Assumables:

@@ -22,9 +22,10 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 from rosoclingo.oclingo.solving.results import Answer
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StateItem, TimedStatement
 from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.snapshot import ClosedHeads, Past, Snapshot, SnapshotItem, TimedStatement
+from rosoclingo.planning.snapshot import Past, Snapshot
 
 LEAST_STEPS = 16
 """Compaction is tried for at least this number of steps."""
@@ -95,7 +96,7 @@ def _without_fixed_steps(
     # the last cycle can still get returns; actions of earlier cycles are kept as long as later steps can define more
     closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.may_act(c, first)}
     recent = tuple((step, atom) for atom, step in shown.items() if step >= first - SHOWN_STEPS)
-    told: List[SnapshotItem] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
+    told: List[StateItem] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
     told += [ClosedHeads(false)] if false else []
     return replace(snapshot, items=tuple(told), closed=closed, past=Past(first, frozenset(kept - opened), recent))
 

@@ -7,7 +7,7 @@ import clingo
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import BackendSession, ControlAtoms
-from rosoclingo.planning.snapshot import TimedStatement
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
 
 _NEVER = -1
 """Number of the update that closes an external without a definition."""

@@ -3,7 +3,6 @@
 A grounding never changes, except that its horizon grows. It can be dropped and rebuilt at any time.
 """
 
-from contextlib import contextmanager
 from typing import (
     Any,
     Collection,
@@ -22,13 +21,12 @@ from weakref import proxy
 import clingo
 from clingo.propagator import Propagator
 
-from rosoclingo.oclingo.errors import DroppedError, SolverError
+from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import BEYOND, RETURN, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.return_rules import ReturnRules
-from rosoclingo.oclingo.program.signatures import statement_edges
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
@@ -36,20 +34,14 @@ from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
-from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusal, unused_fact
+from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_facts
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
-from rosoclingo.planning.snapshot import (
-    ClosedHeads,
-    ForgottenSteps,
-    Past,
-    Snapshot,
-    SnapshotItem,
-    TimedStatement,
-)
+from rosoclingo.planning.snapshot import Past, Snapshot
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
@@ -126,10 +118,10 @@ class Grounding:
         ``dropped``, which is called between pieces, returns true, and SolverError if clingo rejects the program.
         """
         self.program, self.snapshot, self.messages = program, snapshot, Messages()
-        self.is_cyclic = _closes_loops(program, snapshot)
+        self.is_cyclic = snapshot.closes_loops(program)
         self.past = snapshot.past or Past(program.first_step, frozenset())
         self.horizon = self.past.first - 1
-        self.warnings = [*snapshot.warnings, *_unused_facts(program, snapshot)]
+        self.warnings = [*snapshot.warnings, *unused_facts(program, snapshot)]
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
         self.statements: List[TimedStatement] = []
         self.deferred: List[TimedStatement] = []
@@ -146,7 +138,7 @@ class Grounding:
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
-        with self._refusing():
+        with refusing(self.messages, self.program):
             program.load_into(self._control, predicts)
         self._clasp = ClaspSearch(self._control, program)
         self._build(horizon, max(PIECE, horizon) if whole else PIECE)
@@ -198,7 +190,7 @@ class Grounding:
     def _ground(self, parts: Parts, steps: range = range(0), noted: Optional[range] = None) -> None:
         """Ground ``parts``, those of ``steps``; their externals are noted for the steps ``noted`` if they differ."""
         self._session.close()
-        with self._refusing():
+        with refusing(self.messages, self.program):
             self._control.ground(parts)
         self.ground_parts.append((steps, parts))
         self._externals.note(noted or steps)
@@ -206,14 +198,6 @@ class Grounding:
         self._ends.expire()
         for signature in HIDDEN:
             self._hidden.update(one.symbol for one in self._control.symbolic_atoms.by_signature(*signature))
-
-    @contextmanager
-    def _refusing(self) -> Iterator[None]:
-        """Convert errors of clingo."""
-        try:
-            yield
-        except RuntimeError as error:
-            raise SolverError(refusal(error, self.messages, self.program)) from None
 
     def _ground_to(self, last: int) -> None:
         """Ground the steps up to ``last`` in one call, which is much faster than one by one."""
@@ -251,7 +235,7 @@ class Grounding:
 
     # ---- Statements --------------------------------------------------------------------------------------------------
 
-    def _add_entries(self, entries: Iterable[SnapshotItem]) -> None:
+    def _add_entries(self, entries: Iterable[StateItem]) -> None:
         """Apply ``entries`` of the snapshot in order."""
         for one in entries:
             if isinstance(one, ForgottenSteps):
@@ -411,7 +395,7 @@ class Grounding:
         limits = Limits(question.models, question.conflicts, question.best, question.advised)
         answers: List[_Answer] = []
         this = proxy(self)  # the control holds the callback, which must not hold the control
-        with self._refusing():
+        with refusing(self.messages, self.program):
             if question.brief:
                 result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, question, answers))
                 core: List[int] = []
@@ -498,27 +482,3 @@ def pieces(first: int, end: int, size: int, keep_from: int) -> Iterator[int]:
             last = keep_from - 1
         yield last
         first = last + 1
-
-
-def _closes_loops(program: ReactiveProgram, snapshot: Snapshot) -> bool:
-    """Return whether a statement closes a positive loop."""
-    rules = [one for one in snapshot.statements if one.head is not None and one.body]
-    dependencies = program.dependencies.copy() if rules else program.dependencies
-    for one in rules:
-        heads, bodies = statement_edges(one)
-        if any(dependencies.reaches(head, bodies) for head in heads):
-            return True
-        dependencies.add(heads, bodies)
-    return False
-
-
-def _unused_facts(program: ReactiveProgram, snapshot: Snapshot) -> Iterator[str]:
-    """Yield a warning for each predicate of the last update's facts that no rule uses."""
-    known = set(program.open_signatures)
-    for statement, _, number in snapshot.timed_statements:
-        if statement.head is None or signature_of(statement.head) in known:
-            continue
-        known.add(signature_of(statement.head))
-        if number == snapshot.number and not statement.body:
-            text = unused_fact(program, statement.head, snapshot.statements)
-            yield from [] if text is None else [text]

@@ -7,7 +7,8 @@ import clingo
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime, Term
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, SnapshotItem, TimedStatement
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
+from rosoclingo.planning.snapshot import Past, Snapshot
 
 Message = Dict[str, Any]
 
@@ -60,7 +61,7 @@ def snapshot_from_message(message: Message) -> Snapshot:
     )
 
 
-def _items_to_message(items: Sequence[SnapshotItem]) -> Message:
+def _items_to_message(items: Sequence[StateItem]) -> Message:
     """Return the statements, their updates, the lifetimes other than FOREVER, and the other items with their places."""
     entries = [one for one in items if isinstance(one, TimedStatement)]
     lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
@@ -74,10 +75,10 @@ def _items_to_message(items: Sequence[SnapshotItem]) -> Message:
     }
 
 
-def _items_from_message(message: Message) -> Tuple[SnapshotItem, ...]:
+def _items_from_message(message: Message) -> Tuple[StateItem, ...]:
     lifetimes = {place: _lifetime_from_value(value) for place, value in message["lifetimes"]}
     pairs = zip(_statements_from_text(message["statements"]), message["updates"])
-    items: List[SnapshotItem] = [
+    items: List[StateItem] = [
         TimedStatement(one, lifetimes.get(place, FOREVER), number) for place, (one, number) in enumerate(pairs)
     ]
     for place, text, steps in message["others"]:

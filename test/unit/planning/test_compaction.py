@@ -23,12 +23,13 @@ from rosoclingo.oclingo import (
 )
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Forget, Literal, Over, Statement, StreamUpdate
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning import grounding
 from rosoclingo.planning.fixed_atoms import fixed_atoms
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, cycle_of
 from rosoclingo.planning.question import Question
-from rosoclingo.planning.snapshot import Snapshot, TimedStatement
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
 
 pytestmark = pytest.mark.usefixtures("compacts_at_once")

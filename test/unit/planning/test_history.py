@@ -14,9 +14,10 @@ from stream_play import atoms, planner_of, play
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Closed, Literal, Over, Statement, StreamUpdate, Withdraw
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
-from rosoclingo.planning.snapshot import Snapshot, TimedStatement
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
 from rosoclingo.planning.workers.pool import WorkerPool

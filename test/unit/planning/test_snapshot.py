@@ -8,7 +8,8 @@ from stream_play import WALK, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
-from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, TimedStatement
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, TimedStatement
+from rosoclingo.planning.snapshot import Past, Snapshot
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items

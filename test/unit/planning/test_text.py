@@ -7,7 +7,8 @@ import pytest
 
 from rosoclingo.oclingo import fact, parse_atom, parse_term, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Term
-from rosoclingo.planning.snapshot import ClosedHeads, ForgottenSteps, Past, Snapshot, TimedStatement
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, TimedStatement
+from rosoclingo.planning.snapshot import Past, Snapshot
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message, symbol_list, symbols_to_text
 
 SAID = '_said("a, b",f("c"))'

@@ -15,11 +15,12 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement, StreamUpdate
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import Question, Read, Reply, StoppedError
-from rosoclingo.planning.snapshot import Snapshot, TimedStatement
+from rosoclingo.planning.snapshot import Snapshot
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
 """What to read of an answer's model, given its grounding and the step of the update."""

@@ -46,7 +46,7 @@ Simplified to its loop it is this, which runs (the tests play the lift of doc/oc
             atom = self.control.symbolic_atoms[one.atom]
             return atom.literal if one.positive else -atom.literal
 
-reactive_solver.py extends this class by bounds and time limits. transaction.py applies an update to stream_state.py as
-a whole or not at all. reactive_grounding.py holds the clingo control, clasp_search.py runs searches that can be
-stopped, and atom_table.py adds rules to the control through its backend. The solver of plans is in rosoclingo.planning.
+reactive_solver.py extends this class by bounds and time limits. stream_state.py is a pure fold of the updates;
+reactive_grounding.py holds the clingo control and follows the state. clasp_search.py runs searches that can be stopped,
+and atom_table.py adds rules to the control through its backend. The solver of plans is in rosoclingo.planning.
 """

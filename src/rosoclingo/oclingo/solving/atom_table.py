@@ -1,7 +1,7 @@
-"""What a grounding knows of its atoms: which externals may still be defined, and what defines them.
+"""The atoms of a grounding: which externals can still be defined, and their definitions.
 
-An external that gets a lapsing definition stays open behind it: the definition goes to its literal together with a
-rule by which a fresh external, its next *cell*, defines it as well.
+An external with a lapsing definition stays open: a second rule defines it by a new external, its next *cell*, which a
+later definition defines in its place.
 """
 
 from typing import ContextManager, Dict, Optional, Set
@@ -9,10 +9,14 @@ from typing import ContextManager, Dict, Optional, Set
 import clingo
 from clingo.backend import Backend
 
-from rosoclingo.oclingo.progression.updates import Literal, Statement
+from rosoclingo.oclingo.progression.updates import Literal
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
 
 OPEN, HOLDS, RELEASED = clingo.TruthValue.False_, clingo.TruthValue.True_, clingo.TruthValue.Release
+
+_NEVER = -1
+"""Number of the update that closes an external without a definition."""
 
 
 class BackendSession:
@@ -102,60 +106,53 @@ class ControlAtoms:
 
 
 class AtomTable(ControlAtoms):
-    """Atoms of one control, seen as what updates may say of them."""
+    """Atoms of one control that updates can define and close, one update after the other."""
 
     def __init__(self, control: clingo.Control, session: BackendSession, externals: ExternalIndex) -> None:
-        """Take the control, its session and its externals."""
+        """Use a control, its session and its externals."""
         super().__init__(control, session, externals)
-        self._cells: Dict[clingo.Symbol, int] = {}  # open external -> literal that the next definition defines
-        self._defining: Dict[clingo.Symbol, int] = {}  # defined since the last search -> literal still to be defined
-        self._closed: Set[clingo.Symbol] = set()
-
-    def is_open(self, atom: clingo.Symbol) -> bool:
-        """Tell whether ``atom`` is an external that a rule may define now."""
-        if atom in self._cells or atom in self._defining:
-            return True
-        if atom in self._closed:
-            return False
-        return self.is_external(atom)
+        self._next: Dict[clingo.Symbol, int] = {}  # defined atom -> the literal that the next definition defines
+        self._closed: Dict[clingo.Symbol, int] = {}  # atom -> the update that closed it
 
     def is_closed(self, atom: clingo.Symbol) -> bool:
-        """Tell whether ``atom`` is an external that was closed, or defined for good."""
+        """Return whether ``atom`` is defined for good, or was closed."""
         return atom in self._closed
 
-    def add(self, statement: Statement, guard: Optional[int]) -> None:
-        """Add a rule under ``guard``; its head must be open or an atom that the program does not know."""
+    def is_open(self, atom: clingo.Symbol, update: int = _NEVER - 1) -> bool:
+        """Return whether ``atom`` is an external that a statement of ``update``, by default a later one, can define."""
+        return self._closed.get(atom, update) == update and (atom in self._next or self.is_external(atom))
+
+    def add(self, entry: TimedStatement, guard: Optional[int]) -> None:
+        """Add a rule, under ``guard`` if it can lapse; its head must be open or an atom that the program does not know.
+
+        A permanent rule closes its head for later updates.
+        """
+        statement = entry.statement
         body = [self._body_literal(literal) for literal in statement.body] + ([] if guard is None else [guard])
-        head = [] if statement.head is None else [self._head(statement.head, guard)]
+        head = [] if statement.head is None else [self._head(statement.head, guard, entry.update)]
         self._session.backend.add_rule(head, body)
         if statement.head is not None and not body:
             self._facts.add(statement.head)
 
     def close(self, atom: clingo.Symbol) -> None:
-        """Let the open external ``atom`` be false for good."""
-        self._closed.add(atom)
-        cell = self._cells.pop(atom, None)
-        if cell is None:
-            known = self._control.symbolic_atoms[atom]
-            cell = None if known is None else known.literal
-        if cell is not None:
-            self._session.release(cell)
+        """Make the open external ``atom`` false for good."""
+        self._closed[atom] = _NEVER
+        literal = self._next.pop(atom, None)
+        known = self._control.symbolic_atoms[atom]
+        if literal is None and known is not None:
+            literal = known.literal
+        if literal is not None:
+            self._session.release(literal)
 
-    def end_definitions(self) -> None:
-        """Take what was defined up to now as defined: to be called before a search."""
-        self._defining.clear()
-
-    def _head(self, atom: clingo.Symbol, guard: Optional[int]) -> int:
-        """Return the literal to define for ``atom``."""
-        if atom not in self._defining:
-            cell = self._cells.pop(atom, None)
-            self._defining[atom] = cell if cell is not None else self._head_literal(atom)
-        literal = self._defining[atom]
+    def _head(self, atom: clingo.Symbol, guard: Optional[int], update: int) -> int:
+        """Return the literal to define for ``atom``; after a definition that lapses another one can follow."""
+        literal = self._next.get(atom)
+        if literal is None:
+            literal = self._head_literal(atom)
+        self._next[atom] = literal
         if guard is None:
-            self._closed.add(atom)
-            if atom in self._cells:
-                self._session.release(self._cells.pop(atom))
-        elif atom not in self._closed and atom not in self._cells:
-            following = self._cells[atom] = self._session.new_external()
-            self._session.backend.add_rule([literal], [following])
+            self._closed.setdefault(atom, update)
+        elif atom not in self._closed:
+            cell = self._next[atom] = self._session.new_external()
+            self._session.backend.add_rule([literal], [cell])
         return literal

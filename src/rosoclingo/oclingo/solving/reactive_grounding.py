@@ -1,85 +1,99 @@
-"""The grounding of the incremental solver: it grows step by step, and updates change it in place.
+"""The grounding of the incremental solver: it grows step by step, and follows the state of the stream in place."""
 
-It knows nothing of streams: the solver tells it what to ground, define, release and solve. It can be dropped and built
-again at any time from the solver's state.
-"""
-
-from typing import Callable, Container, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import BEYOND
 from rosoclingo.oclingo.program.clingo_messages import Messages
+from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime
-from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
-from rosoclingo.oclingo.solving.stream_state import StreamState
-
-Answers = Tuple[FrozenSet[clingo.Symbol], ...]
+from rosoclingo.oclingo.solving.results import Answer, refusing
+from rosoclingo.oclingo.solving.stream_state import ForgottenSteps, StateItem, StreamState, TimedStatement
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
 
-BLOCK = 64
-"""Steps that are ground at once during regrounding."""
-
 
 class ReactiveGrounding:
-    """A control with base and the steps first..:attr:`horizon` grounded.
+    """A control with base, the steps up to :attr:`horizon`, and the items of a stream's state.
 
-    Nothing in it refers to it, so that its memory, which may be much, is free as soon as nobody else does.
+    It can be dropped and built again from the state at any time. It holds no reference to itself, so its memory is
+    freed with the last reference of others. Methods raise SolverError if clingo refuses the program.
 
     Attributes:
         horizon: the last grounded step; first step - 1 while only base is grounded.
-        atoms: what updates may say of the atoms, and how.
-        messages: what clingo said since they were last cleared.
+        messages: messages of clingo.
 
     """
 
-    def __init__(
-        self, program: ReactiveProgram, open_atoms: Iterable[clingo.Symbol], facts: Set[clingo.Symbol]
-    ) -> None:
-        """Load ``program`` and ground its base, ``open_atoms`` known as externals or, where in ``facts``, as facts.
-
-        Raises RuntimeError as clingo does.
-        """
-        self.program = program
-        self.messages = Messages()
+    def __init__(self, program: ReactiveProgram, state: StreamState) -> None:
+        """Ground base, with the heads of open signatures in ``state`` as externals or as facts."""
+        self.program, self.messages = program, Messages()
+        self.horizon = program.first_step - 1
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
         self._externals = ExternalIndex(self._control, program)
-        self.atoms = AtomTable(self._control, self._session, self._externals)
+        self._atoms = AtomTable(self._control, self._session, self._externals)
         self._actions = ActionIndex(self._control, self._session)
-        program.load_into(self._control)
         self._clasp = ClaspSearch(self._control, program)
-        self._guards: Dict[Lifetime, int] = {}  # of what will lapse -> the literal under which it holds
+        self._items: Dict[int, StateItem] = {}  # those of the state that were applied, by identity
+        self._guards: Dict[int, int] = {}  # identity of a statement that can lapse -> the literal under which it holds
+        self._deferred: List[TimedStatement] = []  # statements whose heads later steps declare
+        self._closed: Dict[int, FrozenSet[clingo.Symbol]] = {}  # closed cycle -> its executed actions
+        self._opened: Set[clingo.Symbol] = set()  # the known atoms of open signatures
         self._windows: List[Tuple[clingo.Symbol, int, int]] = []  # guards of volatile rules, with when they hold
         self._hidden: Set[clingo.Symbol] = set()  # auxiliary atoms, left out of answers
-        self.horizon = program.first_step - 1
-        self.declare(open_atoms, facts)
+        self._was_searched = False
+        with refusing(self.messages, program):
+            program.load_into(self._control)
+        self._facts = state.permanent_facts().intersection(self._new_open(state))  # no statement needs to define them
+        self.open_heads(state)
         self._ground([("base", [])], range(1, 2))
         self._externals.end_base()
 
-    def declare(self, atoms: Iterable[clingo.Symbol], facts: Container[clingo.Symbol] = ()) -> None:
-        """Make atoms of open signatures known to all that is grounded later: as externals, or as facts."""
-        declared = list(atoms)
-        self._externals.stepless.update(declared)
-        self._ground([self.program.open_part(atom, atom in facts) for atom in declared], range(1, 2))
-        self.atoms.resolve_absent()
-
     def _ground(self, parts: Parts, steps: range) -> None:
         self._session.close()
-        self._control.ground(parts)
+        with refusing(self.messages, self.program):
+            self._control.ground(parts)
         self._externals.note(steps)
         self._actions.expire()
+        self._atoms.resolve_absent()
+
+    # ---- Following the state -----------------------------------------------------------------------------------------
+
+    def can_follow(self, state: StreamState) -> bool:
+        """Return whether the grounding can be changed in place to that of ``state``.
+
+        It cannot if its horizon is too high, a permanent item is gone, a ground rule could see a new atom of an open
+        signature, or a statement closes a loop: clingo detects loops only among rules that are added between two
+        searches.
+        """
+        return (
+            self.horizon <= state.horizon
+            and all(isinstance(one, TimedStatement) and one.lifetime != FOREVER for one in self._gone(state))
+            and self._closed.items() <= state.closed.items()
+            and not self.program.may_see(self._new_open(state), self.program.first_step, self.horizon)
+            and not (self._was_searched and state.closes_loops(self.program))
+        )
+
+    def open_heads(self, state: StreamState) -> None:
+        """Declare the new heads of open signatures; later steps see them."""
+        atoms = self._new_open(state)
+        if not atoms:
+            return
+        self._opened.update(atoms)
+        self._externals.stepless.update(atoms)
+        self._ground([self.program.open_part(atom, atom in self._facts) for atom in atoms], range(1, 2))
 
     def ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` at once, which is much quicker than one by one; raises RuntimeError."""
+        """Ground the steps up to ``last`` at once, which is much faster than one by one."""
         steps = range(self.horizon + 1, last + 1)
         self.horizon = last
         self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
@@ -90,82 +104,103 @@ class ReactiveGrounding:
         for guard, first, end in self._windows:
             self._control.assign_external(guard, first <= last <= end)
         self._windows = [one for one in self._windows if one[2] >= last]
-        self.atoms.resolve_absent()
 
-    def add(self, statement: Statement, lifetime: Lifetime) -> None:
-        """Put a statement in force, for ever or until its lifetime lapses; its head may be defined."""
-        guard = None
-        if lifetime != FOREVER:
-            if lifetime not in self._guards:
-                self._guards[lifetime] = self._session.new_external(HOLDS)
-            guard = self._guards[lifetime]
-        self.atoms.add(statement, guard)
+    def follow(self, state: StreamState) -> List[TimedStatement]:
+        """Apply the new items of ``state`` at its horizon, and release lapsed ones; return the ignored statements."""
+        for one in self._gone(state):
+            del self._items[id(one)]
+            if id(one) in self._guards:
+                self._session.release(self._guards.pop(id(one)))
+        for cycle in state.closed.keys() - self._closed.keys():
+            self._closed[cycle] = state.closed[cycle]
+            self._actions.close_cycle(cycle, state.closed[cycle])
+        deferred, self._deferred = self._deferred, []
+        for entry in deferred:
+            if id(entry) in self._items:
+                self._add_or_defer(entry)
+        ignored: List[TimedStatement] = []
+        for item in state.items:
+            if id(item) in self._items:
+                continue
+            self._items[id(item)] = item
+            if isinstance(item, ForgottenSteps):
+                self._forget(item)
+            elif isinstance(item, TimedStatement) and not self._add_or_defer(item):
+                ignored.append(item)
+        return ignored
 
-    def lapse(self, lifetimes: Iterable[Lifetime]) -> None:
-        """End what holds for the ``lifetimes``."""
-        for lifetime in lifetimes:
-            if lifetime in self._guards:
-                self._session.release(self._guards.pop(lifetime))
+    def _gone(self, state: StreamState) -> List[StateItem]:
+        """Return the applied items that ``state`` no longer has."""
+        present = set(map(id, state.items))
+        return [item for key, item in self._items.items() if key not in present]
 
-    def declared_between(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the open externals that were declared at steps ``first`` to ``last``; base counts as 1."""
-        return [atom for atom in self._externals.between(first, last, base=True) if self.atoms.is_open(atom)]
+    def _new_open(self, state: StreamState) -> List[clingo.Symbol]:
+        """Return the heads of open signatures that are not known yet."""
+        return [one for one in state.heads if self.program.is_open_signature(one) and one not in self._opened]
 
-    def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Fix the actions of ``cycle`` to ``executed``."""
-        self._actions.close_cycle(cycle, executed)
+    def _add_or_defer(self, entry: TimedStatement) -> bool:
+        """Add a statement, or defer it to the step that declares its head; return False to ignore it."""
+        atoms, head = self._atoms, entry.statement.head
+        if head in self._facts:
+            return True
+        if head is None or atoms.is_open(head, entry.update) or self._is_unmentioned(head):
+            guard: Optional[int] = None
+            if entry.lifetime != FOREVER:
+                guard = self._guards[id(entry)] = self._session.new_external(HOLDS)
+            atoms.add(entry, guard)
+            return True
+        if not entry.statement.body and atoms.is_true(head):
+            return True
+        # once the program is unsatisfiable for good, clingo grounds no further: a new grounding decides
+        is_unground = self.is_conflicting and signature_of(head) in self.program.external_signatures
+        can_come = is_unground or self.program.may_declare(head, self.horizon + 1)
+        if can_come and not atoms.is_closed(head) and not atoms.knows(head):
+            self._deferred.append(entry)
+            return True
+        return False
+
+    def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
+        """Return whether the program does not mention ``atom``, so that any update can define it."""
+        known = self.program.signatures | self.program.open_signatures
+        is_unknown = signature_of(atom) not in known or '"' in str(atom)  # see strings_apart
+        return is_unknown and not self._atoms.knows(atom) and not self._atoms.is_closed(atom)
+
+    def _forget(self, steps: ForgottenSteps) -> None:
+        """Close the undefined externals of ``steps``; base counts as step 1."""
+        for atom in self._externals.between(steps.first, steps.last, base=True):
+            if self._atoms.is_open(atom) and atom not in steps.spared and atom.name != GUARD:
+                self._atoms.close(atom)
+
+    # ---- Searching ---------------------------------------------------------------------------------------------------
 
     @property
-    def conflicting(self) -> bool:
-        """Whether the program is unsatisfiable for any externals and further steps."""
+    def is_conflicting(self) -> bool:
+        """Whether the program is unsatisfiable for all values of externals and all horizons."""
         return bool(self._control.is_conflicting)
 
-    def search(self, models: int, stopped: Callable[[], bool]) -> Tuple[Optional[bool], Answers]:
-        """Search for up to ``models`` answers (0: all) of the horizon, until ``stopped`` says so.
+    def search(self, models: int, stopped: Callable[[], bool]) -> Tuple[Optional[bool], Tuple[Answer, ...]]:
+        """Search for up to ``models`` answers (0: all) of the horizon, until ``stopped`` returns true.
 
-        Returns whether there is one, None where it was stopped, and the answers: the best where the program optimizes.
+        Returns whether there is one, None after a stop, and the answers: the best if the program optimizes.
         """
-        self.atoms.end_definitions()
+        self._was_searched = True
         self._actions.forbid_late()
         self._session.close()
-        answers: List[FrozenSet[clingo.Symbol]] = []
+        answers: List[Answer] = []
         hidden = self._hidden
 
         def keep(model: clingo.Model) -> None:
-            """Take a model for an answer; where there is something to optimize, one that is proven best."""
+            """Record a model as an answer; if there is something to optimize, only one that is proven optimal."""
             if not model.cost or model.optimality_proven:
                 answers.append(frozenset(model.symbols(shown=True)) - hidden)
 
         limits = Limits(models, None, best=True, advised=True)
-        result, _ = self._clasp.run(limits, (), keep, stopped, blames=False)
+        with refusing(self.messages, self.program):
+            result, _ = self._clasp.run(limits, (), keep, stopped, blames=False)
         if result.interrupted or result.unknown:
             return None, ()
         return bool(result.satisfiable or answers), tuple(answers)
 
-
-def build_grounding(program: ReactiveProgram, state: StreamState, dropped: Callable[[], bool]) -> ReactiveGrounding:
-    """Ground ``program`` up to the state's horizon and put in force all that ``state`` holds.
-
-    Nothing is searched in between, so that clingo sees all rules together: loops over several steps and several rules
-    for one head are what they are in a program of one piece. Raises DroppedError where ``dropped``, which is asked
-    before each block of steps, says so.
-    """
-    facts = state.facts
-    open_atoms = dict.fromkeys(state.open_atoms)
-    grounding = ReactiveGrounding(program, open_atoms, facts)
-    block = BLOCK if state.horizon > grounding.horizon + 1 and program.steps_apart else 1
-    while grounding.horizon < state.horizon:
-        if dropped():
-            raise DroppedError("stopped while the program was grounded again; the request was discarded")
-        grounding.ground_to(min(grounding.horizon + block, state.horizon))
-    for atom in state.forgotten:
-        grounding.atoms.close(atom)
-    for cycle, executed in state.closed_cycles.items():
-        grounding.close_cycle(cycle, executed)
-    given = set(open_atoms) & facts
-    for statement in state.permanent:
-        if statement.head not in given:  # a fact subsumes the rules with its head
-            grounding.add(statement, FOREVER)
-    for entry in state.lapsing:
-        grounding.add(entry.statement, entry.lifetime)
-    return grounding
+    def new_remarks(self) -> Iterable[str]:
+        """Return what clingo has said of the program since the last call."""
+        return map(str, self.messages.new_remarks(self.program.parameter_at)) if self.messages.said else ()

@@ -1,24 +1,29 @@
 """The incremental solver: a reactive logic program that takes stream updates and answers each, as oClingo did.
 
-Behaves as oClingo did (2012), observed on the real program, without its failures: an update is taken or refused as a
-whole, and no text from outside can end it.
+It behaves as oClingo did (2012), observed on the real program, without its failures: an update is accepted or refused
+as a whole, and no text from outside can end it.
 """
 
 import time
-from contextlib import contextmanager
 from dataclasses import replace
+from itertools import chain
 from typing import Callable, Iterator, Optional, Tuple
 
-from rosoclingo.oclingo.errors import SolverError
+from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.parser import strings_apart
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.solving.reactive_grounding import Answers, ReactiveGrounding
-from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult, refusal
+from rosoclingo.oclingo.solving.reactive_grounding import ReactiveGrounding
+from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, Answer, SolveOutcome, SolveResult, unused_facts
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.oclingo.solving.stream_state import StreamState
-from rosoclingo.oclingo.solving.transaction import Transaction
 
 Stopped = Callable[[], bool]
+
+BLOCK = 64
+"""Number of steps that are ground at once during regrounding."""
+
+_OUTCOMES = {True: SolveOutcome.SATISFIABLE, False: SolveOutcome.UNSATISFIABLE, None: SolveOutcome.INTERRUPTED}
 
 
 def _never() -> bool:
@@ -29,34 +34,29 @@ def _never() -> bool:
 class ReactiveSolver:
     """Solves a reactive logic program under a stream of updates, at the last step that is ground.
 
-    Not thread-safe. Time is that of the ``stopped`` callable: it is asked every few
-    milliseconds of wall time while clingo searches, and before each step is grounded.
+    Not thread-safe. The ``stopped`` callables are polled every few milliseconds of wall time while clingo searches, and
+    before each new step is ground; ``dropped`` is polled while grounding.
 
     Attributes:
-        state: what follows from the updates.
+        state: the state of the stream, from which all else follows.
 
     """
 
-    def __init__(
-        self,
-        program: ReactiveProgram,
-        models: int = 1,
-        horizon_limit: Optional[int] = None,
-    ) -> None:
-        """Make a solver.
+    def __init__(self, program: ReactiveProgram, models: int = 1, horizon_limit: Optional[int] = None) -> None:
+        """Create a solver.
 
         Args:
             program: the reactive logic program.
-            models: how many answers to compute for an update, 0 for all.
-            horizon_limit: no step beyond it is grounded.
+            models: the number of answers to compute for an update, 0 for all.
+            horizon_limit: the last step to ground.
 
         """
         self.program = program
         self.models = models
+        self.state = StreamState.initial(program)
         self._limit = horizon_limit
-        self.state = StreamState(forgets_done=program.first_step - 1)
-        self._grounding: Optional[ReactiveGrounding] = None  # fits the state
-        self._under_way: Callable[[], int] = lambda: 0  # what a search has ground up to now
+        self._grounding: Optional[ReactiveGrounding] = None
+        self._reported = set(program.warnings)  # warnings that are given once
 
     @property
     def horizon(self) -> int:
@@ -65,8 +65,8 @@ class ReactiveSolver:
 
     @property
     def reached(self) -> int:
-        """The last step that is ground in the midst of a search; the horizon between two of them."""
-        return max(self.horizon, self._under_way())
+        """The last grounded step during a search; the horizon between two searches."""
+        return self.horizon if self._grounding is None else max(self.horizon, self._grounding.horizon)
 
     @property
     def step(self) -> int:
@@ -75,69 +75,87 @@ class ReactiveSolver:
 
     def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update (before the first one: at horizon 1)."""
-        return self._run(None, stopped, dropped)
+        return self._run(None, stopped or _never, dropped or _never)
 
     def update(
         self, update: StreamUpdate, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None
     ) -> SolveResult:
-        """Take ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
+        """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
-        Raises SolverError where the update as a whole can't be taken; the state is then as it was before. An
-        interrupted search leaves the update in force. ``stopped`` does not end regrounding; ``dropped`` does,
-        which is called between its pieces and has DroppedError raised.
+        A search ended by ``stopped`` leaves the update accepted. ``stopped`` does not end regrounding, but ``dropped``
+        does. Raises SolverError if the update is refused, and DroppedError if ``dropped`` returns true; the state is
+        then unchanged.
         """
-        result = self._run(update, stopped, dropped)
+        result = self._run(update, stopped or _never, dropped or _never)
         return replace(result, warnings=update.warnings + result.warnings)
 
     def take_again(self, update: Optional[StreamUpdate], horizon: int) -> None:
-        """Take what was taken before and led to ``horizon``, without a search."""
-        with self._transaction() as transaction:
-            transaction.begin(update, lambda: transaction.state.horizon >= horizon)
-            while transaction.state.horizon < horizon:
-                transaction.grow()
-            list(transaction.remarks())
+        """Accept an update that was accepted before and led to ``horizon``, without a search."""
+        self.state = self._with_update(update).with_growth(horizon, self.program)
 
-    def _run(
-        self, update: Optional[StreamUpdate], stopped: Optional[Stopped], dropped: Optional[Stopped]
-    ) -> SolveResult:
+    def _with_update(self, update: Optional[StreamUpdate]) -> StreamState:
+        return self.state.with_update(None if update is None else strings_apart(update), self.program)
+
+    def _run(self, update: Optional[StreamUpdate], stopped: Stopped, dropped: Stopped) -> SolveResult:
         check_horizon_limit(update, self.horizon, self._limit)
-        with self._transaction(dropped or _never) as transaction:
-            return self._search(transaction, update, stopped or _never)
-
-    @contextmanager
-    def _transaction(self, dropped: Stopped = _never) -> Iterator[Transaction]:
-        """A transaction that is committed unless the block fails: then the grounding fits no state and is dropped."""
-        transaction = Transaction(self.program, self.state.copy(), self._grounding, self._limit, dropped)
-        self._grounding, self._under_way = None, lambda: transaction.state.horizon
         try:
-            yield transaction
-        except RuntimeError as error:
-            messages = None if transaction.grounding is None else transaction.grounding.messages
-            raise SolverError(refusal(error, messages, self.program)) from None
-        self.state, self._grounding = transaction.state, transaction.grounding
+            return self._search(self._with_update(update), stopped, dropped)
+        except BaseException:
+            self._grounding = None  # it can be in the middle of a change
+            raise
 
-    def _search(self, transaction: Transaction, update: Optional[StreamUpdate], halt: Stopped) -> SolveResult:
+    def _search(self, state: StreamState, stopped: Stopped, dropped: Stopped) -> SolveResult:
         start, began, seconds = time.perf_counter(), time.process_time(), 0.0
+        last = min((end for end in (state.bound, self._limit) if end is not None), default=None)
         satisfiable: Optional[bool] = None
-        answers: Answers = ()
+        answers: Tuple[Answer, ...] = ()
         permanent = False
-        going, last = transaction.begin(update, halt), transaction.last_horizon
-        while going and not halt():
-            grounding, asked = transaction.ready(), time.perf_counter()
-            satisfiable, answers = grounding.search(self.models, halt)
+        grounding = self._ground(state, stopped, dropped)
+        ignored = grounding.follow(state) if grounding.horizon == state.horizon else []
+        before = set(map(id, self.state.items))
+        warnings = [NOT_EXTERNAL.format(one.statement.head) for one in ignored if id(one) not in before]
+        while grounding.horizon == state.horizon and not stopped():
+            asked = time.perf_counter()
+            satisfiable, answers = grounding.search(self.models, stopped)
             seconds += time.perf_counter() - asked
-            permanent = satisfiable is False and grounding.conflicting
-            going = satisfiable is False and not permanent and (last is None or transaction.state.horizon < last)
-            if going:
-                satisfiable = None  # not known until the next horizon is searched
-                if not halt():
-                    transaction.grow()
-        outcome = SolveOutcome.INTERRUPTED
-        if satisfiable is not None:
-            outcome = SolveOutcome.SATISFIABLE if satisfiable else SolveOutcome.UNSATISFIABLE
-        state = transaction.state
+            permanent = satisfiable is False and grounding.is_conflicting
+            if satisfiable is not False or permanent or (last is not None and state.horizon >= last):
+                break
+            satisfiable = None  # not known until the next horizon is searched
+            if not stopped():
+                state = state.with_growth(state.horizon + 1, self.program)
+                grounding = self._ground(state, _never, dropped)
+                grounding.follow(state)
+        if grounding.horizon < state.horizon:  # stopped before the step of the update
+            state = state.with_growth(grounding.horizon, self.program)
+        self.state = state
         horizon = max(state.horizon, last or state.horizon) if permanent else state.horizon
         spent = {"solve": seconds, "ground": time.perf_counter() - start - seconds}
         spent["needed"] = time.process_time() - began
-        warnings: Tuple[str, ...] = (*transaction.warnings, *transaction.remarks())
-        return SolveResult(outcome, answers, horizon, state.step, warnings, permanent, spent)
+        warnings += self._new(chain(unused_facts(self.program, state), grounding.new_remarks()))
+        all_warnings = (*state.warnings, *warnings)
+        return SolveResult(_OUTCOMES[satisfiable], answers, horizon, state.step, all_warnings, permanent, spent)
+
+    def _ground(self, state: StreamState, stopped: Stopped, dropped: Stopped) -> ReactiveGrounding:
+        """Return a grounding that can follow ``state``, up to its horizon unless ``stopped``."""
+        grounding = self._grounding
+        if grounding is None or not grounding.can_follow(state):
+            grounding = ReactiveGrounding(self.program, state)
+        else:
+            grounding.open_heads(state)
+        self._grounding, accepted = grounding, min(self.horizon, state.horizon)
+        while grounding.horizon < state.horizon:
+            if grounding.horizon >= accepted and stopped():
+                break
+            if dropped():
+                raise DroppedError("stopped while the program was grounded again; the request was discarded")
+            block = BLOCK if grounding.horizon + 1 < accepted and self.program.steps_apart else 1
+            grounding.ground_to(min(grounding.horizon + block, max(accepted, grounding.horizon + 1)))
+        return grounding
+
+    def _new(self, texts: Iterator[str]) -> Iterator[str]:
+        """Yield the warnings that were not given before."""
+        for text in texts:
+            if text not in self._reported:
+                self._reported.add(text)
+                yield text

@@ -1,17 +1,19 @@
 """Results of updates, and messages about ignored or refused statements."""
 
 import re
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Dict, FrozenSet, Iterable, Optional, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, Tuple
 
 import clingo
 
+from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.likeness import asked, likely
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import signature_of
-from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.solving.stream_state import StreamState
 
 Answer = FrozenSet[clingo.Symbol]
 
@@ -66,23 +68,31 @@ class SolveResult:
     predicted: FrozenSet[clingo.Symbol] = frozenset()
 
 
-def refusal(error: RuntimeError, messages: Optional[Messages], program: ReactiveProgram) -> str:
-    """Return what clingo's ``error`` means for the update that was fed."""
-    redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
-    if redefined is not None:
-        faults = program.redefinition_of(redefined.group("atom"))
-    elif messages is not None:
-        faults = messages.faults(error, program.parameter_at)
-    else:
-        return f"the update was refused: {error}"
-    return "the update was refused: " + "\n".join(map(str, faults))
+@contextmanager
+def refusing(messages: Messages, program: ReactiveProgram) -> Iterator[None]:
+    """Convert errors of clingo, which logs to ``messages``, to SolverError."""
+    try:
+        yield
+    except RuntimeError as error:
+        redefined = re.match("redefinition of atom <'(?P<atom>.*)',[0-9]+>", str(error))
+        if redefined is not None:
+            faults = program.redefinition_of(redefined.group("atom"))
+        else:
+            faults = messages.faults(error, program.parameter_at)
+        raise SolverError("the update was refused: " + "\n".join(map(str, faults))) from None
 
 
-def unused_fact(program: ReactiveProgram, head: clingo.Symbol, statements: Iterable[Statement]) -> Optional[str]:
-    """Return what to tell of a fact that neither ``program`` nor the ``statements`` of its stream have any use for."""
-    signature = signature_of(head)
-    both = {signature, signature._replace(positive=not signature.positive)}
-    if both & program.signatures or any(signature_of(one.atom) in both for rule in statements for one in rule.body):
-        return None
-    meant = asked(likely(signature, program.external_signatures))
-    return _UNUSED.format(signature, f" ({meant})" if meant else "")
+def unused_facts(program: ReactiveProgram, state: StreamState) -> Iterator[str]:
+    """Yield a warning for each predicate of the last update's facts that no rule of the program or stream uses."""
+    known = set(program.open_signatures)
+    for statement, _, number in state.timed_statements:
+        if statement.head is None or statement.body or signature_of(statement.head) in known:
+            continue
+        signature = signature_of(statement.head)
+        known.add(signature)
+        if number == state.number:
+            both = {signature, signature._replace(positive=not signature.positive)}
+            bodies = (signature_of(one.atom) for rule in state.statements for one in rule.body)
+            if both.isdisjoint(program.signatures) and both.isdisjoint(bodies):
+                meant = asked(likely(signature, program.external_signatures))
+                yield _UNUSED.format(signature, f" ({meant})" if meant else "")

@@ -1,81 +1,291 @@
-"""The state of the incremental solver's stream, from which its grounding can be rebuilt at any time."""
+"""The state of a stream between two updates: a fold of the updates, without clingo.
+
+Both solvers use it: the incremental one as it stands, the planner with the past of a robot added
+(:class:`~rosoclingo.planning.snapshot.Snapshot`).
+"""
 
 from dataclasses import dataclass, field, replace
-from itertools import chain
-from typing import Any, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set
+from typing import (
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Set,
+    Tuple,
+    Type,
+    TypeVar,
+    Union,
+)
 
 import clingo
 
-from rosoclingo.oclingo.program.update_reader import with_their_failures
-from rosoclingo.oclingo.progression.lifetimes import Lifetime
-from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.signatures import statement_edges
+from rosoclingo.oclingo.program.update_reader import closed_cycles, with_failures, with_their_failures
+from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
+from rosoclingo.oclingo.progression.updates import (
+    Anew,
+    Assert,
+    Cumulative,
+    Forget,
+    Over,
+    Retract,
+    Section,
+    Statement,
+    StreamUpdate,
+    Volatile,
+)
+
+State = TypeVar("State", bound="StreamState")
 
 
-class Lapsing(NamedTuple):
-    """A statement that will lapse, or that waits until its head is declared, with its lifetime."""
+class TimedStatement(NamedTuple):
+    """A statement with its lifetime and the number of its update.
+
+    The number is 0 for statements asserted before the step that declares their head: all of these define the head.
+    """
 
     statement: Statement
     lifetime: Lifetime
+    update: int
 
 
-@dataclass
+class ForgottenSteps(NamedTuple):
+    """Externals of the steps ``first`` to ``last`` that no earlier statement defines are false for good.
+
+    Not so the heads ``spared``, which statements that lapse define.
+    """
+
+    first: int
+    last: int
+    spared: FrozenSet[clingo.Symbol] = frozenset()
+
+
+class ClosedHeads(NamedTuple):
+    """Atoms of compacted steps that no later statement can define."""
+
+    atoms: FrozenSet[clingo.Symbol]
+
+
+StateItem = Union[TimedStatement, ForgottenSteps, ClosedHeads]
+
+
+@dataclass(frozen=True)
 class StreamState:
-    """State of a stream between two updates.
+    """The state of a stream between two updates.
+
+    It keeps every statement of an update. Only a grounding knows which heads are declared external, and ignores
+    statements.
 
     Attributes:
         step: k, the step of the last update.
+        horizon: N, the last step that was searched.
         bound: B, the greatest horizon to search, None for no bound.
-        horizon: N, the last grounded step.
-        permanent: statements that hold for ever, in order.
-        lapsing: statements in force that will lapse.
-        waiting: statements whose head is an external that only a later step declares.
-        open_atoms: atoms of open signatures seen so far, in order.
-        forgotten: externals closed by ``#forget``.
-        forgets_done: last step at which the program's own ``#forget`` was carried out.
-        closed_cycles: the actions that were executed in each cycle that has been closed.
-        cyclic: whether a statement can close a positive loop over several steps. Such a stream is reground for each
-            search, since clingo detects loops only among rules added between two searches.
-        told: remarks on the stream that were reported.
+        min_horizon: the least horizon to search: the greatest step of all updates, and for the incremental solver N.
+        number: the number of updates so far.
+        items: statements, ``#forget`` and closed heads in order, also statements whose head is not declared external.
+        closed: the actions that were executed in each closed cycle.
+        keep_from: steps before it are over.
+        warnings: warnings about ignored items of the last update; not compared.
 
     """
 
     step: int = 1
     horizon: int = 1
     bound: Optional[int] = None
-    permanent: List[Statement] = field(default_factory=list)
-    lapsing: List[Lapsing] = field(default_factory=list)
-    waiting: List[Lapsing] = field(default_factory=list)
-    open_atoms: List[clingo.Symbol] = field(default_factory=list)
-    forgotten: Set[clingo.Symbol] = field(default_factory=set)
-    forgets_done: int = 0
-    closed_cycles: Dict[int, FrozenSet[clingo.Symbol]] = field(default_factory=dict)
-    cyclic: bool = False
-    told: Set[str] = field(default_factory=set)
+    min_horizon: int = 1
+    number: int = 0
+    items: Tuple[StateItem, ...] = ()
+    closed: Mapping[int, FrozenSet[clingo.Symbol]] = field(default_factory=dict)
+    keep_from: int = 0
+    warnings: Tuple[str, ...] = field(default=(), compare=False)
+
+    @classmethod
+    def initial(cls: Type[State], program: ReactiveProgram) -> State:
+        """Return the state before the first update."""
+        return cls(items=tuple(_forgotten(program, program.first_step, 1)))
+
+    # ---- Queries -----------------------------------------------------------------------------------------------------
 
     @property
-    def facts(self) -> Set[clingo.Symbol]:
-        """The facts that never lapse."""
-        return {one.head for one in self.permanent if one.head is not None and not one.body}
+    def timed_statements(self) -> Iterator[TimedStatement]:
+        """The statements with their lifetimes."""
+        return (one for one in self.items if isinstance(one, TimedStatement))
 
-    def rules(self) -> Iterator[Statement]:
-        """Yield the statements in force that have a head and a body."""
-        for statement in chain(self.permanent, (entry.statement for entry in self.lapsing)):
-            if statement.head is not None and statement.body:
-                yield statement
+    @property
+    def permanent(self) -> Iterator[Statement]:
+        """The statements that never lapse."""
+        return (one.statement for one in self.timed_statements if one.lifetime == FOREVER)
 
-    def copy(self) -> "StreamState":
-        """Return a copy that shares nothing that changes."""
-        changing: Dict[str, Any] = {
-            name: value.copy() for name, value in vars(self).items() if isinstance(value, (list, set, dict))
-        }
-        return replace(self, **changing)
+    @property
+    def lapsing(self) -> Iterator[Statement]:
+        """The statements that can lapse."""
+        return (one.statement for one in self.timed_statements if one.lifetime != FOREVER)
 
-    def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamState":
+    @property
+    def statements(self) -> Iterator[Statement]:
+        """All statements."""
+        return (one.statement for one in self.timed_statements)
+
+    @property
+    def heads(self) -> Dict[clingo.Symbol, None]:
+        """The heads of the statements, in order."""
+        return dict.fromkeys(one.head for one in self.statements if one.head is not None)
+
+    def permanent_facts(self, assumable: FrozenSet[clingo.Symbol] = frozenset()) -> Set[clingo.Symbol]:
+        """Return the facts that never lapse, except ``assumable`` ones.
+
+        The first update that permanently defines a head closes it: later statements are ignored.
+        """
+        closing: Dict[clingo.Symbol, int] = {}
+        facts: Set[clingo.Symbol] = set()
+        for statement, lifetime, number in self.timed_statements:
+            if statement.head is None or lifetime != FOREVER:
+                continue
+            if closing.setdefault(statement.head, number) == number and not statement.body:
+                facts.add(statement.head)
+        return facts - with_their_failures(assumable)
+
+    def closes_loops(self, program: ReactiveProgram) -> bool:
+        """Return whether a statement closes a positive loop."""
+        rules = [one for one in self.statements if one.head is not None and one.body]
+        dependencies = program.dependencies.copy() if rules else program.dependencies
+        for one in rules:
+            heads, bodies = statement_edges(one)
+            if any(dependencies.reaches(head, bodies) for head in heads):
+                return True
+            dependencies.add(heads, bodies)
+        return False
+
+    # ---- Changes -----------------------------------------------------------------------------------------------------
+
+    def with_update(self: State, update: Optional[StreamUpdate], program: ReactiveProgram) -> State:
+        """Return the state after ``update``, with a horizon of at least its step."""
+        if update is None:
+            return replace(self, number=self.number + 1, warnings=())  # they are reported once
+        number = self.number + 1
+        update = with_failures(program, update, self.permanent)
+        start = self.initial(program) if Anew() in update.items else self
+        start = start._with_past(update, program).without_facts(update.withdrawn)
+        step, bound = start.step, start.bound
+        if update.step is not None:
+            step, bound = update.step, None if update.bound is None else update.step + update.bound
+        min_horizon, horizon = max(start.min_horizon, step), max(start.horizon, step)
+        kept = [one for one in start.items if not _lapses(one, min_horizon)]
+        timely, late_warnings = start._without_late(update)
+
+        def number_of(statement: Statement) -> int:
+            is_early = statement.head is not None and program.is_declared_after(statement.head, horizon)
+            return 0 if is_early else number
+
+        items, warnings = _with_statements(kept, timely, step, min_horizon, number_of)
+        requested = [
+            ForgottenSteps(one.first, min(one.last, horizon))
+            for one in update.items
+            if isinstance(one, Forget) and one.first <= horizon
+        ]
+        forgotten = _forgotten(program, start.horizon + 1, horizon, items, requested)
+        return replace(
+            start,
+            step=step,
+            horizon=horizon,
+            bound=bound,
+            min_horizon=min_horizon,
+            number=number,
+            items=(*items, *forgotten),
+            warnings=warnings + late_warnings,
+        )
+
+    def with_horizon(self: State, horizon: int, program: ReactiveProgram) -> State:
+        """Return the state after a search up to ``horizon``."""
+        forgotten = _forgotten(program, self.horizon + 1, horizon, self.items)
+        return replace(self, horizon=horizon, items=(*self.items, *forgotten))
+
+    def with_growth(self: State, horizon: int, program: ReactiveProgram) -> State:
+        """Return the state after a search that grew step by step to ``horizon``, which can never be lower again."""
+        state = replace(self, horizon=min(self.horizon, horizon), min_horizon=horizon)
+        for step in range(state.horizon + 1, horizon + 1):
+            items = (one for one in state.items if not (isinstance(one, TimedStatement) and _has_passed(one, step)))
+            state = replace(state, items=tuple(items)).with_horizon(step, program)
+        return state
+
+    def without_facts(self: State, facts: FrozenSet[clingo.Symbol]) -> State:
         """Return the state as if ``facts`` had not been asserted; an action among them was not executed."""
-        less, facts = self.copy(), with_their_failures(facts)
-        less.permanent = [statement for statement in less.permanent if not statement.concerns(facts)]
-        less.lapsing = [entry for entry in less.lapsing if not entry.statement.concerns(facts)]
-        less.waiting = [entry for entry in less.waiting if not entry.statement.concerns(facts)]
-        less.open_atoms = [atom for atom in less.open_atoms if atom not in facts]
-        less.closed_cycles = {cycle: executed - facts for cycle, executed in less.closed_cycles.items()}
-        return less
+        if not facts:
+            return self
+        facts = with_their_failures(facts)
+        items = tuple(
+            one for one in self.items if not (isinstance(one, TimedStatement) and one.statement.concerns(facts))
+        )
+        return replace(self, items=items, closed={cycle: executed - facts for cycle, executed in self.closed.items()})
+
+    def _with_past(self: State, update: StreamUpdate, program: ReactiveProgram) -> State:
+        """Return the state with the cycles and steps that ``update`` declares closed or over."""
+        closed = {**self.closed, **closed_cycles(update, program.first_step, self.step)}
+        over = (item.step for item in update.items if isinstance(item, Over))
+        return replace(self, closed=closed, keep_from=max([self.keep_from, *over]))
+
+    def _without_late(self, update: StreamUpdate) -> Tuple[StreamUpdate, Tuple[str, ...]]:
+        """Return ``update`` without facts that come too late for the state, and warnings about them."""
+        return update, ()
+
+
+def _lapses(item: StateItem, min_horizon: int) -> bool:
+    """Return whether ``item`` lapses with an update after which ``min_horizon`` is the least horizon."""
+    return isinstance(item, TimedStatement) and (item.lifetime == UPDATE or _has_passed(item, min_horizon))
+
+
+def _has_passed(item: TimedStatement, min_horizon: int) -> bool:
+    """Return whether the window of a statement ends before ``min_horizon``."""
+    return isinstance(item.lifetime, int) and item.lifetime < min_horizon
+
+
+def _with_statements(
+    kept: List[StateItem],
+    update: StreamUpdate,
+    step: int,
+    min_horizon: int,
+    number_of: Callable[[Statement], int],
+) -> Tuple[List[StateItem], Tuple[str, ...]]:
+    """Apply the assertions and retractions of ``update`` to ``kept``; return the items and the warnings."""
+    items, warnings = list(kept), []
+    section: Section = Cumulative()
+    for item in update.items:
+        if isinstance(item, Statement):
+            timed = TimedStatement(item, lifetime_of(section, step), number_of(item))
+            if not (_has_passed(timed, min_horizon) or item.is_tautology):
+                items.append(timed)
+        elif isinstance(item, Retract):
+            rest = [one for one in items if not (isinstance(one, TimedStatement) and one.lifetime == Term(item.term))]
+            if len(rest) == len(items):
+                warnings.append(f"Term {item.term} has not been asserted. The retraction is ignored.")
+            items = rest
+        elif isinstance(item, (Cumulative, Volatile, Assert)):
+            section = item
+    return items, tuple(warnings)
+
+
+def _forgotten(
+    program: ReactiveProgram,
+    first: int,
+    last: int,
+    items: Iterable[StateItem] = (),
+    requested: Iterable[ForgottenSteps] = (),
+) -> List[ForgottenSteps]:
+    """Return the steps that the program forgets when it grounds the steps ``first`` to ``last``, and those requested.
+
+    The heads that lapsing statements in ``items`` define are spared.
+    """
+    forgotten = list(requested)
+    for at in range(first, last + 1) if program.forgets else ():
+        forgotten += [ForgottenSteps(step, step) for step in program.forgotten_at(at) if step < at]
+    if not forgotten:
+        return []
+    lapsing = (one.statement.head for one in items if isinstance(one, TimedStatement) and one.lifetime != FOREVER)
+    spared = frozenset(head for head in lapsing if head is not None)
+    return [one._replace(spared=spared) for one in forgotten]

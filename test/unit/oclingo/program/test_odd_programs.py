@@ -69,9 +69,6 @@ def test_operations_without_a_value_are_told_once_while_running():
     (told,) = solver.solve().warnings
     assert told.startswith("f.lp:3:17: undefined operation (1/X)")
     assert solver.update(parse_update("#step 3. #endstep.")).warnings == ()
-    beside = ReactiveSolver(program)
-    beside.take_again(None, solver.horizon)
-    assert beside.solve().warnings == (), "it was told when the step was searched first"
 
 
 def test_unsafe_variables_are_told_in_the_words_of_the_program():

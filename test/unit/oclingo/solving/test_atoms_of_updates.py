@@ -229,7 +229,7 @@ def test_cycles_before_the_first_are_not_closed():
     solver = solver_of("#cumulative t. _action_lib(go,x,t-1). #volatile t.")
     result = play(solver, "#step 2. #closed 0..1. :- not _action_lib(go,x,1).")
     assert result.outcome is SolveOutcome.SATISFIABLE
-    assert sorted(solver.state.closed_cycles) == [1]
+    assert sorted(solver.state.closed) == [1]
 
 
 def test_what_was_executed_in_a_cycle_that_an_update_closes_is_kept():
@@ -303,7 +303,7 @@ def test_what_is_told_of_an_open_predicate_again_and_again_is_kept_once():
     solver = solver_of("#external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.")
     for step in (1, 2, 3):
         play(solver, f"#step {step}. #volatile. r(x,1).")
-    assert solver.state.open_atoms == [parse_atom("r(x,1)")]
+    assert len(solver.state.items) == 1
 
 
 def test_the_last_step_that_may_be_grounded():

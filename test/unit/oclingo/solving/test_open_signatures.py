@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from stream_logs import texts
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
-from rosoclingo.oclingo.solving import reactive_grounding, transaction
+from rosoclingo.oclingo.solving import reactive_solver
 
 ROBOT = """
 #external moved/2. #external seen/2. d(l). d(r).
@@ -42,20 +42,15 @@ def play(updates):
 @given(st.lists(st.tuples(st.integers(0, 3), ITEMS), min_size=1, max_size=5))
 def test_answers_are_those_of_a_solver_that_regrounds_step_by_step(items):
     updates = [f"#step {step} : 2. {text} #endstep." for step, text in items]
-    with mock.patch.object(reactive_grounding, "BLOCK", 1):
+    with mock.patch.object(reactive_solver, "BLOCK", 1):
         expected = play(updates)
     assert play(updates) == expected
 
 
 @pytest.fixture
 def groundings(monkeypatch):
-    made, build = [], transaction.build_grounding
-
-    def built(*args, **options):
-        made.append(args)
-        return build(*args, **options)
-
-    monkeypatch.setattr(transaction, "build_grounding", built)
+    made, build = [], reactive_solver.ReactiveGrounding
+    monkeypatch.setattr(reactive_solver, "ReactiveGrounding", lambda *args: made.append(args) or build(*args))
     return made
 
 
