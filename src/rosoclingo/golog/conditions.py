@@ -5,7 +5,7 @@ from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Sequenc
 
 from rosoclingo.golog.grammar import parameters
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Node, Token
+from rosoclingo.oclingo.grammars import SyntaxNode, Token
 
 _OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 MOST = 64
@@ -37,7 +37,7 @@ class Plain(NamedTuple):
 class Without(NamedTuple):
     """There are no values with which a condition holds; ``variables`` are those of the scopes around."""
 
-    condition: Node
+    condition: SyntaxNode
     names: Names
     variables: FrozenSet[str]
 
@@ -51,27 +51,27 @@ class Scope:
     def __init__(self, file: str) -> None:
         self._file, self._count = file, 0
         self._quantified: Set[str] = set()  # what is bound within the present condition
-        self.first: Dict[str, Node] = {}  # where each variable stands first
+        self.first: Dict[str, SyntaxNode] = {}  # where each variable stands first
 
     def begin(self) -> None:
         """Begin a condition, whose rules have no variables in common with those before."""
         self._quantified.clear()
 
-    def fault(self, place: Union[Node, Token], message: str, mend: str) -> GologError:
+    def fault(self, place: Union[SyntaxNode, Token], message: str, mend: str) -> GologError:
         """Return an error at a place."""
         return GologError(Fault(self._file, place.line or 1, place.column or 1, message, mend))
 
-    def inner(self, names: Names, variables: Sequence[Node], what: str = "variables") -> Dict[str, str]:
+    def inner(self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables") -> Dict[str, str]:
         """Return how variables are written within a scope that binds these; raises GologError for equal ones."""
         return self._bind(names, variables, set(names), what)
 
-    def quantified(self, names: Names, variables: Sequence[Node]) -> Dict[str, str]:
+    def quantified(self, names: Names, variables: Sequence[SyntaxNode]) -> Dict[str, str]:
         """Return the same for variables of ``some``, whose names others of the same condition may have as well."""
         found = self._bind(names, variables, {*names, *self._quantified}, "variables")
         self._quantified.update(one.text for one in variables)
         return found
 
-    def _bind(self, names: Names, variables: Sequence[Node], taken: Set[str], what: str) -> Dict[str, str]:
+    def _bind(self, names: Names, variables: Sequence[SyntaxNode], taken: Set[str], what: str) -> Dict[str, str]:
         found, seen = dict(names), set()  # type: Dict[str, str], Set[str]
         for one in variables:  # no variable of a control program has a ' in it
             if one.text in seen:
@@ -82,7 +82,7 @@ class Scope:
             self.first.setdefault(found[one.text], one)
         return found
 
-    def term(self, term: Node, names: Names) -> str:
+    def term(self, term: SyntaxNode, names: Names) -> str:
         """Return a term as clingo reads it."""
         kind, parts = term.kind, term.parts
         if kind == "variable":
@@ -100,18 +100,18 @@ class Scope:
             raise self.fault(term, "a condition where a term belongs", "write a name, a number or a variable")
         return term.text + (f"({','.join(self.term(one, names) for one in parts)})" if parts else "")
 
-    def _operand(self, term: Node, names: Names) -> str:
+    def _operand(self, term: SyntaxNode, names: Names) -> str:
         text = self.term(term, names)
         return f"({text})" if term.kind in ("operation", "negative") else text
 
 
-def _written(variable: Node, names: Names) -> str:
+def _written(variable: SyntaxNode, names: Names) -> str:
     """Return how a variable is written, "" where nothing binds it; each _ of a fluent has a name of its own."""
     found = names.get(variable.text, "")
     return f"Any'{variable.line}'{variable.column}" if found and variable.text == "_" else found
 
 
-def alternatives(condition: Node, names: Names, scope: Scope, positive: bool = True) -> List[List[Literal]]:
+def alternatives(condition: SyntaxNode, names: Names, scope: Scope, positive: bool = True) -> List[List[Literal]]:
     """Return in which ways a condition holds, or with ``positive`` False does not hold."""
     kind, parts = condition.kind, condition.parts
     if kind == "not":
@@ -137,7 +137,7 @@ def alternatives(condition: Node, names: Names, scope: Scope, positive: bool = T
     return [[Without(condition, names, known)]]
 
 
-def instances(condition: Node, names: Names, scope: Scope) -> List[List[Literal]]:
+def instances(condition: SyntaxNode, names: Names, scope: Scope) -> List[List[Literal]]:
     """Return in which ways there are values for ``some``, or against ``all``, or for each _ of a fluent."""
     if condition.kind == "compound":
         return alternatives(condition, names, scope)
@@ -146,7 +146,7 @@ def instances(condition: Node, names: Names, scope: Scope) -> List[List[Literal]
     return _all_of(condition, ways, scope)
 
 
-def _all_of(condition: Node, sides: Sequence[List[List[Literal]]], scope: Scope) -> List[List[Literal]]:
+def _all_of(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: Scope) -> List[List[Literal]]:
     """Return the ways in which all sides of a condition hold, of which each has these ways."""
     count = 1
     for side in sides:
@@ -156,7 +156,7 @@ def _all_of(condition: Node, sides: Sequence[List[List[Literal]]], scope: Scope)
     return [list(chain(*ways)) for ways in product(*sides)]
 
 
-def _member(condition: Node, names: Names, scope: Scope, positive: bool) -> List[List[Literal]]:
+def _member(condition: SyntaxNode, names: Names, scope: Scope, positive: bool) -> List[List[Literal]]:
     variable, values = condition.parts
     if variable.kind != "variable":
         raise scope.fault(variable, "'in' behind what is no variable", "write it as in X in 1..3")
@@ -170,14 +170,14 @@ def _member(condition: Node, names: Names, scope: Scope, positive: bool) -> List
     return [[_compared(variable, "!=", one, names, scope) for one in values.parts]]
 
 
-def _compared(left: Node, operator: str, right: Node, names: Names, scope: Scope) -> Plain:
+def _compared(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Scope) -> Plain:
     text = f"{scope.term(left, names)}{operator}{scope.term(right, names)}"
     used, sides = _used(left, names) | _used(right, names), [one for one in (left, right) if one.kind == "variable"]
     binds = frozenset(_written(one, names) for one in sides[:1] if operator == "=")
     return Plain(text, used - binds, binds)
 
 
-def _fluent(fluent: Node, names: Names, scope: Scope, positive: bool) -> Plain:
+def _fluent(fluent: SyntaxNode, names: Names, scope: Scope, positive: bool) -> Plain:
     own = {**names, "_": "_"}
     text, used = f"golog_holds({scope.term(fluent, own)},{STEP})", _used(fluent, own)
     if not positive:
@@ -186,23 +186,23 @@ def _fluent(fluent: Node, names: Names, scope: Scope, positive: bool) -> Plain:
     return Plain(text, used - binds, binds)
 
 
-def _arguments_bound(term: Node) -> List[Node]:
+def _arguments_bound(term: SyntaxNode) -> List[SyntaxNode]:
     """Return the variables that stand as arguments, outside of operations."""
     if term.kind == "compound":
         return [found for one in term.parts for found in _arguments_bound(one)]
     return [term] if term.kind == "variable" else []
 
 
-def _variables(one: Node) -> List[Node]:
+def _variables(one: SyntaxNode) -> List[SyntaxNode]:
     return [part for part in one.walk() if part.kind == "variable"]
 
 
-def _used(one: Node, names: Names) -> FrozenSet[str]:
+def _used(one: SyntaxNode, names: Names) -> FrozenSet[str]:
     """Return the variables in a term, a comparison or the like, as they are written."""
     return frozenset(_written(part, names) for part in _variables(one))
 
 
-def free_variables(thing: Node) -> Set[str]:
+def free_variables(thing: SyntaxNode) -> Set[str]:
     """Return the variables of a condition or term that nothing in it binds."""
     if thing.kind == "variable":
         return {thing.text}

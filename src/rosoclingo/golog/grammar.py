@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node, Token
+from rosoclingo.oclingo.grammars import Grammar, MisfitError, SyntaxNode, Token
 from rosoclingo.oclingo.program.likeness import is_slip
 
 GREATEST = 2**31 - 1
@@ -156,8 +156,8 @@ _STATEMENTS = frozenset(
 class ControlProgram(NamedTuple):
     """A file: the nodes of the files that it includes and of its procedures."""
 
-    includes: Tuple[Node, ...]
-    procedures: Tuple[Node, ...]
+    includes: Tuple[SyntaxNode, ...]
+    procedures: Tuple[SyntaxNode, ...]
 
 
 @lru_cache(maxsize=None)
@@ -165,24 +165,24 @@ def _grammar() -> Grammar:
     return Grammar(_GRAMMAR, ("include", "procedure", "slips"))
 
 
-def statements(one: Node) -> List[Node]:
+def statements(one: SyntaxNode) -> List[SyntaxNode]:
     """Return the statements directly within one."""
     return [part for part in one.parts if part.kind in _STATEMENTS]
 
 
-def signature(named: Node) -> Tuple[str, int]:
+def signature(named: SyntaxNode) -> Tuple[str, int]:
     """Return the name and the number of arguments of a procedure, an action or a call."""
     arguments = parameters(named) if named.kind == "procedure" else named.parts
     return named.text, len(arguments)
 
 
-def parameters(one: Node) -> List[Node]:
+def parameters(one: SyntaxNode) -> List[SyntaxNode]:
     """Return the variables that a procedure, ``pick``, ``when`` or a quantifier begins with."""
     first = one.parts[0]
     return first.parts if first.kind == "variables" else []
 
 
-def choice(one: Node) -> Tuple[List[Node], Node, Node]:
+def choice(one: SyntaxNode) -> Tuple[List[SyntaxNode], SyntaxNode, SyntaxNode]:
     """Return the variables of ``pick`` or ``when``, the condition on them, and what is done."""
     condition, body = one.parts[-2:]
     if len(one.parts) == 2 and condition.kind == "member":
@@ -192,7 +192,7 @@ def choice(one: Node) -> Tuple[List[Node], Node, Node]:
 
 def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
     """Read a control program; what is wrong is added to ``faults``, with at most one of the syntax in a procedure."""
-    found: List[Node] = []
+    found: List[SyntaxNode] = []
     tokens = [_mended(token, name, faults) for token in _grammar().tokens(text)]
     lines = text.split("\n")
     end = Token("$END", "", line=len(lines), column=len(lines[-1]) + 1)

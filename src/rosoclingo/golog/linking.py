@@ -8,7 +8,7 @@ from rosoclingo.golog.grammar import ControlProgram, parse, signature
 from rosoclingo.golog.recursion import Signature, endless_calls
 from rosoclingo.golog.writing import Declared, Writer, arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
-from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.program.languages import Document, Include, Translation
 
 _NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
@@ -78,7 +78,7 @@ class _Linker:
 
     def __init__(self, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> None:
         self._documents, self._included = documents, included
-        self._declared: Dict[Signature, Tuple[int, Node]] = {}
+        self._declared: Dict[Signature, Tuple[int, SyntaxNode]] = {}
         self._above: List[int] = []  # the files within whose includes the present one lies
         self._over: Set[int] = set()
         self.faults: List[List[Fault]] = [[] for _ in documents]
@@ -119,7 +119,7 @@ class _Linker:
         mend = "put what both need into a third file" if names[1:] else "leave it out"
         self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, mend))
 
-    def _declare(self, number: int, procedure: Node) -> None:
+    def _declare(self, number: int, procedure: SyntaxNode) -> None:
         head, name = signature(procedure), procedure.tokens[0]
         if head not in self._declared:
             self._declared[head] = (number, procedure)

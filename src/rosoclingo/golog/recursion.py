@@ -6,7 +6,7 @@ A recursion ends if an argument counts down, or up, to a bound.
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from rosoclingo.golog.grammar import choice, parameters, signature, statements
-from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import SyntaxNode
 
 Signature = Tuple[str, int]
 
@@ -21,11 +21,13 @@ _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 class _Begin(NamedTuple):
     """How a program can begin: the calls before any action, and whether it can be over without one."""
 
-    calls: List[Node]
+    calls: List[SyntaxNode]
     idle: bool
 
 
-def endless_calls(procedures: Mapping[Signature, Node], own: Iterable[Signature]) -> Iterator[Tuple[Node, str, str]]:
+def endless_calls(
+    procedures: Mapping[Signature, SyntaxNode], own: Iterable[Signature]
+) -> Iterator[Tuple[SyntaxNode, str, str]]:
     """Yield the call, the message and the mend for each of a file's ``own`` procedures that may recurse endlessly.
 
     The ``procedures`` are all that may be called.
@@ -46,7 +48,7 @@ def endless_calls(procedures: Mapping[Signature, Node], own: Iterable[Signature]
                 break
 
 
-def _reached(first: Signature, calls: Mapping[Signature, List[Node]]) -> Set[Signature]:
+def _reached(first: Signature, calls: Mapping[Signature, List[SyntaxNode]]) -> Set[Signature]:
     found, waiting = {first}, [first]
     while waiting:
         further = set(map(signature, calls[waiting.pop()])) - found
@@ -55,7 +57,7 @@ def _reached(first: Signature, calls: Mapping[Signature, List[Node]]) -> Set[Sig
     return found
 
 
-def _begin(one: Node, procedures: Mapping[Signature, Node], idle: Set[Signature]) -> _Begin:
+def _begin(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Set[Signature]) -> _Begin:
     """Return how a statement may begin; ``idle`` are the procedures known to be over without an action, at times."""
     kind = one.kind
     if kind == "step":
@@ -64,7 +66,7 @@ def _begin(one: Node, procedures: Mapping[Signature, Node], idle: Set[Signature]
     if kind in ("any", "test", "await", "until"):
         return _Begin([], kind != "any")
     inner = statements(one)[:1] if kind in ("try", "undoing") else statements(one)
-    parts, calls = [_begin(part, procedures, idle) for part in inner], []  # type: List[_Begin], List[Node]
+    parts, calls = [_begin(part, procedures, idle) for part in inner], []  # type: List[_Begin], List[SyntaxNode]
     for part in parts:
         calls += part.calls
         if kind == "seq" and not part.idle:
@@ -88,7 +90,7 @@ class _Bound(NamedTuple):
 _Bounds = FrozenSet[_Bound]
 
 
-def _without_ends(calls: List[Node], procedure: Node) -> List[Node]:
+def _without_ends(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[SyntaxNode]:
     """Leave out the calls of a procedure of itself if an argument goes to a bound in all of them.
 
     The bound stands in a condition of ``if``, ``while``, ``pick``, ``test``, as in ``if N > 0 { p(N - 1); }``; so the
@@ -106,7 +108,9 @@ def _without_ends(calls: List[Node], procedure: Node) -> List[Node]:
     return [call for call in calls if signature(call) != signature(procedure)]
 
 
-def _bounded(one: Node, procedure: Node, known: FrozenSet[str], bounds: _Bounds) -> Iterator[Tuple[Node, _Bounds]]:
+def _bounded(
+    one: SyntaxNode, procedure: SyntaxNode, known: FrozenSet[str], bounds: _Bounds
+) -> Iterator[Tuple[SyntaxNode, _Bounds]]:
     """Yield the recursive calls in a statement, with the ``bounds`` of parameters ``known`` there."""
     if one.kind == "step":
         if signature(one.parts[0]) == signature(procedure):
@@ -125,7 +129,7 @@ def _bounded(one: Node, procedure: Node, known: FrozenSet[str], bounds: _Bounds)
                 inside |= _bounds(part.parts[0], known)
 
 
-def _bounds(condition: Node, known: FrozenSet[str]) -> _Bounds:
+def _bounds(condition: SyntaxNode, known: FrozenSet[str]) -> _Bounds:
     """Return the bounds that a condition has if all its parts have to hold."""
     if condition.kind == "and":
         return frozenset(bound for part in condition.parts for bound in _bounds(part, known))
@@ -135,7 +139,7 @@ def _bounds(condition: Node, known: FrozenSet[str]) -> _Bounds:
     return frozenset([*_bound(left, operator, right, known), *_bound(right, _MIRRORED[operator], left, known)])
 
 
-def _bound(left: Node, operator: str, right: Node, known: FrozenSet[str]) -> Iterator[_Bound]:
+def _bound(left: SyntaxNode, operator: str, right: SyntaxNode, known: FrozenSet[str]) -> Iterator[_Bound]:
     if left.kind != "variable" or left.text not in known:
         return
     direction = -1 if operator in (">", ">=") else 1
@@ -145,7 +149,7 @@ def _bound(left: Node, operator: str, right: Node, known: FrozenSet[str]) -> Ite
         yield _Bound(left.text, direction, None)
 
 
-def _ways(call: Node, bounds: _Bounds, procedure: Node) -> Iterator[Tuple[int, int]]:
+def _ways(call: SyntaxNode, bounds: _Bounds, procedure: SyntaxNode) -> Iterator[Tuple[int, int]]:
     """Yield the places of the arguments, from 0, that go up or down (1 or -1) to a bound in a call."""
     names = [one.text for one in parameters(procedure)]
     same = {name for name, one in zip(names, call.parts) if one.kind == "variable" and one.text == name}
@@ -155,7 +159,7 @@ def _ways(call: Node, bounds: _Bounds, procedure: Node) -> Iterator[Tuple[int, i
                 yield place, bound.direction
 
 
-def _goes(term: Node, name: str) -> int:
+def _goes(term: SyntaxNode, name: str) -> int:
     """Return 1 for a variable and a number that is added to it, -1 for one that is taken away, else 0."""
     if term.kind != "operation" or term.text not in ("+", "-"):
         return 0

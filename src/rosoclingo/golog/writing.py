@@ -20,7 +20,7 @@ from rosoclingo.golog.conditions import (
 from rosoclingo.golog.grammar import ControlProgram, choice, parameters, signature, statements
 from rosoclingo.golog.recursion import Signature
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Node, Token
+from rosoclingo.oclingo.grammars import SyntaxNode, Token
 
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_']*")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
@@ -40,7 +40,7 @@ class Declared(NamedTuple):
     """A procedure, and the file that has it."""
 
     file: str
-    procedure: Node
+    procedure: SyntaxNode
 
 
 class Writer:
@@ -81,10 +81,10 @@ class Writer:
             except RecursionError:
                 faults.append(self._too_deep(self._name).fault)
 
-    def _too_deep(self, place: Union[Node, Token]) -> GologError:
+    def _too_deep(self, place: Union[SyntaxNode, Token]) -> GologError:
         return self._scope.fault(place, "too much within each other", "make procedures of some")
 
-    def _add(self, text: str, place: Union[Node, Token]) -> None:
+    def _add(self, text: str, place: Union[SyntaxNode, Token]) -> None:
         depth = deepest = 0
         for sign in re.findall("[()]", _STRING.sub("", text)):
             depth += 1 if sign == "(" else -1
@@ -94,7 +94,7 @@ class Writer:
         self.lines.append(text)
         self.places.append((place.line or 1, place.column or 1))
 
-    def _procedure(self, procedure: Node) -> None:
+    def _procedure(self, procedure: SyntaxNode) -> None:
         names = self._scope.inner({}, parameters(procedure), "parameters")
         written = [names[one.text] for one in parameters(procedure)]
         head = procedure.text + (f"({','.join(written)})" if written else "")
@@ -103,7 +103,7 @@ class Writer:
 
     # ---- statements, each as a term --------------------------------------------------------------------------------
 
-    def _statement(self, one: Node, names: Names) -> str:
+    def _statement(self, one: SyntaxNode, names: Names) -> str:
         kind = {"until": "await", "achieve": "while"}.get(one.kind, one.kind)
         if kind == "step":
             return self._step(one.parts[0], names)
@@ -118,7 +118,7 @@ class Writer:
         words = [*number, *asked, *inside, *rest]
         return f"{kind}({','.join(words)})" if words else kind
 
-    def _tell(self, name: str, text: str, one: Node) -> None:
+    def _tell(self, name: str, text: str, one: SyntaxNode) -> None:
         """Write the message for a test or a choice that leads no further."""
         place = re.sub(r'["\\\n]', "_", f"line {one.line} of {PurePath(self._file).name}")
         self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', one)
@@ -143,7 +143,7 @@ class Writer:
         """Return ``kind(a,kind(b,c))`` for the parts a, b, c, and ``nil`` for none."""
         return "".join(f"{kind}({part}," for part in parts[:-1]) + (parts or ["nil"])[-1] + ")" * (len(parts) - 1)
 
-    def _step(self, what: Node, names: Names) -> str:
+    def _step(self, what: SyntaxNode, names: Names) -> str:
         term, (name, count) = self._scope.term(what, names), signature(what)
         if (name, count) in self._procedures:
             return f"call({term})"
@@ -167,7 +167,7 @@ class Writer:
         found = dict.fromkeys(name for text in texts for name in _VARIABLE.findall(_STRING.sub("", text)))
         return f"in({','.join([self._stem, str(self._count), *found])})"
 
-    def _condition(self, one: Node, names: Names) -> str:
+    def _condition(self, one: SyntaxNode, names: Names) -> str:
         """Return the name of a statement's condition, and write what it means."""
         self._scope.begin()
         ways = alternatives(one.parts[0], names, self._scope, one.kind != "achieve")
@@ -181,7 +181,7 @@ class Writer:
             self._tell(name, "the test in {} does not hold", one)
         return name
 
-    def _options(self, one: Node, names: Names) -> str:
+    def _options(self, one: SyntaxNode, names: Names) -> str:
         """Return the name of a choice, and write what there is to choose from."""
         variables, condition, then = choice(one)
         inner = self._scope.inner(names, variables)
@@ -199,7 +199,9 @@ class Writer:
             self._tell(name, "there is nothing to pick in {}", one)
         return name
 
-    def _check_bound(self, one: Node, way: Sequence[Literal], known: Iterable[str], wanted: Sequence[str]) -> None:
+    def _check_bound(
+        self, one: SyntaxNode, way: Sequence[Literal], known: Iterable[str], wanted: Sequence[str]
+    ) -> None:
         for name in unbound(way, known, wanted):
             where = self._scope.first.get(name, one)
             mend = f"add a fluent that has it, or {where.text} in 1..3, or in {{a, b}}"

@@ -6,7 +6,7 @@ from typing import Iterable, Iterator, Tuple
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
+from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 from rosoclingo.oclingo.program.domains import mentions
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import Survey, fault_at, written
@@ -44,7 +44,7 @@ def libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
     for name, text in texts:
         found = tokens(text) if "#include" in text else []
         for one, bracket, library in zip(found, found[1:], found[2:]):
-            if one.kind is Kind.DIRECTIVE and one.text == "#include" and bracket.text == "<":
+            if one.kind is TokenKind.DIRECTIVE and one.text == "#include" and bracket.text == "<":
                 message = f"#include <{library.text}> has no effect: rosoclingo adds the steps itself"
                 yield Fault(name, one.line, one.column, message, "leave it out", _PASSIVE)
 

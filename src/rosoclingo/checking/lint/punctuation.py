@@ -3,7 +3,7 @@
 from typing import Iterable, Iterator, List, NamedTuple, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.gringo3.lexer import Kind, Token, statements, tokens
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, statements, tokens
 
 KIND = "mark"
 
@@ -13,7 +13,7 @@ _DEPTH = {"(": 1, "{": 1, "[": 1, ")": -1, "}": -1, "]": -1}
 class _Marks(NamedTuple):
     """The marks of a statement that stand in no bracket: those of its head in order, and whether it has a body."""
 
-    head: List[Token]
+    head: List[SourceToken]
     has_body: bool
 
 
@@ -23,7 +23,7 @@ def odd_marks(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
         found = tokens(text)
         before = _Marks([], False)
         for first, after in statements(found):
-            if found[first].kind not in (Kind.DIRECTIVE, Kind.SCRIPT):
+            if found[first].kind not in (TokenKind.DIRECTIVE, TokenKind.SCRIPT):
                 marks = _marks(found[first:after])
                 yield from _odd(name, marks)
                 if before.has_body and not marks.has_body and found[first].text == "not":
@@ -42,16 +42,16 @@ def _odd(name: str, marks: _Marks) -> Iterator[Fault]:
         yield _at(name, marks.head[0], message, "is ':-' meant?")
 
 
-def _at(name: str, mark: Token, message: str, mend: str) -> Fault:
+def _at(name: str, mark: SourceToken, message: str, mend: str) -> Fault:
     return Fault(name, mark.line, mark.column, message, mend, KIND)
 
 
-def _marks(statement: Sequence[Token]) -> _Marks:
-    depth, head = 0, []  # type: int, List[Token]
+def _marks(statement: Sequence[SourceToken]) -> _Marks:
+    depth, head = 0, []  # type: int, List[SourceToken]
     for one in statement:
-        depth += _DEPTH.get(one.text, 0) if one.kind is Kind.SYMBOL else 0
+        depth += _DEPTH.get(one.text, 0) if one.kind is TokenKind.SYMBOL else 0
         if not depth and one.text in (":-", ":~"):
             return _Marks(head, True)
-        if not depth and one.kind is Kind.SYMBOL and one.text in (",", ":", ";", "|"):
+        if not depth and one.kind is TokenKind.SYMBOL and one.text in (",", ":", ";", "|"):
             head.append(one)
     return _Marks(head, False)

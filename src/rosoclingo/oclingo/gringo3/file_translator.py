@@ -1,18 +1,22 @@
 """Translates the files of a program, of which some are in gringo 3's language, statement by statement."""
 
+from functools import cached_property
 from pathlib import PurePath
-from typing import Callable, Dict, List, Sequence, Set, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple, Union
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Node
-from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, StatementDialect
-from rosoclingo.oclingo.gringo3.grammar import RefusalError, aggregate_of, parse
-from rosoclingo.oclingo.gringo3.lexer import Kind, Token, TranslationError
+from rosoclingo.oclingo.grammars import SyntaxNode
+from rosoclingo.oclingo.gringo3.dialect import GRINGO3_WORDS, STEP_DIRECTIVES, Dialect, SourceFile
+from rosoclingo.oclingo.gringo3.grammar import UntranslatableError, aggregate_of, parse
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, TranslationError
 from rosoclingo.oclingo.gringo3.optimization import OptimizationTranslator
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting, domain_atoms
 from rosoclingo.oclingo.gringo3.rules import RuleTranslator
 from rosoclingo.oclingo.gringo3.terms import Element, Naming, alternatives, has_interval, has_pool, show
-from rosoclingo.oclingo.gringo3.visibility import Statement, Visibility, signature, signatures_of
+from rosoclingo.oclingo.gringo3.visibility import ShowStatement, Visibility, signature, signatures_of
+
+MARK = "% dialect: clingo 5"
+"""The comment at the end of a translation."""
 
 _ARITHMETIC = {"+", "-", "*", "/", "\\", "**", "..", "&", "^", "?", "~", "|", "#mod", "#div", "#pow"}
 _COMPARISONS = {"=", ":=", "==", "!=", "<", "<=", ">", ">="}
@@ -25,9 +29,9 @@ class Constants:
     """
 
     def __init__(self) -> None:
-        self._used: Dict[str, Tuple[str, Token]] = {}
+        self._used: Dict[str, Tuple[str, SourceToken]] = {}
 
-    def note(self, file: str, statement: Sequence[Token]) -> None:
+    def note(self, file: str, statement: Sequence[SourceToken]) -> None:
         """Note the names that a statement uses as terms.
 
         Names inside arithmetic do not count: there gringo 3 stops at a name without a value, so that no program can
@@ -36,21 +40,21 @@ class Constants:
         for token in _names(statement):
             self._used.setdefault(token.text, (file, token))
 
-    def define(self, const: Node, name: str) -> None:
-        """Note a ``#const``; :class:`RefusalError` if a statement before it uses the name."""
+    def define(self, const: SyntaxNode, name: str) -> None:
+        """Note a ``#const``; :class:`UntranslatableError` if a statement before it uses the name."""
         if name in self._used:
             file, use = self._used[name]
             message = f"gringo 3 does not replace '{name}' in the statements before this #const, but clingo 5 does"
-            raise RefusalError(const, message, f"put the #const before its use in {file}:{use.line}")
+            raise UntranslatableError(const, message, f"put the #const before its use in {file}:{use.line}")
 
 
-def _names(statement: Sequence[Token]) -> List[Token]:
+def _names(statement: Sequence[SourceToken]) -> List[SourceToken]:
     found, depth = [], 0
     for before, token, after in zip(("", *(t.text for t in statement)), statement, (*statement[1:], statement[-1])):
         depth += {"(": 1, ")": -1}.get(token.text, 0)
         around = {before, after.text}
         is_term = depth > 0 or around & _COMPARISONS
-        if token.kind is Kind.IDENTIFIER and after.text != "(" and is_term and not around & _ARITHMETIC:
+        if token.kind is TokenKind.IDENTIFIER and after.text != "(" and is_term and not around & _ARITHMETIC:
             found.append(token)
     return found
 
@@ -67,121 +71,209 @@ class Program:
         self.seen_variables: Set[str] = set()
 
 
-def translated(
-    files: Sequence[Tuple[str, str]],
-    lexed: Sequence[Sequence[Token]],
-    inspected: Sequence[FileDialect],
-    dialects: Sequence[Dialect],
-) -> List[Tuple[str, Tuple[str, ...]]]:
-    """Return the translation of each file, and the warnings about it; raises TranslationError."""
-    program = Program(Naming(token.text for found in lexed for token in found if token.kind is Kind.VARIABLE))
-    translators = [
-        FileTranslator(program, name, text, found, evidence, dialect)
-        for (name, text), found, evidence, dialect in zip(files, lexed, inspected, dialects)
-    ]
-    faults = [fault for translator in translators for fault in translator.run()] + program.visibility.write()
-    if faults:
-        raise TranslationError(faults)
-    return [(one.rewriting.result(), tuple(one.warnings)) for one in translators]
+class Evidence:
+    """What gringo 3's grammar and clingo's parser say about the statements of a file.
+
+    Attributes:
+        source: the file.
+        trees: each statement as gringo 3's grammar reads it, or why it does not.
+
+    """
+
+    def __init__(self, source: SourceFile) -> None:
+        self.source = source
+        self.trees = [_read(source.tokens, *one) for one in source.ranges]
+
+    def dialect_of(self, number: int) -> Dialect:
+        """Return the only language that has a statement; either, if both or neither have it."""
+        words, tree = [one.text for one in self.source.statement(number)], self.trees[number]
+        refused = tree if isinstance(tree, UntranslatableError) else None
+        if not GRINGO3_WORDS.isdisjoint(words) or (words[0] == "#external" and words.count(":") > 1):
+            return Dialect.GRINGO3
+        if number in self.source.not_clingo5:
+            return Dialect.EITHER if refused and refused.misfits else Dialect.GRINGO3
+        return (
+            Dialect.CLINGO5
+            if refused and not refused.limits and words[0] not in (*STEP_DIRECTIVES, "#include")
+            else Dialect.EITHER
+        )
+
+    @cached_property
+    def dialect(self) -> Optional[Dialect]:
+        """The language of the file, None if it does not tell."""
+        if self.source.pragma is not None:
+            return self.source.pragma
+        found = set(map(self.dialect_of, range(len(self.trees)))) - {Dialect.EITHER}
+        return found.pop() if len(found) == 1 else self.source.by_directives
+
+
+def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Union[SyntaxNode, UntranslatableError]:
+    begin, end = tokens[first], tokens[after - 1]
+    ends = end.text == "." or (begin.text, end.text) == (":~", ">") or begin.kind is TokenKind.SCRIPT
+    try:
+        if not ends:
+            raise UntranslatableError(end, "this statement has no dot at its end", misfits=True)
+        return parse(tokens, first, after)
+    except UntranslatableError as error:
+        return error
+
+
+def translated(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[str, Tuple[str, ...], Dialect]]:
+    """Return the translation of each file, the warnings about it, and its language.
+
+    A file that does not tell its language follows the other ones, if they agree, and is in the ``undecided`` language
+    otherwise. Raises TranslationError.
+    """
+    evidence = [Evidence(source) for source in sources]
+    known = {one.dialect for one in evidence} - {None}
+    common = known.pop() if len(known) == 1 else None
+    dialects = [one.dialect or common for one in evidence]
+    found = old = _translations(evidence, [one or Dialect.GRINGO3 for one in dialects])
+    if None in dialects and undecided is not Dialect.GRINGO3:
+        found = _translations(evidence, [one or undecided for one in dialects])
+    if any(one.faults for one in found):
+        raise TranslationError([fault for one in found for fault in one.faults])
+    results = []
+    for one, in_gringo3, dialect in zip(found, old, dialects):
+        differs = dialect is None and in_gringo3.own_text != one.source.text
+        warnings = [*one.warnings, *([_undecided(in_gringo3, undecided)] if differs else [])]
+        results.append((one.text, tuple(warnings), dialect or (undecided if differs else Dialect.EITHER)))
+    return results
+
+
+def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> List["FileTranslator"]:
+    """Translate all files; what of them is shown is written at the end."""
+    variables = (one.text for found in evidence for one in found.source.tokens if one.kind is TokenKind.VARIABLE)
+    program = Program(Naming(variables))
+    translators = [FileTranslator(program, one, dialect) for one, dialect in zip(evidence, dialects)]
+    for one in translators:
+        one.run()
+    program.visibility.write()
+    return translators
+
+
+def _undecided(translator: "FileTranslator", dialect: Dialect) -> str:
+    """Return the warning that a file reads differently in both languages."""
+    old, new = translator.source.text, translator.own_text
+    place = next((n for n, (one, other) in enumerate(zip(old, new)) if one != other), min(len(old), len(new)))
+    line, column = old.count("\n", 0, place) + 1, place - old.rfind("\n", 0, place)
+    reading, name = new.split("\n")[line - 1].strip(), translator.source.name
+    how = f"gringo 3 reads this line as '{reading}'; read as {dialect.value}"
+    return f"{name}:{line}:{column}: {how} (say so by '% dialect: {dialect.value}')"
 
 
 class FileTranslator:
-    """Translates one file of a program; files have to be run in order."""
+    """Translates one file of a program; files have to be run in order.
 
-    def __init__(
-        self, program: Program, name: str, text: str, tokens: Sequence[Token], evidence: FileDialect, dialect: Dialect
-    ) -> None:
-        self._program, self._tokens, self._evidence, self._dialect = program, tokens, evidence, dialect
-        self._text, self._name, self._file = text, name, PurePath(name).name
-        self.rewriting = Rewriting(text, tokens)
+    Attributes:
+        source: the file.
+        own_text: its translation, without what ``#show`` and ``#hide`` become.
+        warnings: warnings about it.
+        faults: what could not be translated.
+
+    """
+
+    def __init__(self, program: Program, evidence: Evidence, dialect: Dialect) -> None:
+        self._program, self._evidence, self._dialect = program, evidence, dialect
+        self.source = evidence.source
+        self._name, self._file = self.source.name, PurePath(self.source.name).name
+        self.rewriting = Rewriting(self.source.text, self.source.tokens)
         self.warnings: List[str] = []
+        self.faults: List[Fault] = []
+        self.own_text = ""
         self._rules = RuleTranslator(self.rewriting, program.naming)
         self._optimization = OptimizationTranslator(self.rewriting, program.naming, self._file)
         self._step = ""
-        self._has_gringo3 = bool(evidence.of(Dialect.GRINGO3))
 
-    def run(self) -> List[Fault]:
-        """Translate all statements; what could not be translated."""
-        faults = []
-        for statement in self._evidence.statements:
+    @property
+    def text(self) -> str:
+        """The translation; one that differs ends with a comment that names its language."""
+        text = self.rewriting.result()
+        if text == self.source.text:
+            return text
+        return text + ("" if text.endswith("\n") else "\n") + MARK + "\n"
+
+    def run(self) -> None:
+        """Translate all statements."""
+        for number, tree in enumerate(self._evidence.trees):
+            tokens = self.source.statement(number)
             try:
-                self._statement(statement)
-            except RefusalError as refusal:
-                faults.append(refusal.fault(self._name))
-        return faults
+                if self._is_gringo3(number):
+                    self._statement(tree, tokens)
+                else:
+                    self._leave(tokens)
+            except UntranslatableError as error:
+                self.faults.append(error.fault(self._name))
+        self.own_text = self.rewriting.result()
 
-    def _statement(self, statement: StatementDialect) -> None:
-        tokens = self._tokens[statement.first : statement.after]
-        if not self._is_gringo3(statement.dialect):
-            self._leave(tokens)
-            return
-        ends = tokens[-1].text == "." or (tokens[0].text, tokens[-1].text) == (":~", ">")
-        if not ends and tokens[0].kind is not Kind.SCRIPT:
-            raise RefusalError(tokens[-1], "this statement has no dot at its end")
-        node = parse(self._tokens, statement.first, statement.after)
-        if node.kind in _TRANSLATIONS:
-            _TRANSLATIONS[node.kind](self, node)
-        if node.kind != "const":
-            self._program.constants.note(self._file, tokens)
-        self._program.seen_variables.update(token.text for token in tokens if token.kind is Kind.VARIABLE)
-
-    def _is_gringo3(self, statement: Dialect) -> bool:
-        """Whether a statement counts as gringo 3's; its own evidence weighs more than the file's language."""
-        if self._evidence.pragma is Dialect.CLINGO5 or statement is Dialect.CLINGO5:
+    def _is_gringo3(self, number: int) -> bool:
+        """Return whether a statement counts as gringo 3's; its own evidence weighs more than the file's language."""
+        if self._evidence.source.pragma is Dialect.CLINGO5:
             return False
-        mixed = statement is Dialect.EITHER and self._has_gringo3
-        return self._dialect is Dialect.GRINGO3 or statement is Dialect.GRINGO3 or mixed
+        statement = self._evidence.dialect_of(number)
+        return statement is Dialect.GRINGO3 or (statement is Dialect.EITHER and self._dialect is Dialect.GRINGO3)
 
-    def _leave(self, tokens: Sequence[Token]) -> None:
+    def _statement(self, tree: Union[SyntaxNode, UntranslatableError], tokens: Sequence[SourceToken]) -> None:
+        if isinstance(tree, UntranslatableError):
+            if tokens[0].text in STEP_DIRECTIVES:
+                return  # the loader says how the directive is written
+            raise tree
+        if tree.kind in _TRANSLATIONS:
+            _TRANSLATIONS[tree.kind](self, tree)
+        if tree.kind != "const":
+            self._program.constants.note(self._file, tokens)
+        self._program.seen_variables.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
+
+    def _leave(self, tokens: Sequence[SourceToken]) -> None:
         """Leave a statement of clingo 5 as it is."""
         if tokens[0].text == "#program":
             self._step = tokens[3].text if len(tokens) > 5 and tokens[2].text == "(" else ""
         if domain_atoms(tokens, self._program.domains):
             message = "a variable that #domain declares cannot stand in a statement of clingo 5"
-            raise RefusalError(tokens[0], message, "use another variable")
-        self._program.visibility.leave(self._text[tokens[0].start : tokens[-1].end], self._step)
+            raise UntranslatableError(tokens[0], message, "use another variable")
+        self._program.visibility.leave(self.source.text[tokens[0].start : tokens[-1].end], self._step)
 
-    def _domains(self, node: Node) -> List[str]:
+    def _domains(self, node: SyntaxNode) -> List[str]:
         return domain_atoms(self.rewriting.tokens_of(node), self._program.domains)
 
-    def _rule(self, rule: Node) -> None:
+    def _rule(self, rule: SyntaxNode) -> None:
         self._rules.translate(rule, self._domains(rule))
         heads = [part for part in rule.parts if part.kind != "body"][:1]
         literals = [one for head in heads for one in ([head] if head.kind == "literal" else _literals(head))]
         literals = [one for one in literals if one.kind == "literal" and one.children[0] != "not"]
         self._program.visibility.define([found for one in literals for found in signatures_of(one)], self._step)
 
-    def _weak(self, weak: Node) -> None:
+    def _weak(self, weak: SyntaxNode) -> None:
         names = self._rules.weak_body(weak, self._domains(weak))
         self._optimization.weak(weak, weak.span[1], self._step, names)
 
-    def _part(self, part: Node) -> None:
+    def _part(self, part: SyntaxNode) -> None:
         """Begin a part; the name behind its directive is its parameter, or in brackets behind today's name."""
         names = [token for token in part.tokens if token.type == "IDENTIFIER"]
         self._step = str(names[-1]) if len(names) > (part.kind == "program") else ""
         self._terms(part)
 
-    def _terms(self, directive: Node) -> None:
+    def _terms(self, directive: SyntaxNode) -> None:
         for term in directive.parts:
             if self.rewriting.is_special(term):
                 self.rewriting.put(term, show(term))
 
-    def _const(self, const: Node) -> None:
+    def _const(self, const: SyntaxNode) -> None:
         term, name = const.parts[0], str(const.tokens[1])
         if has_pool(term) or has_interval(term):
             message = "a constant of a pool or a range cannot be translated"
-            raise RefusalError(const, message, f"write {show(term)} in place of {name}")
+            raise UntranslatableError(const, message, f"write {show(term)} in place of {name}")
         if any(part.kind == "variable" for part in term.walk()):
-            raise RefusalError(const, "a constant cannot hold a variable")
+            raise UntranslatableError(const, "a constant cannot hold a variable")
         self._program.constants.define(const, name)
         self._terms(const)
 
-    def _domain(self, domain: Node) -> None:
+    def _domain(self, domain: SyntaxNode) -> None:
         literal = domain.parts[0]
         atom = literal.parts[0].parts[0] if literal.parts[0].kind == "signed" else literal.parts[0]
         terms = atom.parts[0].parts if atom.parts else []
         if not terms or any(term.kind != "variable" or term.text == "_" for term in terms):
-            raise RefusalError(literal, "#domain takes an atom whose arguments are variables")
+            raise UntranslatableError(literal, "#domain takes an atom whose arguments are variables")
         variables = [term.text for term in terms]
         early = [variable for variable in variables if variable in self._program.seen_variables]
         if early:
@@ -190,12 +282,12 @@ class FileTranslator:
         self._program.domains.append((show(literal), variables))
         self.rewriting.put(domain, "")
 
-    def _display(self, display: Node) -> None:
+    def _display(self, display: SyntaxNode) -> None:
         self._program.visibility.add(
-            Statement(self._name, self.rewriting, self._step, display, self._domains(display)),
+            ShowStatement(self._name, self.faults, self.rewriting, self._step, display, self._domains(display)),
         )
 
-    def _external(self, external: Node) -> None:
+    def _external(self, external: SyntaxNode) -> None:
         declared = external.parts[0]
         if declared.kind == "signature":
             self._program.visibility.define([signature(declared)], self._step)
@@ -212,15 +304,15 @@ class FileTranslator:
             joint = ", " if conditions else " : "
             self.rewriting.insert(declared.span[1], joint + ", ".join(domains))
 
-    def _optimize(self, statement: Node) -> None:
+    def _optimize(self, statement: SyntaxNode) -> None:
         self._optimization.optimize(statement, self._program.levels, self._step, self._program.domains)
         self._program.levels += 1
 
-    def _compute(self, statement: Node) -> None:
+    def _compute(self, statement: SyntaxNode) -> None:
         self._optimization.compute(statement, self._program.domains)
 
 
-_TRANSLATIONS: Dict[str, Callable[[FileTranslator, Node], None]] = {
+_TRANSLATIONS: Dict[str, Callable[[FileTranslator, SyntaxNode], None]] = {
     "rule": FileTranslator._rule,
     "weak": FileTranslator._weak,
     **dict.fromkeys(("base", "program", "part"), FileTranslator._part),
@@ -234,7 +326,7 @@ _TRANSLATIONS: Dict[str, Callable[[FileTranslator, Node], None]] = {
 }
 
 
-def _literals(head: Node) -> List[Node]:
+def _literals(head: SyntaxNode) -> List[SyntaxNode]:
     """The literals of a disjunction or an aggregate, without their conditions."""
     elements = aggregate_of(head).core.parts if head.kind == "aggregate" else head.parts
     return [Element.of(element).literal for element in elements]

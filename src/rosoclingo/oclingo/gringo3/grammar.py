@@ -4,9 +4,9 @@ from functools import lru_cache
 from typing import AbstractSet, Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Union
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Grammar, MisfitError, Node
+from rosoclingo.oclingo.grammars import Grammar, MisfitError, SyntaxNode
 from rosoclingo.oclingo.grammars import Token as GrammarToken
-from rosoclingo.oclingo.gringo3.lexer import Kind, Token
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind
 
 _GRAMMAR = r"""
 ?statement: rule | weak | script | directive
@@ -96,12 +96,12 @@ OPERATOR: "+" | "*" | "\\" | "**" | "&" | "^" | "?"
 
 _LPARSE_WORDS = ("minimize", "minimise", "maximize", "maximise", "compute", "const", "hide", "show", "domain")
 _TYPES = {
-    Kind.IDENTIFIER: "IDENTIFIER",
-    Kind.VARIABLE: "VARIABLE",
-    Kind.ANONYMOUS: "VARIABLE",
-    Kind.NUMBER: "NUMBER",
-    Kind.STRING: "STRING",
-    Kind.SCRIPT: "SCRIPT",
+    TokenKind.IDENTIFIER: "IDENTIFIER",
+    TokenKind.VARIABLE: "VARIABLE",
+    TokenKind.ANONYMOUS: "VARIABLE",
+    TokenKind.NUMBER: "NUMBER",
+    TokenKind.STRING: "STRING",
+    TokenKind.SCRIPT: "SCRIPT",
 }
 _WANTED = (
     {"VARIABLE": "a term"},
@@ -121,11 +121,21 @@ OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")
 SUMS = ("#sum", "#sum+", "#min", "#max")
 
 
-class RefusalError(Exception):
-    """One statement cannot be translated; the translator collects these into a :class:`TranslationError`."""
+Place = Union[SourceToken, GrammarToken, SyntaxNode]
 
-    def __init__(self, place: Union[Token, GrammarToken, Node], message: str, mend: str = "") -> None:
+
+class UntranslatableError(Exception):
+    """One statement cannot be translated; the translator collects these into a :class:`TranslationError`.
+
+    Attributes:
+        misfits: whether gringo 3's grammar does not accept the statement.
+        limits: whether gringo 3 has the statement, but it goes beyond what the translation can do.
+
+    """
+
+    def __init__(self, place: Place, message: str, mend: str = "", misfits: bool = False, limits: bool = False) -> None:
         self.line, self.column, self.message, self.mend = place.line or 1, place.column or 1, message, mend
+        self.misfits, self.limits = misfits, limits
         super().__init__(message)
 
     def fault(self, file: str) -> Fault:
@@ -139,12 +149,12 @@ class Aggregate(NamedTuple):
     ``before`` is ``=`` or ``:=`` where ``lower`` takes the aggregate's value.
     """
 
-    core: Node
+    core: SyntaxNode
     function: str
-    lower: Optional[Node]
+    lower: Optional[SyntaxNode]
     before: str
     after: str
-    upper: Optional[Node]
+    upper: Optional[SyntaxNode]
 
     @property
     def assigned(self) -> bool:
@@ -157,14 +167,14 @@ class Aggregate(NamedTuple):
         return self.core.kind == "braces"
 
 
-def aggregate_of(node: Node) -> Aggregate:
+def aggregate_of(node: SyntaxNode) -> Aggregate:
     """Return the parts of an aggregate, or of a negated one."""
     children = node.parts[-1].children if node.kind == "negated" else node.children
-    at = next(n for n, one in enumerate(children) if isinstance(one, Node) and one.kind in ("braces", "brackets"))
+    at = next(n for n, one in enumerate(children) if isinstance(one, SyntaxNode) and one.kind in ("braces", "brackets"))
     core, sides = children[at], (children[:at], children[at + 1 :])
-    assert isinstance(core, Node)
-    (lower, upper) = (next((one for one in side if isinstance(one, Node)), None) for side in sides)
-    (before, after) = (next((str(one) for one in side if not isinstance(one, Node)), "") for side in sides)
+    assert isinstance(core, SyntaxNode)
+    (lower, upper) = (next((one for one in side if isinstance(one, SyntaxNode)), None) for side in sides)
+    (before, after) = (next((str(one) for one in side if not isinstance(one, SyntaxNode)), "") for side in sides)
     return Aggregate(core, core.text if core.text.startswith("#") else "", lower, before, after, upper)
 
 
@@ -173,14 +183,17 @@ def _grammar() -> Grammar:
     return Grammar(_GRAMMAR, ("statement",), lexed=False)
 
 
-def parse(tokens: Sequence[Token], first: int, after: int) -> Node:
-    """Return the tree of a statement's tokens; positions in it are indices of tokens. Raises :class:`RefusalError`."""
+def parse(tokens: Sequence[SourceToken], first: int, after: int) -> SyntaxNode:
+    """Return the tree of a statement's tokens; positions in it are indices of tokens.
+
+    Raises :class:`UntranslatableError`.
+    """
     word = tokens[first]
     mend = f"the directive is written '#{word.text}'" if word.text in _LPARSE_WORDS else ""
     if mend and tokens[first + 1].text in ("[", "{"):
-        raise RefusalError(word, f"'{word.text}' before an aggregate is no number", mend)
-    if word.kind is Kind.DIRECTIVE and not _grammar().type_of(word.text):
-        raise RefusalError(word, f"'{word.text}' is no directive of gringo 3")
+        raise UntranslatableError(word, f"'{word.text}' before an aggregate is no number", mend)
+    if word.kind is TokenKind.DIRECTIVE and not _grammar().type_of(word.text):
+        raise UntranslatableError(word, f"'{word.text}' is no directive of gringo 3", misfits=True)
     try:
         found = _grammar().parse(_read(tokens, first, after), GrammarToken("$END", ""), "statement")
     except MisfitError as misfit:
@@ -191,35 +204,35 @@ def parse(tokens: Sequence[Token], first: int, after: int) -> Node:
     return found
 
 
-def _read(tokens: Sequence[Token], first: int, after: int) -> Iterator[GrammarToken]:
+def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Iterator[GrammarToken]:
     for index in range(first, after):
         one = tokens[index]
-        written_out = one.kind in (Kind.SYMBOL, Kind.DIRECTIVE) or one.text == "not"
+        written_out = one.kind in (TokenKind.SYMBOL, TokenKind.DIRECTIVE) or one.text == "not"
         kind = _grammar().type_of(one.text) if written_out else _TYPES.get(one.kind, "")
+        kind = "" if one.text.startswith("#script") else kind
         yield GrammarToken(kind or "UNKNOWN", one.text, index, one.line, one.column, one.line, one.column, index + 1)
 
 
-def _refusal(token: Token, accepted: AbstractSet[str], mend: str) -> RefusalError:
+def _refusal(token: SourceToken, accepted: AbstractSet[str], mend: str) -> UntranslatableError:
     """Return what is wrong where a token is not accepted."""
     if not accepted:
-        return RefusalError(token, "terms are nested too deeply here")
-    if token.text == "=" and "ASSIGN" in accepted:
-        return RefusalError(token, "only a variable can stand before '='", "write '==' or ':='")
+        return UntranslatableError(token, "terms are nested too deeply here", limits=True)
     rows = ([name for kind, name in row.items() if kind in accepted] for row in _WANTED)
-    return unexpected(token, " or ".join(next(filter(None, rows), [])), mend)
+    return unexpected(token, " or ".join(next(filter(None, rows), [])), mend, misfits=True)
 
 
-def unexpected(token: Union[Token, GrammarToken, Node], wanted: str = "", mend: str = "") -> RefusalError:
+def unexpected(token: Place, wanted: str = "", mend: str = "", misfits: bool = False) -> UntranslatableError:
     """Return the error that something else is needed at a token, the first one of a node."""
-    token = token.first if isinstance(token, Node) else token
-    shown = token.shown() if isinstance(token, Token) else f"'{token}'"
-    return RefusalError(token, f"{shown} is not expected here" + (f", but {wanted}" if wanted else ""), mend)
+    token = token.first if isinstance(token, SyntaxNode) else token
+    shown = token.shown() if isinstance(token, SourceToken) else f"'{token}'"
+    message = f"{shown} is not expected here" + (f", but {wanted}" if wanted else "")
+    return UntranslatableError(token, message, mend, misfits=misfits)
 
 
 # ---- what the grammar leaves open ----------------------------------------------------------------------------------
 
 
-def _check_literal(literal: Node, tokens: Sequence[Token]) -> None:
+def _check_literal(literal: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     atom = literal.parts[0]
     atom = atom.parts[0] if atom.kind == "signed" and atom.text == "-" else atom
     named = atom.kind in ("function", "symbol") and atom.text.strip("_")[:1].islower()
@@ -227,60 +240,61 @@ def _check_literal(literal: Node, tokens: Sequence[Token]) -> None:
         raise unexpected(tokens[literal.span[1]], "a comparison, since the term before is no atom")
 
 
-def _check_comparison(comparison: Node, tokens: Sequence[Token]) -> None:
+def _check_comparison(comparison: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     if comparison.text == "not":
-        raise RefusalError(comparison.tokens[1], "a comparison cannot be negated", "turn the comparison round")
+        raise UntranslatableError(comparison.tokens[1], "a comparison cannot be negated", "turn the comparison round")
 
 
-def _check_call(call: Node, tokens: Sequence[Token]) -> None:
+def _check_call(call: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     message = "calls of script functions cannot be translated"
-    raise RefusalError(call, message, "state their results as facts")
+    raise UntranslatableError(call, message, "state their results as facts", limits=True)
 
 
-def _check_script(script: Node, tokens: Sequence[Token]) -> None:
-    raise RefusalError(script, "scripts cannot be translated", "state what the script computes as facts")
+def _check_script(script: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
+    mend = "state what the script computes as facts"
+    raise UntranslatableError(script, "scripts cannot be translated", mend, limits=True)
 
 
-def _check_negated(negated: Node, tokens: Sequence[Token]) -> None:
+def _check_negated(negated: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     if aggregate_of(negated).assigned:
         raise unexpected(negated.parts[0].tokens[0], "a comparison")
 
 
-def _check_rule(rule: Node, tokens: Sequence[Token]) -> None:
+def _check_rule(rule: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     head = rule.parts[0] if rule.parts else None
     if head and head.kind == "aggregate" and aggregate_of(head).assigned:
         raise unexpected(head.tokens[0], "a comparison")
 
 
-def _check_aggregate(node: Node, tokens: Sequence[Token]) -> None:
+def _check_aggregate(node: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     parts = aggregate_of(node)
     if "!=" in (parts.before, parts.after):
         raise unexpected(node.tokens[0 if parts.before == "!=" else -1], "another comparison")
     if parts.function in PARITIES or (parts.function == "#avg" and parts.assigned):
         if parts.assigned:
-            raise RefusalError(parts.core, f"the value of {parts.function} cannot be assigned")
+            raise UntranslatableError(parts.core, f"the value of {parts.function} cannot be assigned")
         if parts.lower or parts.upper:
-            raise RefusalError(parts.core, f"{parts.function} takes no bounds")
+            raise UntranslatableError(parts.core, f"{parts.function} takes no bounds")
     if parts.function == "#avg" and not {parts.before, parts.after}.isdisjoint({"<", ">"}):
-        raise RefusalError(parts.core, "'<' and '>' next to an average cannot be translated", "write '<='")
+        raise UntranslatableError(parts.core, "'<' and '>' next to an average cannot be translated", "write '<='")
     alike = not parts.before + parts.after or any({parts.before, parts.after} <= one for one in _DIRECTIONS)
     if parts.lower and parts.upper and not alike:
-        raise RefusalError(tokens[parts.core.span[1]], "these bounds do not fit together", _TWO_BOUNDS)
+        raise UntranslatableError(tokens[parts.core.span[1]], "these bounds do not fit together", _TWO_BOUNDS)
     _check_elements(parts.core, tokens, parts.function)
 
 
-def _check_optimize(node: Node, tokens: Sequence[Token]) -> None:
+def _check_optimize(node: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     core = node.parts[0]
     if core.text.startswith("#"):
         raise unexpected(core, "'{' or '['")
     _check_elements(core, tokens, node.text)
     for element in core.parts:
         if element.parts[0].kind == "comparison":
-            raise RefusalError(element, "a comparison is not expected here")
+            raise UntranslatableError(element, "a comparison is not expected here")
 
 
-def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
-    """Raise :class:`RefusalError` at an element that its owner, a function or a directive, does not have."""
+def _check_elements(core: SyntaxNode, tokens: Sequence[SourceToken], owner: str) -> None:
+    """Raise :class:`UntranslatableError` at an element that its owner, a function or a directive, does not have."""
     optimizes, is_set = owner in OPTIMIZE, core.kind == "braces"
     if is_set and owner == "#avg":
         raise unexpected(core.tokens[1], "'['")
@@ -288,15 +302,15 @@ def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
         kinds = {part.kind: part for part in element.parts}
         angled = element.children[0] == "<"
         if angled and owner in (*PARITIES, "#compute"):
-            raise RefusalError(element, f"{owner} takes no tuples")
+            raise UntranslatableError(element, f"{owner} takes no tuples")
         if owner == "#count" and "weight" in kinds:
-            raise RefusalError(element, "#count takes no weights", "use #sum")
+            raise UntranslatableError(element, "#count takes no weights", "use #sum")
         if is_set and owner in SUMS and "tuple_terms" not in kinds:
-            raise RefusalError(
+            raise UntranslatableError(
                 element, f"{owner} {{ .. }} takes tuples", f"write <weight> : literal, or {owner} [ .. ]"
             )
         if optimizes and angled and "tuple_terms" not in kinds:
-            raise RefusalError(element, "a tuple in '<>' needs a weight")
+            raise UntranslatableError(element, "a tuple in '<>' needs a weight")
         odd = [kinds[kind] for kind in ("weight", "priority") if kind in kinds]
         odd = [one for one in odd if (is_set if one.kind == "weight" else not optimizes)]
         if odd or (angled and not is_set):
@@ -305,7 +319,7 @@ def _check_elements(core: Node, tokens: Sequence[Token], owner: str) -> None:
             raise unexpected(tokens[element.span[1]], "':'")
 
 
-_CHECKS: Dict[str, Callable[[Node, Sequence[Token]], None]] = {
+_CHECKS: Dict[str, Callable[[SyntaxNode, Sequence[SourceToken]], None]] = {
     "literal": _check_literal,
     "comparison": _check_comparison,
     "script_call": _check_call,

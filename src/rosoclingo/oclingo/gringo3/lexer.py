@@ -1,8 +1,7 @@
 """Tokens of logic programs, in gringo 3's language and in clingo 5's alike.
 
-The lexer never fails: what is no token of either language becomes a token of kind :attr:`Kind.UNKNOWN`, which no rule
-of the grammar accepts; what is refused is refused at a token. White space and comments are no tokens; their text is
-found again by the tokens' offsets.
+The lexer never fails: text that is no token of either language becomes a token of kind :attr:`TokenKind.UNKNOWN`, which
+no rule of the grammar accepts. White space and comments are no tokens; the tokens' offsets show where they are.
 """
 
 import enum
@@ -13,7 +12,7 @@ from typing import Iterator, List, NamedTuple, Sequence, Tuple
 from rosoclingo.oclingo.errors import ProgramError
 
 
-class Kind(enum.Enum):
+class TokenKind(enum.Enum):
     """What a token is."""
 
     IDENTIFIER = "identifier"
@@ -29,10 +28,10 @@ class Kind(enum.Enum):
     END = "end of file"
 
 
-class Token(NamedTuple):
+class SourceToken(NamedTuple):
     """One token; offsets count characters of the text, lines and columns count from 1."""
 
-    kind: Kind
+    kind: TokenKind
     text: str
     start: int
     end: int
@@ -41,7 +40,7 @@ class Token(NamedTuple):
 
     def shown(self) -> str:
         """The token's text as a message shows it."""
-        return "the end of the file" if self.kind is Kind.END else "'{}'".format(self.text.split("\n")[0][:40])
+        return "the end of the file" if self.kind is TokenKind.END else "'{}'".format(self.text.split("\n")[0][:40])
 
 
 _TOKEN = re.compile(
@@ -61,22 +60,22 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-_KINDS = dict(Kind.__members__)
+_KINDS = dict(TokenKind.__members__)
 _COMMENT_MARKS = re.compile(r"%\*|\*%|%[^\n]*")
 
 
-def tokens(text: str) -> List[Token]:
-    """All tokens of a text; the last one is of kind :attr:`Kind.END`."""
+def tokens(text: str) -> List[SourceToken]:
+    """All tokens of a text; the last one is of kind :attr:`TokenKind.END`."""
     return list(_tokens(text))
 
 
 @lru_cache(maxsize=32)  # a program's texts are asked for several times, by what it includes and by its checks
-def _tokens(text: str) -> Tuple[Token, ...]:
-    found: List[Token] = []
+def _tokens(text: str) -> Tuple[SourceToken, ...]:
+    found: List[SourceToken] = []
     line, begin = 1, 0  # where the line begins
     for name, start, end in (*_scan(text), ("END", len(text), len(text))):
         if name in _KINDS:
-            found.append(Token(_KINDS[name], text[start:end], start, end, line, start - begin + 1))
+            found.append(SourceToken(_KINDS[name], text[start:end], start, end, line, start - begin + 1))
         newlines = text.count("\n", start, end)
         if newlines:
             line, begin = line + newlines, text.rindex("\n", start, end) + 1
@@ -90,55 +89,40 @@ def comments(text: str) -> Iterator[str]:
             yield text[match[1] + 1 : match[2]]
 
 
-def statements(all_tokens: Sequence[Token]) -> Iterator[Tuple[int, int]]:
+def statements(all_tokens: Sequence[SourceToken]) -> Iterator[Tuple[int, int]]:
     """Index ranges ``(first, after)`` of the statements; each holds its dot, unless the text ends before."""
     first = 0
-    while all_tokens[first].kind is not Kind.END:
+    while all_tokens[first].kind is not TokenKind.END:
         after = _after_dot(all_tokens, first)
         yield first, after
         first = after
 
 
-def _after_dot(all_tokens: Sequence[Token], first: int) -> int:
+def _after_dot(all_tokens: Sequence[SourceToken], first: int) -> int:
     """Return the index after a statement and the weight or value that some have behind their dot."""
-    if all_tokens[first].kind is Kind.SCRIPT:
+    if all_tokens[first].kind is TokenKind.SCRIPT:
         return first + 1
     index, theory = first, all_tokens[first].text == "#theory"
-    while all_tokens[index].kind is not Kind.END:
+    while all_tokens[index].kind is not TokenKind.END:
         if all_tokens[index].text == "." and (not theory or all_tokens[index - 1].text == "}"):
             return _after_weight(all_tokens, all_tokens[first].text, index + 1)
         index += 1
     return index
 
 
-def _after_weight(all_tokens: Sequence[Token], word: str, index: int) -> int:
+def _after_weight(all_tokens: Sequence[SourceToken], word: str, index: int) -> int:
     """Return the index after ``[...]``, or ``<...>`` of gringo 3's weak constraints, if it belongs to the dot."""
-    closing = {"[": "]", "<": ">"}.get(all_tokens[index].text, "")
-    if not closing or word not in _WEIGHTED or (closing == ">" and word != ":~"):
+    closing = {"[": "]", "<": ">"}.get(all_tokens[index].text)
+    weighs = word == ":~" or (word == "#heuristic" and closing == "]")
+    if not closing or not (weighs or (word == "#external" and all_tokens[index + 1].text in _VALUES)):
         return index
-    end = index
-    while all_tokens[end].text not in (closing, ".") and all_tokens[end].kind is not Kind.END:
-        end += 1
-    if closing == "]" and all_tokens[end].text == "]" and _is_head(all_tokens, index + 1, end):
-        return index
-    return min(end + 1, len(all_tokens) - 1)
+    while all_tokens[index].text not in (closing, ".") and all_tokens[index].kind is not TokenKind.END:
+        index += 1
+    return min(index + 1, len(all_tokens) - 1)
 
 
-_WEIGHTED = (":~", "#external", "#heuristic")
-"""Statements that can have brackets behind their dot."""
-
-_NO_WEIGHT = ("=", ":", "not", "{", "<", "<=", ">", ">=", "==", "!=")
-"""Tokens of gringo 3's weighted literals that no weight behind a dot has."""
-
-_BEHIND_HEAD = (".", ":-", "<", "<=", ">", ">=", "==")
-
-
-def _is_head(all_tokens: Sequence[Token], first: int, closing: int) -> bool:
-    """Tell whether brackets begin a statement of gringo 3: they hold no weight, or the statement goes on."""
-    behind = all_tokens[closing + 1 : closing + 3]
-    bound = len(behind) > 1 and behind[0].kind is Kind.NUMBER and behind[1].text in (".", ":-")
-    inside = (token.text for token in all_tokens[first:closing])
-    return bound or behind[0].text in _BEHIND_HEAD or any(text in _NO_WEIGHT for text in inside)
+_VALUES = ("true", "false", "free", "release")
+"""The values that can stand in brackets behind an ``#external``."""
 
 
 @lru_cache(maxsize=32)

@@ -6,8 +6,8 @@ own: the file's name and a number.
 
 from typing import Iterator, Sequence
 
-from rosoclingo.oclingo.grammars import Node
-from rosoclingo.oclingo.gringo3.grammar import RefusalError
+from rosoclingo.oclingo.grammars import SyntaxNode
+from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.rewriter import Domains, Rewriting, domain_atoms
 from rosoclingo.oclingo.gringo3.rules import instance, separate
 from rosoclingo.oclingo.gringo3.terms import Element, Naming, has_interval, has_pool, show, variables
@@ -20,7 +20,7 @@ class OptimizationTranslator:
         self._rewriting, self._naming, self._file = rewriting, naming, file
         self._weak_constraints = 0
 
-    def optimize(self, statement: Node, level: int, step: str, domains: Domains) -> None:
+    def optimize(self, statement: SyntaxNode, level: int, step: str, domains: Domains) -> None:
         """Translate in place.
 
         ``level`` is the number of optimization statements before this one, ``step`` the parameter of its part, if any.
@@ -47,7 +47,7 @@ class OptimizationTranslator:
             self._rewriting.put(node, "; ".join(texts))
         separate(self._rewriting, core)
 
-    def weak(self, weak: Node, after: int, step: str, names: Sequence[str]) -> None:
+    def weak(self, weak: SyntaxNode, after: int, step: str, names: Sequence[str]) -> None:
         """Write the weight of a weak constraint, whose end is before ``after``; each instance of its body counts."""
         dot = next(token for token in weak.tokens if token == ".")
         shown = {"weight_term": "1", "priority_term": "1"}
@@ -56,19 +56,19 @@ class OptimizationTranslator:
                 term, what = part.parts[0], part.kind.split("_")[0]
                 if has_pool(term) or has_interval(term):
                     message = f"a pool or an interval as {what} of a weak constraint has no clear meaning"
-                    raise RefusalError(dot, message)
+                    raise UntranslatableError(dot, message)
                 shown[part.kind] = show(term)
         self._weak_constraints += 1
         terms = ",".join([f'"{self._file}:~{self._weak_constraints}"', *([step] if step else []), *names])
         text = f". [{shown['weight_term']}@{shown['priority_term']},{terms}]"
         self._rewriting.replace(dot.start_pos or 0, after, text)
 
-    def compute(self, statement: Node, domains: Domains) -> None:
+    def compute(self, statement: SyntaxNode, domains: Domains) -> None:
         """Replace a ``#compute`` statement by constraints."""
         rules = [rule for node in statement.parts[0].parts for rule in self._constraints(node, domains)]
         self._rewriting.put(statement, " ".join(rules))
 
-    def _constraints(self, node: Node, domains: Domains) -> Iterator[str]:
+    def _constraints(self, node: SyntaxNode, domains: Domains) -> Iterator[str]:
         added = domain_atoms(self._rewriting.tokens_of(node), domains)
         for single in Element.of(node).singles():
             atom = show(single.literal.parts[0])

@@ -2,9 +2,9 @@
 
 from typing import Dict, List, Sequence, Tuple, Union
 
-from rosoclingo.oclingo.grammars import Node
+from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.grammars import Token as GrammarToken
-from rosoclingo.oclingo.gringo3.lexer import Token
+from rosoclingo.oclingo.gringo3.lexer import SourceToken
 
 SPECIAL = (":=", "#mod", "#div", "#pow", "#abs", ";;", ";")
 """Tokens inside literals and terms that today's syntax lacks or reads otherwise."""
@@ -13,7 +13,7 @@ Domains = Sequence[Tuple[str, Sequence[str]]]
 """Atoms declared by ``#domain``, each with its variables."""
 
 
-def domain_atoms(tokens: Sequence[Token], domains: Domains) -> List[str]:
+def domain_atoms(tokens: Sequence[SourceToken], domains: Domains) -> List[str]:
     """The atoms of those declarations that a variable among the tokens belongs to."""
     names = {token.text for token in tokens}
     return [atom for atom, variables in domains if not names.isdisjoint(variables)]
@@ -22,16 +22,16 @@ def domain_atoms(tokens: Sequence[Token], domains: Domains) -> List[str]:
 class Rewriting:
     """Edits of a text, at ranges of its tokens; replaced ranges keep their number of lines."""
 
-    def __init__(self, text: str, tokens: Sequence[Token]) -> None:
+    def __init__(self, text: str, tokens: Sequence[SourceToken]) -> None:
         self._text, self._tokens = text, tokens
         self._edits: Dict[int, Tuple[int, str]] = {}
         self._insertions: Dict[int, str] = {}
 
-    def tokens_of(self, node: Node) -> Sequence[Token]:
+    def tokens_of(self, node: SyntaxNode) -> Sequence[SourceToken]:
         """The tokens of a node."""
         return self._tokens[slice(*node.span)]
 
-    def is_special(self, node: Node) -> bool:
+    def is_special(self, node: SyntaxNode) -> bool:
         """Whether a node holds a token that today's syntax lacks or reads otherwise."""
         return any(token.text in SPECIAL for token in self.tokens_of(node))
 
@@ -39,11 +39,13 @@ class Rewriting:
         """Whether there is space before a token."""
         return index == 0 or self._tokens[index - 1].end < self._tokens[index].start
 
-    def put(self, first: Union[Node, GrammarToken], new: str, last: Union[Node, GrammarToken, None] = None) -> None:
+    def put(
+        self, first: Union[SyntaxNode, GrammarToken], new: str, last: Union[SyntaxNode, GrammarToken, None] = None
+    ) -> None:
         """Replace a node or token, or all from it to the ``last`` one, by a text without newlines."""
-        start = first.span[0] if isinstance(first, Node) else first.start_pos
+        start = first.span[0] if isinstance(first, SyntaxNode) else first.start_pos
         end = last or first
-        self.replace(start or 0, (end.span[1] if isinstance(end, Node) else end.end_pos) or 0, new)
+        self.replace(start or 0, (end.span[1] if isinstance(end, SyntaxNode) else end.end_pos) or 0, new)
 
     def replace(self, first: int, after: int, new: str) -> None:
         """Replace the tokens of a range by a text without newlines; earlier edits inside are dropped."""
@@ -56,7 +58,7 @@ class Rewriting:
         """Put a text directly before a token, after what was put there earlier."""
         self._insertions[index] = self._insertions.get(index, "") + new
 
-    def line(self, node: Node) -> str:
+    def line(self, node: SyntaxNode) -> str:
         """The text of a node with its edits, on one line and without comments."""
         words, (index, end) = [], node.span
         while index < end:

@@ -7,8 +7,8 @@ variables of the element.
 
 from typing import Callable, List, Optional, Sequence
 
-from rosoclingo.oclingo.grammars import Node
-from rosoclingo.oclingo.gringo3.grammar import PARITIES, Aggregate, RefusalError, aggregate_of
+from rosoclingo.oclingo.grammars import SyntaxNode
+from rosoclingo.oclingo.gringo3.grammar import PARITIES, Aggregate, UntranslatableError, aggregate_of
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.terms import (
     Element,
@@ -31,7 +31,7 @@ class RuleTranslator:
     def __init__(self, rewriting: Rewriting, naming: Naming) -> None:
         self._rewriting, self._naming = rewriting, naming
 
-    def translate(self, rule: Node, domains: Sequence[str]) -> None:
+    def translate(self, rule: SyntaxNode, domains: Sequence[str]) -> None:
         """Translate a rule; ``domains`` are atoms to add to its body."""
         body = next((part for part in rule.parts if part.kind == "body"), None)
         head = next((part for part in rule.parts if part.kind != "body"), None)
@@ -48,7 +48,7 @@ class RuleTranslator:
             self._rewriting.put(head, show(head))
         self._append(rule, body, domains)
 
-    def weak_body(self, weak: Node, domains: Sequence[str]) -> List[str]:
+    def weak_body(self, weak: SyntaxNode, domains: Sequence[str]) -> List[str]:
         """Translate the body of a weak constraint; return its variables, which distinguish its instances.
 
         An unnamed variable or an interval that stands for several instances gets a name.
@@ -56,7 +56,7 @@ class RuleTranslator:
         body = next((part for part in weak.parts if part.kind == "body"), None)
         self._body(body)
         self._append(weak, body, domains)
-        terms: List[Node] = []
+        terms: List[SyntaxNode] = []
         for item in body.parts if body else ():
             if item.kind in ("literal", "comparison"):
                 terms += self._instances(item)
@@ -65,8 +65,8 @@ class RuleTranslator:
                 terms += [term for term in (parts.lower, parts.upper) if term is not None]
         return variables(terms)
 
-    def _instances(self, item: Node) -> List[Node]:
-        found: List[Node] = []
+    def _instances(self, item: SyntaxNode) -> List[SyntaxNode]:
+        found: List[SyntaxNode] = []
         for literal in alternatives(item):
             element = Element(item, literal).without_intervals(self._naming)
             element = element if literal.children[0] == "not" else element.named(self._naming)
@@ -75,7 +75,7 @@ class RuleTranslator:
             self._rewriting.put(item, ", ".join(map(show, found)))
         return found
 
-    def _append(self, rule: Node, body: Optional[Node], domains: Sequence[str]) -> None:
+    def _append(self, rule: SyntaxNode, body: Optional[SyntaxNode], domains: Sequence[str]) -> None:
         if domains:
             start = " " if any(token in (":-", ":~") for token in rule.tokens) else " :- "
             if body:
@@ -85,7 +85,7 @@ class RuleTranslator:
 
     # ---- bodies and conditions -------------------------------------------------------------------------------------
 
-    def _body(self, body: Optional[Node]) -> None:
+    def _body(self, body: Optional[SyntaxNode]) -> None:
         for item, comma in zip(body.parts, [*body.tokens, None]) if body else ():
             if item.kind in ("literal", "comparison"):
                 if self._rewriting.is_special(item):
@@ -99,19 +99,19 @@ class RuleTranslator:
             if item.kind == "element" and comma is not None:
                 self._rewriting.put(comma, ";")
 
-    def chain(self, element: Node) -> None:
+    def chain(self, element: SyntaxNode) -> None:
         """Write the colons between the conditions of an element as commas, in place."""
         for colon in [token for token in element.tokens if token == ":"][1:]:
             self._rewriting.put(colon, ",")
 
-    def _needs_text(self, node: Node) -> bool:
+    def _needs_text(self, node: SyntaxNode) -> bool:
         conditions = (one for one in node.parts[1:] if one.kind != "comparison" or one.text not in ("=", ":="))
         return any(map(has_interval, [node.parts[0], *conditions])) or self._rewriting.is_special(node)
 
-    def _element_texts(self, node: Node) -> List[str]:
+    def _element_texts(self, node: SyntaxNode) -> List[str]:
         return [str(single.without_intervals(self._naming)) for single in Element.of(node).singles()]
 
-    def _disjunction(self, head: Node) -> None:
+    def _disjunction(self, head: SyntaxNode) -> None:
         if any(map(self._needs_text, head.parts)):
             texts = [text for element in head.parts for text in self._element_texts(element)]
             self._rewriting.put(head, " | ".join(texts))
@@ -119,7 +119,7 @@ class RuleTranslator:
             for element in head.parts:
                 self.chain(element)
 
-    def _plain_pools(self, head: Node) -> bool:
+    def _plain_pools(self, head: SyntaxNode) -> bool:
         """Whether today's syntax reads the atom in the same way: pools are only arguments of their own."""
         if any(token.text in (":=", "#mod", "#div", "#pow", "#abs", ";;") for token in self._rewriting.tokens_of(head)):
             return False
@@ -128,7 +128,7 @@ class RuleTranslator:
 
     # ---- aggregates ------------------------------------------------------------------------------------------------
 
-    def _aggregate(self, node: Node, in_head: bool) -> None:
+    def _aggregate(self, node: SyntaxNode, in_head: bool) -> None:
         parts, negated = aggregate_of(node), node.kind == "negated"
         if parts.function in PARITIES:
             self._rewriting.put(node, self._parity(parts, not negated))
@@ -138,7 +138,7 @@ class RuleTranslator:
             self._bounds(node.parts[-1] if negated else node, parts)
             self._core(parts, in_head)
 
-    def _bounds(self, node: Node, parts: Aggregate) -> None:
+    def _bounds(self, node: SyntaxNode, parts: Aggregate) -> None:
         check_single(parts.core, parts.lower, "bound")
         check_single(parts.core, parts.upper, "bound")
         lower, upper = parts.lower, parts.upper
@@ -193,7 +193,7 @@ class RuleTranslator:
         """An element of a multiset with its own tuple; ``change`` maps the text of the weight."""
         element = single.counted(self._naming)
         if in_head and element.literal.kind == "comparison":
-            raise RefusalError(element.place, "a comparison in a head cannot be translated")
+            raise UntranslatableError(element.place, "a comparison in a head cannot be translated")
         terms = ",".join([change(element.shown_weight), key, *variables(element.literals)])
         return _with_tuple(terms, element, in_head)
 
@@ -209,11 +209,11 @@ class RuleTranslator:
             _check_atom(element)
         return "; ".join(str(single) for element in elements for single in element.singles())
 
-    def _average(self, node: Node, parts: Aggregate, negated: bool) -> str:
+    def _average(self, node: SyntaxNode, parts: Aggregate, negated: bool) -> str:
         sums = self._averages(parts, in_head=False)
         if negated and len(sums) > 1:
             message = "'not' before an average with two bounds cannot be translated"
-            raise RefusalError(node, message, "write one rule for each bound")
+            raise UntranslatableError(node, message, "write one rule for each bound")
         if negated:
             return "not " + sums[0] if sums else "#false"
         return ", ".join(sums) if sums else "#true"
@@ -238,7 +238,9 @@ class RuleTranslator:
         relation = "=" if (parts.function == "#even") == wanted else "!="
         return f"{value} = {aggregate}, {value} \\ 2 {relation} 0"
 
-    def _several_rules(self, rule: Node, parts: Aggregate, body: Optional[Node], domains: Sequence[str]) -> None:
+    def _several_rules(
+        self, rule: SyntaxNode, parts: Aggregate, body: Optional[SyntaxNode], domains: Sequence[str]
+    ) -> None:
         text = "; ".join([*([self._rewriting.line(body)] if body else []), *domains])
         behind, choice = (f" :- {text}." if text else "."), f"{{ {self._set(parts)} }}"
         if parts.function == "#avg":
@@ -250,13 +252,13 @@ class RuleTranslator:
         self._rewriting.put(rule, " ".join(rules))
 
 
-def separate(rewriting: Rewriting, core: Node) -> None:
+def separate(rewriting: Rewriting, core: SyntaxNode) -> None:
     """Write the commas between the elements in brackets as semicolons, and none behind the last one."""
     for number, comma in enumerate((token for token in core.tokens if token == ","), 1):
         rewriting.put(comma, ";" if number < len(core.parts) else "")
 
 
-def instance(literal: Node) -> str:
+def instance(literal: SyntaxNode) -> str:
     """Return a term that stands for a literal, regardless of its conditions."""
     return f"({int(literal.children[0] == 'not')},{show(literal.parts[0])})"
 
@@ -264,7 +266,7 @@ def instance(literal: Node) -> str:
 def _check_atom(element: Element) -> None:
     if element.literal.kind == "comparison":
         message = "a comparison as element of a set cannot be translated"
-        raise RefusalError(element.literal, message, "write it as a condition, after ':'")
+        raise UntranslatableError(element.literal, message, "write it as a condition, after ':'")
 
 
 def _with_tuple(terms: str, element: Element, in_head: bool) -> str:

@@ -7,11 +7,8 @@ separators inside.
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
-from rosoclingo.oclingo.gringo3.dialect import Dialect, FileDialect, decide, inspect
-from rosoclingo.oclingo.gringo3.lexer import Kind, tokens
-
-MARK = "% dialect: clingo 5"
-"""Comment put at the end of a translation that could be taken for gringo 3's language again."""
+from rosoclingo.oclingo.gringo3.dialect import Dialect, SourceFile
+from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 
 
 @dataclass(frozen=True)
@@ -39,21 +36,13 @@ def translate_program(
 
     Raises :class:`TranslationError` with all faults of all files.
     """
-    lexed = [tokens(text) for _, text in files]
-    inspected = [inspect(text, found) for (_, text), found in zip(files, lexed)]
-    decided = decide(inspected, undecided)
-    dialects = [dialect for dialect, _ in decided]
-    texts: Sequence[Tuple[str, Tuple[str, ...]]] = [(text, ()) for _, text in files]
-    if Dialect.GRINGO3 in dialects or any(one.of(Dialect.GRINGO3) for one in inspected):
-        from rosoclingo.oclingo.gringo3.file_translator import translated  # noqa: PLC0415 most programs are clingo's
+    sources = [SourceFile(name, text) for name, text in files]
+    decided = any(Dialect.CLINGO5 in (one.pragma, one.by_directives) or not one.ranges for one in sources)
+    if decided and all(one.is_clingo5 for one in sources):
+        return tuple(TranslationResult(one.text, (), Dialect.CLINGO5) for one in sources)
+    from rosoclingo.oclingo.gringo3.file_translator import translated  # noqa: PLC0415 most programs are clingo's
 
-        texts = translated(files, lexed, inspected, dialects)
-    return tuple(
-        TranslationResult(
-            _marked(old, new), warnings + (() if certain else _undecided(name, evidence, dialect)), dialect
-        )
-        for (name, old), (new, warnings), evidence, (dialect, certain) in zip(files, texts, inspected, decided)
-    )
+    return tuple(TranslationResult(*found) for found in translated(sources, undecided))
 
 
 def included_files(text: str) -> List[Tuple[str, int]]:
@@ -64,21 +53,7 @@ def included_files(text: str) -> List[Tuple[str, int]]:
     found = tokens(text) if "#include" in text else []
     pairs = zip(found, found[1:])
     return [
-        (name.text[1:-1], name.line) for word, name in pairs if word.text == "#include" and name.kind is Kind.STRING
+        (name.text[1:-1], name.line)
+        for word, name in pairs
+        if word.text == "#include" and name.kind is TokenKind.STRING
     ]
-
-
-def _marked(old: str, new: str) -> str:
-    """A translation, with the mark if it needs one to be known for what it is."""
-    if new == old or inspect(new, tokens(new)).decided in (Dialect.CLINGO5, Dialect.EITHER):
-        return new
-    return new + ("" if new.endswith("\n") else "\n") + MARK + "\n"
-
-
-def _undecided(name: str, evidence: FileDialect, dialect: Dialect) -> Tuple[str, ...]:
-    conflicts = [one for statement in evidence.of(Dialect.CONFLICT) for one in statement.conflicts if one.what]
-    text = "{}:{}:{}: {} means one thing in gringo 3 and another in clingo 5; read as {} (say so by '% dialect: {}')"
-    return tuple(
-        text.format(name, one.token.line, one.token.column, one.what, dialect.value, dialect.value)
-        for one in conflicts[:1]
-    )

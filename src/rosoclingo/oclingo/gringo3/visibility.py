@@ -10,8 +10,8 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 import clingo.ast
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.grammars import Node
-from rosoclingo.oclingo.gringo3.grammar import RefusalError
+from rosoclingo.oclingo.grammars import SyntaxNode
+from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.terms import Element, Naming, show
 
@@ -22,25 +22,26 @@ HIDDEN = "_hidden"
 """Name of the predicate that holds the single atoms that a program hides."""
 
 
-def signature(node: Node) -> Signature:
+def signature(node: SyntaxNode) -> Signature:
     """The signature that is written ``name/arity``."""
     return "".join(node.tokens[:-2]), int(node.tokens[-1])
 
 
-def signatures_of(literal: Node) -> List[Signature]:
+def signatures_of(literal: SyntaxNode) -> List[Signature]:
     """The signatures of an atom; lists of arguments separated by ``;;`` may differ in length."""
     term = literal.parts[0]
     sign, inner = ("-", term.parts[0]) if term.kind == "signed" else ("", term)
     return [(sign + inner.text, len(arguments.parts)) for arguments in inner.parts] or [(sign + inner.text, 0)]
 
 
-class Statement(NamedTuple):
-    """A ``#show`` or ``#hide``: its file, with its edits, its part's parameter, the atoms of ``#domain`` in it."""
+class ShowStatement(NamedTuple):
+    """A ``#show`` or ``#hide``: its file, with its faults and edits, its part's parameter, the atoms of ``#domain``."""
 
     file: str
+    faults: List[Fault]
     rewriting: Rewriting
     step: str
-    node: Node
+    node: SyntaxNode
     domains: Sequence[str]
 
     @property
@@ -72,7 +73,7 @@ class Visibility:
 
     def __init__(self, naming: Naming) -> None:
         self._naming = naming
-        self._statements: List[Statement] = []
+        self._statements: List[ShowStatement] = []
         self._defined: Dict[Signature, None] = {}
         self._in_steps: Set[Signature] = set()
         self._left: Dict[str, List[str]] = {}
@@ -93,25 +94,23 @@ class Visibility:
         for step, texts in self._left.items():
             self.define(head_signatures("\n".join(texts)), step)
 
-    def add(self, statement: Statement) -> None:
+    def add(self, statement: ShowStatement) -> None:
         """Note a ``#show`` or ``#hide``."""
         self._statements.append(statement)
         if statement.is_of_all:
             self._hides_all = not statement.shows
 
-    def write(self) -> List[Fault]:
-        """Edit the files; return why some of the statements could not be written."""
+    def write(self) -> None:
+        """Edit the files; statements that cannot be written are among the faults of their files."""
         if self._statements:
             self._read_what_was_left()
-        faults = []
         for statement in self._statements:
             try:
                 statement.rewriting.put(statement.node, self._text(statement))
-            except RefusalError as refusal:
-                faults.append(refusal.fault(statement.file))
-        return faults
+            except UntranslatableError as refusal:
+                statement.faults.append(refusal.fault(statement.file))
 
-    def _text(self, statement: Statement) -> str:
+    def _text(self, statement: ShowStatement) -> str:
         """Today's text of a statement."""
         element, signatures = statement.element, statement.signatures
         if element is not None and not signatures:
@@ -136,30 +135,30 @@ class Visibility:
     def _all_signatures(self, shows: bool) -> List[Signature]:
         return [found for one in self._statements if one.shows == shows for found in one.signatures]
 
-    def _shown_atoms(self, statement: Statement, element: Element) -> str:
+    def _shown_atoms(self, statement: ShowStatement, element: Element) -> str:
         signatures = signatures_of(element.literal)
         if not self._hides_all and not set(signatures) & set(self._all_signatures(False)):
             return ""
         if not statement.step and set(signatures) & self._in_steps:
             message = "atoms that steps define cannot be shown from the base part"
-            raise RefusalError(statement.node, message, "move it to the part that defines them")
+            raise UntranslatableError(statement.node, message, "move it to the part that defines them")
         return " ".join(f"#show {atom} : {body}." for atom, body in self._singles(statement, element))
 
-    def _hidden_atoms(self, statement: Statement, element: Element) -> str:
+    def _hidden_atoms(self, statement: ShowStatement, element: Element) -> str:
         (signature, *more) = signatures_of(element.literal)
         if self._hides_all and signature not in self._all_signatures(True):
             return ""
         if self._hides_all or self._in_steps or more:
             message = "single atoms cannot be hidden in a program with steps or in one that hides all"
             mend = "hide the predicate as a whole, or show the atoms that remain"
-            raise RefusalError(statement.node, message, mend)
+            raise UntranslatableError(statement.node, message, mend)
         name, arity = signature
         atom = name + ("({})".format(",".join(f"X{i}" for i in range(arity))) if arity else "")
         rules = [f"{HIDDEN}({hidden}) :- {body}." for hidden, body in self._singles(statement, element)]
         visible = f"#show {atom} : {atom}, not {HIDDEN}({atom})."
         return " ".join([*filter(None, [self._list()]), *rules, visible])
 
-    def _singles(self, statement: Statement, element: Element) -> List[Tuple[str, str]]:
+    def _singles(self, statement: ShowStatement, element: Element) -> List[Tuple[str, str]]:
         """Return each atom that a statement is about, and when."""
         singles = [single.counted(self._naming) for single in element.singles()]
         return [(show(one.literal), ", ".join([*map(show, one.literals), *statement.domains])) for one in singles]

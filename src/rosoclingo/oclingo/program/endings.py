@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.gringo3.lexer import Kind, Token, tokens
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, tokens
 
 _SAID = "syntax error, unexpected"
 _DEPTH = {"(": 1, "{": 1, "[": 1, ")": -1, "}": -1, "]": -1}
-_BEGINNINGS = (Kind.IDENTIFIER, Kind.DIRECTIVE, Kind.END)
+_BEGINNINGS = (TokenKind.IDENTIFIER, TokenKind.DIRECTIVE, TokenKind.END)
 
 
 def ended_before(fault: Fault, text: str) -> Fault:
@@ -31,7 +31,7 @@ def ended_before(fault: Fault, text: str) -> Fault:
     return replace(fault, line=mark.line, column=column, message=message, mend="write a dot")
 
 
-def _end(found: Sequence[Token], at: int) -> Optional[Tuple[Token, bool]]:
+def _end(found: Sequence[SourceToken], at: int) -> Optional[Tuple[SourceToken, bool]]:
     """Return the token at or behind which a dot belongs, and whether it stands in its place."""
     odd, before = found[at], found[at - 1]
     statement = _statement(found, at)
@@ -42,14 +42,14 @@ def _end(found: Sequence[Token], at: int) -> Optional[Tuple[Token, bool]]:
             return before, False
         commas = _bare_commas(statement)
         return (commas[-1], True) if commas else None
-    if odd.kind in (Kind.DIRECTIVE, Kind.END) and before.text == ",":
+    if odd.kind in (TokenKind.DIRECTIVE, TokenKind.END) and before.text == ",":
         return before, True
-    if odd.kind in _BEGINNINGS and before.kind is not Kind.DIRECTIVE and _is_end(before, odd):
+    if odd.kind in _BEGINNINGS and before.kind is not TokenKind.DIRECTIVE and _is_end(before, odd):
         return before, False
     return None
 
 
-def _statement(found: Sequence[Token], at: int) -> List[Token]:
+def _statement(found: Sequence[SourceToken], at: int) -> List[SourceToken]:
     """Return the tokens before ``at`` of its statement."""
     first = at
     while first and found[first - 1].text != ".":
@@ -57,22 +57,22 @@ def _statement(found: Sequence[Token], at: int) -> List[Token]:
     return list(found[first:at])
 
 
-def _depth(statement: Sequence[Token]) -> int:
-    return sum(_DEPTH.get(one.text, 0) for one in statement if one.kind is Kind.SYMBOL)
+def _depth(statement: Sequence[SourceToken]) -> int:
+    return sum(_DEPTH.get(one.text, 0) for one in statement if one.kind is TokenKind.SYMBOL)
 
 
-def _bare_commas(statement: Sequence[Token]) -> List[Token]:
+def _bare_commas(statement: Sequence[SourceToken]) -> List[SourceToken]:
     """Return the commas in a statement's body that stand in no bracket."""
     depth, commas, in_body = 0, [], False
     for one in statement:
-        depth += _DEPTH.get(one.text, 0) if one.kind is Kind.SYMBOL else 0
+        depth += _DEPTH.get(one.text, 0) if one.kind is TokenKind.SYMBOL else 0
         in_body = in_body or one.text == ":-"
         if one.text == "," and in_body and not depth:
             commas.append(one)
     return commas
 
 
-def _is_end(before: Token, odd: Token) -> bool:
+def _is_end(before: SourceToken, odd: SourceToken) -> bool:
     """Tell whether a literal may end before a token that stands on another line."""
-    closes = before.text in (")", "}") or before.kind in (Kind.IDENTIFIER, Kind.NUMBER, Kind.VARIABLE)
-    return closes and (before.line < odd.line or odd.kind is not Kind.IDENTIFIER)
+    closes = before.text in (")", "}") or before.kind in (TokenKind.IDENTIFIER, TokenKind.NUMBER, TokenKind.VARIABLE)
+    return closes and (before.line < odd.line or odd.kind is not TokenKind.IDENTIFIER)

@@ -11,7 +11,7 @@ from clingo.ast import Position
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.gringo3 import included_files, translate_program
-from rosoclingo.oclingo.gringo3.lexer import Token, statements, tokens
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, statements, tokens
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
 from rosoclingo.oclingo.program.endings import ended_before
@@ -200,7 +200,7 @@ def statement_at(sources: Sequence[Source], file: str, line: int, column: int) -
     """
     text = next((one.text for one in sources if one.name == file and language_of(file) is None), "")
     all_tokens = tokens(text)
-    found: Sequence[Token] = ()
+    found: Sequence[SourceToken] = ()
     for first, after in statements(all_tokens):
         begin = all_tokens[first]
         if (begin.line, begin.column) > (line, column) and (found or begin.line > line):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[4]
+MARK = "% dialect: clingo 5\n"
 SCRIPT = ROOT / "scripts" / "gringo3to5"
 
 
@@ -28,16 +29,15 @@ def files(tmp_path):
 def test_prints_the_files_of_a_program_in_order(files):
     code, out, err = run("one.lp", "two.lp", folder=files)
     assert (code, err) == (0, "")
-    assert out == "\n{ p(X); q } :- f(X).\nr(X) :- not s, t : u; v, f(X).\n"
+    assert out == f"\n{{ p(X); q }} :- f(X).\n{MARK}r(X) :- not s, t : u; v, f(X).\n{MARK}"
 
 
 def test_reads_standard_input_and_takes_it_for_gringo_3():
-    assert run("-", stdin=b":- a : b, c.\n") == (0, ":- a : b; c.\n", RECOGNISED)
+    assert run("-", stdin=b":- a : b, c.\n") == (0, f":- a : b; c.\n{MARK}", RECOGNISED)
 
 
 RECOGNISED = (
-    "warning: -:1:9: ',' after a condition means one thing in gringo 3 and another in clingo 5; "
-    "read as gringo 3 (say so by '% dialect: gringo 3')\n"
+    "warning: -:1:9: gringo 3 reads this line as ':- a : b; c.'; read as gringo 3 (say so by '% dialect: gringo 3')\n"
 )
 
 
@@ -45,7 +45,7 @@ RECOGNISED = (
 def test_writes_into_a_folder(files):
     (files / "new").mkdir()
     assert run("one.lp", "two.lp", "-o", "new", folder=files) == (0, "", "")
-    assert (files / "new" / "one.lp").read_text() == "\n{ p(X); q } :- f(X).\n"
+    assert (files / "new" / "one.lp").read_text() == f"\n{{ p(X); q }} :- f(X).\n{MARK}"
     code, _, err = run("one.lp", "-o", "two.lp", folder=files)
     assert (code, "cannot be written" in err) == (1, True)
 

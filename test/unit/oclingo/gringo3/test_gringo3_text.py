@@ -95,7 +95,7 @@ end.
 
 def test_lines_and_comments_stay():
     lines = translated(PROGRAM).splitlines()
-    assert len(lines) == len(PROGRAM.splitlines())
+    assert len(lines) == len(PROGRAM.splitlines()) + 1
     assert lines[0] == "%* A program"
     assert lines[2] == "  % floors"
     assert lines[4:8] == [
@@ -106,7 +106,7 @@ def test_lines_and_comments_stay():
     ]
     assert lines[8:12] == ["1 { a;   % one", "    b : c", "      , d;", "    e } 1."]
     assert lines[12:15] == ["1 #sum { 1,0 : a;", "    2,1 : b;  % two", "    1,2 : c }."]
-    assert lines[-2:] == ["#show.", "end."]
+    assert lines[-3:] == ["#show.", "end.", "% dialect: clingo 5"]
 
 
 CLINGO5 = """\
@@ -132,7 +132,10 @@ def test_small_texts_stay(text):
 
 
 def test_carriage_returns_stay():
-    assert translated("{ a, b }.\r\np :- q(1;2),\r\n r.\r\n") == "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r\n"
+    assert (
+        translated("{ a, b }.\r\np :- q(1;2),\r\n r.\r\n")
+        == "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r\n% dialect: clingo 5\n"
+    )
 
 
 def test_minimize_in_a_step_counts_each_step():
@@ -149,7 +152,7 @@ def test_shown_signatures_stand_where_something_was_hidden_first():
     ]
     first, second = translate_program(files)
     assert first.text == "p. q(1).\n#show. #show q/1. #show e/2. #show s/0. #show u/0.\n% dialect: clingo 5\n"
-    assert second.text == "r(1). #external e/2. s :- t. { u : v } . "
+    assert second.text == "r(1). #external e/2. s :- t. { u : v } . \n% dialect: clingo 5\n"
 
 
 def test_clingo_5_statements_count_among_the_visible_ones():
