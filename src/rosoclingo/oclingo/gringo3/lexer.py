@@ -45,7 +45,7 @@ class SourceToken(NamedTuple):
 
 _TOKEN = re.compile(
     r"""
-    (?P<SPACE>\s+)
+    (?P<SPACE>[ \t\r\n\f\v]+)
   | (?P<LINE_COMMENT>%(?!\*)[^\n]*)
   | (?P<BLOCK_COMMENT>%\*)
   | (?P<SCRIPT>\#begin_lua.*?\#end_lua[ \t\r]*\. | \#script\s*\(\s*\w+\s*\).*?\#end\s*\.)
@@ -104,6 +104,8 @@ def _after_dot(all_tokens: Sequence[SourceToken], first: int) -> int:
         return first + 1
     index, theory = first, all_tokens[first].text == "#theory"
     while all_tokens[index].kind is not TokenKind.END:
+        if index > first and all_tokens[index].text in _BEGINNINGS:
+            return index
         if all_tokens[index].text == "." and (not theory or all_tokens[index - 1].text == "}"):
             return _after_weight(all_tokens, all_tokens[first].text, index + 1)
         index += 1
@@ -120,6 +122,9 @@ def _after_weight(all_tokens: Sequence[SourceToken], word: str, index: int) -> i
         index += 1
     return min(index + 1, len(all_tokens) - 1)
 
+
+_BEGINNINGS = ("#base", "#cumulative", "#volatile", "#forget", "#iinit", "#program")
+"""Directives that begin a statement even where the one before has no dot."""
 
 _VALUES = ("true", "false", "free", "release")
 """The values that can stand in brackets behind an ``#external``."""

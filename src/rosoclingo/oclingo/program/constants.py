@@ -1,14 +1,33 @@
-"""Values that are given to a program's constants by name, and cannot be."""
+"""The values of a program's constants, and values that are given to them by name and cannot be."""
 
-from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Set
+from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.likeness import likely_word
+from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.program.survey import Survey
+
+
+def constant_values(
+    parts: Sequence[Part], given: Mapping[str, clingo.Symbol], control: Optional[clingo.Control]
+) -> Dict[str, clingo.Symbol]:
+    """Return the values of a program's constants, those that are ``given`` first.
+
+    Without ``control``, where clingo does not take the program, they are what simple definitions say.
+    """
+    found: Dict[str, clingo.Symbol] = {}
+    definitions = [one for part in parts for one in part.statements if one.ast_type == ASTType.Definition]
+    if control is not None:
+        values = {name: control.get_const(name) for name in {*given, *(one.name for one in definitions)}}
+        return {name: value for name, value in values.items() if value is not None}
+    for one in definitions:
+        value = evaluate(one.value, {**found, **given})
+        found.update({} if value is None else {one.name: value})
+    return {**found, **given}
 
 
 class _Constant(NamedTuple):

@@ -7,54 +7,54 @@ numbers.
 
 import re
 from dataclasses import dataclass, field
-from typing import Callable, Dict, List, Match, NamedTuple
+from typing import List, Mapping, NamedTuple, Optional, Sequence
+
+import clingo
 
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.gringo3.dialect import is_signature
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, statements, tokens
+from rosoclingo.oclingo.program.nodes import parse
+from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
 VOLATILE_PREFIX = "__oclingo_volatile_"
 """Name of a volatile program part, followed by the index of its window in :attr:`Directives.windows`."""
 
-_NAME = r"[_']*[a-z][A-Za-z0-9_']*"
-_SKIP = re.compile(
-    r"""
-      %(?!\*)[^\n]*
-    | "(?:[^"\\\n]|\\.)*"
-    | \#script\b.*?\#end\s*\.
-    | %\*
-    | \*%
-    | (?P<strange>[^\x00-\x7f]+)
-    | \#(?P<directive>base|cumulative|volatile|external|forget|iinit|include)\b
-    """,
-    re.VERBOSE | re.DOTALL,
-)
-_FORMS: Dict[str, str] = {
-    "base": r"\s*\.",
-    "cumulative": rf"\s+(?P<parameter>{_NAME})\s*\.",
-    "volatile": rf"\s+(?P<parameter>{_NAME})\s*(?::\s*(?P<term>[^.:]+?)\s*)?\.",
-    "external": rf"\s+(?P<sign>-?)\s*(?P<name>{_NAME})\s*/\s*(?P<arity>[0-9]+)\s*\.",
-    "forget": rf"\s+(?P<parameter>{_NAME})\s*:\s*(?P<term>[^.:]+?)\s*\.",
-    "iinit": r"\s+(?P<term>[^.:]+?)\s*\.",
-    "include": r'\s*"(?P<file>(?:[^"\\\n]|\\.)*)"\s*\.',
+_STRANGE = re.compile(r"[^\x00-\x7f]+")
+_NAME = r"(?P<name>[_']*[a-z][A-Za-z0-9_']*)"
+_FORMS = {
+    "#base": (r"\.", "write #base."),
+    "#cumulative": (rf"{_NAME}\.", "write #cumulative t."),
+    "#volatile": (rf"{_NAME}(:(?P<term>[^:]+))?\.", "write #volatile t. or #volatile t : w."),
+    "#forget": (rf"{_NAME}:(?P<term>[^:]+)\.", "write #forget t : t-3."),
+    "#iinit": (r"(?P<term>[^:]+)\.", "write #iinit 1."),
 }
-_PATTERNS = {name: re.compile(form) for name, form in _FORMS.items()}
-_MENDS = {
-    "base": "write #base.",
-    "cumulative": "write #cumulative t.",
-    "volatile": "write #volatile t. or #volatile t : w.",
-    "forget": "write #forget t : t-3.",
-    "iinit": "write #iinit 1.",
-}
+"""Each directive without its spaces, and how it is written."""
 
 
 @dataclass(frozen=True)
 class Placed:
-    """A directive's value with the place where it stands."""
+    """A directive's term, its step parameter, "" where it has none, and its place."""
 
     value: str
     parameter: str
     file: str
     line: int
+
+    def number(self, constants: Mapping[str, clingo.Symbol], faults: List[Fault], step: int = 1) -> int:
+        """Return the value of the term under constants, at a step; 1 and a fault where it has none."""
+        try:
+            term = parse(f"value({self.value}).", lambda code, text: None)[-1].head.atom.symbol.arguments[0]
+        except RuntimeError:
+            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is no term"))
+            return 1
+        value = evaluate(term, {**constants, **({self.parameter: clingo.Number(step)} if self.parameter else {})})
+        if value is None or value.type != clingo.SymbolType.Number:
+            mend = "write a number, or a name that a #const gives a number"
+            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is no number", mend))
+            return 1
+        return value.number
 
 
 class Opened(NamedTuple):
@@ -78,90 +78,48 @@ class Directives:
 
 def take_directives(text: str, file: str, found: Directives) -> str:
     """Return ``text`` in clingo's syntax, all lines kept, and add its directives to ``found``."""
-    reader = _Reader(text, file, found)
-    return reader.read()
+    all_tokens = tokens(text)
+    pieces: List[str] = []
+    copied = 0
+    for start, after in statements(all_tokens):
+        statement = all_tokens[start:after]
+        new = _replacement(statement, file, found)
+        if new is not None:
+            begin, end = statement[0].start, statement[-1].end
+            pieces += [text[copied:begin], new, "\n" * text.count("\n", begin, end)]
+            copied = end
+            continue
+        for one in statement:  # clingo cuts such characters in its messages and gives up
+            strange = _STRANGE.match(text, one.start) if one.kind is TokenKind.UNKNOWN and one.start >= copied else None
+            if strange:
+                message, mend = f"unexpected characters {strange[0]!r}", "only strings and comments may hold them"
+                found.faults.append(Fault(file, one.line, one.column, message, mend))
+                pieces.append(text[copied : strange.start()])
+                copied = strange.end()
+    return "".join([*pieces, text[copied:]])
 
 
-class _Reader:
-    def __init__(self, text: str, file: str, found: Directives) -> None:
-        self._text, self._file, self._found = text, file, found
-        self._pieces: List[str] = []
-        self._copied = 0
-
-    def read(self) -> str:
-        """Return the text without its directives."""
-        offset, depth = 0, 0
-        while True:
-            match = _SKIP.search(self._text, offset)
-            if match is None:
-                self._pieces.append(self._text[self._copied :])
-                return "".join(self._pieces)
-            offset = match.end()
-            if match.group() in ("%*", "*%"):
-                depth = max(0, depth + (1 if match.group() == "%*" else -1))
-            elif depth and match.group()[0] in '%"':
-                offset = match.start() + 1  # inside a block comment quotes and % mean nothing
-            elif not depth and match.lastgroup == "strange":
-                self._strange(match)
-            elif not depth and match.lastgroup == "directive":
-                offset = self._directive(match)
-
-    def _strange(self, match: "Match[str]") -> None:
-        """Take out what clingo can't even complain about: it cuts such characters in its messages and gives up."""
-        line = self._text.count("\n", 0, match.start()) + 1
-        column = match.start() - self._text.rfind("\n", 0, match.start())
-        message, mend = f"unexpected characters {match.group()!r}", "only strings and comments may hold them"
-        self._found.faults.append(Fault(self._file, line, column, message, mend))
-        self._pieces.append(self._text[self._copied : match.start()])
-        self._copied = match.end()
-
-    def _directive(self, start: "Match[str]") -> int:
-        name = start.group("directive")
-        match = _PATTERNS[name].match(self._text, start.end())
-        line = self._text.count("\n", 0, start.start()) + 1
-        if match is None:
-            if name in _MENDS:
-                message = f"directive #{name} is not written as it must be"
-                self._found.faults.append(Fault(self._file, line, 1, message, _MENDS[name]))
-            return start.end()  # an ordinary #external or #include is clingo's own
-        statement = self._text[start.start() : match.end()]
-        self._pieces.append(self._text[self._copied : start.start()])
-        self._pieces.append(_HANDLERS[name](self._found, match, self._file, line) + "\n" * statement.count("\n"))
-        self._copied = match.end()
-        return match.end()
-
-
-def _volatile(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    found.windows.append(Placed(match.group("term") or "1", match.group("parameter"), file, line))
-    return "#program {}{}({}).".format(VOLATILE_PREFIX, len(found.windows) - 1, match.group("parameter"))
-
-
-def _external(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    signature = Signature(match.group("name"), int(match.group("arity")), not match.group("sign"))
-    found.opened.append(Opened(signature, file, line))
-    return ""
-
-
-def _forget(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    found.forgets.append(Placed(match.group("term"), match.group("parameter"), file, line))
-    return ""
-
-
-def _iinit(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    found.first_steps.append(Placed(match.group("term"), "", file, line))
-    return ""
-
-
-def _include(found: Directives, match: "Match[str]", file: str, line: int) -> str:
-    return ""  # the file has been added to the program's sources
-
-
-_HANDLERS: Dict[str, Callable[[Directives, "Match[str]", str, int], str]] = {
-    "base": lambda found, match, file, line: "#program base.",
-    "cumulative": lambda found, match, file, line: "#program cumulative({}).".format(match.group("parameter")),
-    "volatile": _volatile,
-    "external": _external,
-    "forget": _forget,
-    "iinit": _iinit,
-    "include": _include,
-}
+def _replacement(statement: Sequence[SourceToken], file: str, found: Directives) -> Optional[str]:
+    """Return the text for clingo in place of a directive, None for any other statement; note what it says."""
+    word, line, words = statement[0].text, statement[0].line, [one.text for one in statement]
+    if is_signature(statement):
+        found.opened.append(Opened(Signature(words[-4], int(words[-2]), words[1] != "-"), file, line))
+        return ""
+    if word == "#include" and len(words) > 1 and statement[1].kind is TokenKind.STRING:
+        return ""  # the file has been added to the program's sources
+    if word not in _FORMS:
+        return None
+    form, mend = _FORMS[word]
+    match = re.fullmatch(form, "".join(words[1:]))
+    if match is None:
+        found.faults.append(Fault(file, line, 1, f"directive {word} is not written as it must be", mend))
+        return None
+    parts = {"name": "", "term": "1", **{name: part for name, part in match.groupdict().items() if part}}
+    placed = Placed(parts["term"], parts["name"], file, line)
+    if word == "#volatile":
+        found.windows.append(placed)
+        return f"#program {VOLATILE_PREFIX}{len(found.windows) - 1}({placed.parameter})."
+    if word in ("#forget", "#iinit"):
+        (found.forgets if word == "#forget" else found.first_steps).append(placed)
+        return ""
+    return f"#program cumulative({placed.parameter})." if placed.parameter else "#program base."

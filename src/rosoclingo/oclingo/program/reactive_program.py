@@ -13,9 +13,8 @@ from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, closing_text, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.constants import given_values
+from rosoclingo.oclingo.program.constants import constant_values, given_values
 from rosoclingo.oclingo.program.delays import Delays
-from rosoclingo.oclingo.program.directive_values import constant_values, number_of
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.domains import may_see_later
 from rosoclingo.oclingo.program.first_steps import Trial, redefined_by, suspicious_heads
@@ -327,17 +326,17 @@ class ReactiveProgram:
         """Give windows, the first step and the constants in patterns their values; return what has none."""
         faults: List[Fault] = []
         self.values = constant_values(self.parts, self.constants, control)
-        self.windows = sorted({number_of(one, self.values, faults) for one in self._directives.windows} | {1})
-        first = [number_of(one, self.values, faults) for one in self._directives.first_steps]
+        self.windows = sorted({one.number(self.values, faults) for one in self._directives.windows} | {1})
+        first = [one.number(self.values, faults) for one in self._directives.first_steps]
         self.first_step = min([1, *first[-1:]])
         self.forgets = self._directives.forgets
         for one in self.forgets:
-            number_of(one, self.values, faults, **{one.parameter: 1})
+            one.number(self.values, faults)
         return faults
 
     def forgotten_at(self, step: int) -> List[int]:
         """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
-        return [number_of(one, self.values, [], **{one.parameter: step}) for one in self.forgets]
+        return [one.number(self.values, [], step) for one in self.forgets]
 
     def _check(self) -> List[Fault]:
         """Return all faults that show before anything is grounded, or in the first steps; note what is odd."""
