@@ -1,31 +1,13 @@
-"""What steps see of one another, and which variables of a rule base binds."""
+"""Literals and their variables: what a rule needs to be true, and which variables base binds."""
 
-from typing import Iterable, Iterator, List, Mapping, Sequence, Set
+from typing import Iterator, List, Sequence, Set
 
 from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.patterns import Pattern
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
-
-
-def may_see_later(seen: Mapping[Signature, Iterable[Pattern]], defined: Mapping[Signature, Iterable[Pattern]]) -> bool:
-    """Tell whether a rule of some step could see what a later step defines or declares; never wrongly False.
-
-    Where none does, it is all the same whether steps are ground one by one or together.
-    """
-    for signature, patterns in defined.items():
-        for one in patterns:
-            if one.parameter and any(other.parameter and _is_ahead(other, one) for other in seen.get(signature, ())):
-                return True
-    return False
-
-
-def _is_ahead(seen: Pattern, defined: Pattern) -> bool:
-    common = seen.offsets.keys() & defined.offsets.keys()
-    return all(seen.offsets[position] > defined.offsets[position] for position in common)
 
 
 def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:

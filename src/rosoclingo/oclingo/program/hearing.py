@@ -155,7 +155,6 @@ class Hearing:
                     if term_signature(term) != signature:
                         continue
                     pattern = Pattern(term, part.parameter, statement, dict(self._program.values))
-                    pattern.prepare()
                     kept = self._kept(term, [one for one in row if one is not literal], part.parameter)
                     rule = self._rule(pattern, term, kept, relay)
                     counts = literal.sign == Sign.NoSign or _names_a_constant(term)

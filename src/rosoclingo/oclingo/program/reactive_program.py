@@ -16,10 +16,9 @@ from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.constants import constant_values, given_values
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.directives import Directives
-from rosoclingo.oclingo.program.domains import may_see_later
 from rosoclingo.oclingo.program.first_steps import Trial, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.parts import GUARD, OpenPart, Part, open_part, rewrite
-from rosoclingo.oclingo.program.patterns import FAR, Pattern, Patterns
+from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, may_match, may_see_later
 from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source, parse_constants, read_sources, statement_at
@@ -29,7 +28,6 @@ from rosoclingo.oclingo.program.undefined import undefined
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
 PathLike = Union[str, Path]
-_NONE = Patterns()
 
 
 class ReactiveProgram:
@@ -196,14 +194,14 @@ class ReactiveProgram:
         Heads count for open externals alone.
         """
         for atom in atoms:  # noqa: SIM110 (a loop takes half the time)
-            if self._patterns.get(signature_of(atom), _NONE).may_match(atom, first, last):
+            if may_match(self._patterns.get(signature_of(atom), ()), atom, first, last):
                 return True
         return False
 
     def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
-        patterns = self._patterns.get(signature_of(atom), _NONE)
-        return patterns.may_match(atom, first, FAR, base=self.is_open_signature(atom))
+        patterns = self._patterns.get(signature_of(atom), ())
+        return may_match(patterns, atom, first, FAR, base=self.is_open_signature(atom))
 
     def is_open_signature(self, atom: clingo.Symbol) -> bool:
         """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
@@ -211,25 +209,24 @@ class ReactiveProgram:
 
     def may_declare(self, atom: clingo.Symbol, first: int, last: int = FAR) -> bool:
         """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
-        return self._declarations.get(signature_of(atom), _NONE).may_match(atom, first, last, base=False)
+        return may_match(self._declarations.get(signature_of(atom), ()), atom, first, last, base=False)
 
     def is_declared_after(self, atom: clingo.Symbol, step: int) -> bool:
         """Whether steps after ``step`` may declare ``atom`` external, and base and the steps up to it do not."""
-        declarations = self._declarations.get(signature_of(atom), _NONE)
-        known = declarations.may_match(atom, self.first_step, step)
-        return not known and declarations.may_match(atom, step + 1, FAR, base=False)
+        declarations = self._declarations.get(signature_of(atom), ())
+        known = may_match(declarations, atom, self.first_step, step)
+        return not known and may_match(declarations, atom, step + 1, FAR, base=False)
 
     def may_define(self, atom: clingo.Symbol, first: int) -> bool:
         """Tell whether base or some step from ``first`` on could define ``atom``, or declare it external."""
         signature = signature_of(atom)
-        defining = (one.get(signature, _NONE) for one in (self._heads, self._declarations))
-        return signature in self.open_signatures or any(one.may_match(atom, first, FAR) for one in defining)
+        defining = (one.get(signature, ()) for one in (self._heads, self._declarations))
+        return signature in self.open_signatures or any(may_match(one, atom, first, FAR) for one in defining)
 
     def may_act(self, cycle: int, first: int) -> bool:
         """Tell whether base or some step from ``first`` on could have an action of ``cycle``; never wrongly False."""
         atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])
-        known = any(one.may_match(atom, first, FAR) for one in self._action_cycles)
-        return known or ACTION in self.open_signatures
+        return may_match(self._action_cycles, atom, first, FAR) or ACTION in self.open_signatures
 
     @cached_property
     def steps_apart(self) -> bool:
@@ -239,7 +236,7 @@ class ReactiveProgram:
     @cached_property
     def heads_apart(self) -> bool:
         """Whether each step defines atoms of its own, so that clingo may search between any two of them."""
-        return all(one.are_apart for one in self._heads.values())
+        return all(map(are_apart, self._heads.values()))
 
     @property
     def defines_externals(self) -> bool:
@@ -248,7 +245,7 @@ class ReactiveProgram:
 
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
         """Return which of ``steps``, where it was declared external, declared ``atom``."""
-        patterns = (one for one in self._declarations.get(signature_of(atom), _NONE) if one.parameter)
+        patterns = (one for one in self._declarations.get(signature_of(atom), ()) if one.parameter)
         found = (one.first_match(atom, steps[0], steps[-1]) for one in patterns)
         return min((step for step in found if step is not None), default=steps[0])
 
@@ -282,24 +279,22 @@ class ReactiveProgram:
 
     def _collect_patterns(self) -> None:
         """Gather what the program could see and declare; its constants have values by now."""
-        self._patterns: Dict[Signature, Patterns] = {}
-        self._declarations: Dict[Signature, Patterns] = {}
-        self._heads: Dict[Signature, Patterns] = {}
+        self._patterns: Dict[Signature, List[Pattern]] = {}
+        self._declarations: Dict[Signature, List[Pattern]] = {}
+        self._heads: Dict[Signature, List[Pattern]] = {}
         self._action_cycles: List[Pattern] = []
         for part in self.parts:
             for statement, one in part.atoms:
                 pattern = Pattern(one.term, part.parameter, statement, self.values)
-                if one.signature in self.external_signatures:
-                    pattern.prepare()  # it is asked for by each update
                 if one.head and one.signature == ACTION:
                     alone = cycle_alone(one.term)
                     self._action_cycles.append(Pattern(alone, part.parameter, statement, self.values))
                 if one.head:
                     external = statement.ast_type == ASTType.External
                     table = self._declarations if external else self._heads
-                    table.setdefault(one.signature, Patterns()).append(pattern)
+                    table.setdefault(one.signature, []).append(pattern)
                 if not one.head or one.signature in self.open_signatures:
-                    self._patterns.setdefault(one.signature, Patterns()).append(pattern)
+                    self._patterns.setdefault(one.signature, []).append(pattern)
         self.return_rules = return_rules(self.parts, self.values)
 
     def _control(self, messages: Messages) -> clingo.Control:
