@@ -87,16 +87,13 @@ class Evidence:
     def dialect_of(self, number: int) -> Dialect:
         """Return the only language that has a statement; either, if both or neither have it."""
         words, tree = [one.text for one in self.source.statement(number)], self.trees[number]
-        refused = tree if isinstance(tree, UntranslatableError) else None
+        refused = isinstance(tree, UntranslatableError) and not tree.limits
         if not GRINGO3_WORDS.isdisjoint(words) or (words[0] == "#external" and words.count(":") > 1):
             return Dialect.GRINGO3
         if number in self.source.not_clingo5:
-            return Dialect.EITHER if refused and refused.misfits else Dialect.GRINGO3
-        return (
-            Dialect.CLINGO5
-            if refused and not refused.limits and words[0] not in (*STEP_DIRECTIVES, "#include")
-            else Dialect.EITHER
-        )
+            return Dialect.EITHER if refused else Dialect.GRINGO3
+        unknown = refused and words[0] not in (*STEP_DIRECTIVES, "#include")
+        return Dialect.CLINGO5 if unknown else Dialect.EITHER
 
     @cached_property
     def dialect(self) -> Optional[Dialect]:
@@ -112,7 +109,7 @@ def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Union[Syntax
     ends = end.text == "." or (begin.text, end.text) == (":~", ">") or begin.kind is TokenKind.SCRIPT
     try:
         if not ends:
-            raise UntranslatableError(end, "this statement has no dot at its end", misfits=True)
+            raise UntranslatableError(end, "this statement has no dot at its end")
         return parse(tokens, first, after)
     except UntranslatableError as error:
         return error

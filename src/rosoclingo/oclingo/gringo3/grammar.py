@@ -128,14 +128,13 @@ class UntranslatableError(Exception):
     """One statement cannot be translated; the translator collects these into a :class:`TranslationError`.
 
     Attributes:
-        misfits: whether gringo 3's grammar does not accept the statement.
         limits: whether gringo 3 has the statement, but it goes beyond what the translation can do.
 
     """
 
-    def __init__(self, place: Place, message: str, mend: str = "", misfits: bool = False, limits: bool = False) -> None:
+    def __init__(self, place: Place, message: str, mend: str = "", limits: bool = False) -> None:
         self.line, self.column, self.message, self.mend = place.line or 1, place.column or 1, message, mend
-        self.misfits, self.limits = misfits, limits
+        self.limits = limits
         super().__init__(message)
 
     def fault(self, file: str) -> Fault:
@@ -193,7 +192,7 @@ def parse(tokens: Sequence[SourceToken], first: int, after: int) -> SyntaxNode:
     if mend and tokens[first + 1].text in ("[", "{"):
         raise UntranslatableError(word, f"'{word.text}' before an aggregate is no number", mend)
     if word.kind is TokenKind.DIRECTIVE and not _grammar().type_of(word.text):
-        raise UntranslatableError(word, f"'{word.text}' is no directive of gringo 3", misfits=True)
+        raise UntranslatableError(word, f"'{word.text}' is no directive of gringo 3")
     try:
         found = _grammar().parse(_read(tokens, first, after), GrammarToken("$END", ""), "statement")
     except MisfitError as misfit:
@@ -218,15 +217,15 @@ def _refusal(token: SourceToken, accepted: AbstractSet[str], mend: str) -> Untra
     if not accepted:
         return UntranslatableError(token, "terms are nested too deeply here", limits=True)
     rows = ([name for kind, name in row.items() if kind in accepted] for row in _WANTED)
-    return unexpected(token, " or ".join(next(filter(None, rows), [])), mend, misfits=True)
+    return unexpected(token, " or ".join(next(filter(None, rows), [])), mend)
 
 
-def unexpected(token: Place, wanted: str = "", mend: str = "", misfits: bool = False) -> UntranslatableError:
+def unexpected(token: Place, wanted: str = "", mend: str = "") -> UntranslatableError:
     """Return the error that something else is needed at a token, the first one of a node."""
     token = token.first if isinstance(token, SyntaxNode) else token
     shown = token.shown() if isinstance(token, SourceToken) else f"'{token}'"
     message = f"{shown} is not expected here" + (f", but {wanted}" if wanted else "")
-    return UntranslatableError(token, message, mend, misfits=misfits)
+    return UntranslatableError(token, message, mend)
 
 
 # ---- what the grammar leaves open ----------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ Works on :mod:`clingo.ast` statements.
 """
 
 import operator
-from functools import cached_property
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -15,19 +14,15 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 
 
-class _Occurrence(NamedTuple):
-    """What an occurrence is made of."""
+class Occurrence(NamedTuple):
+    """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
 
     term: Node
     signature: Signature
     head: bool
     positive: bool
 
-
-class Occurrence(_Occurrence):
-    """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
-
-    @cached_property
+    @property
     def arguments(self) -> List[Node]:
         """The atom's arguments."""
         return arguments_of(self.term)
@@ -64,58 +59,39 @@ def atom_terms(term: Node) -> Iterator[Node]:
 
 
 def occurrences(statement: Node) -> List[Occurrence]:
-    """Return all atoms of ``statement``."""
+    """Return all atoms of ``statement``; in aggregates and conditions those without a sign count as positive."""
     found: List[Occurrence] = []
     if statement.ast_type == ASTType.Rule:
-        _from_head(statement.head, found)
+        if statement.head.ast_type != ASTType.TheoryAtom:
+            _collect(statement.head, True, found)
     elif hasattr(statement, "atom"):  # an #external declares its atom, a #heuristic or #project only speaks of it
-        _from_atom(statement.atom, statement.ast_type == ASTType.External, False, found)
-    if hasattr(statement, "body"):
-        for literal in statement.body:
-            _from_body(literal, True, found)
+        _note(statement.atom, statement.ast_type == ASTType.External, False, found)
+    for literal in getattr(statement, "body", ()):
+        _collect(literal, False, found)
     return found
 
 
-def _from_atom(atom: Node, head: bool, positive: bool, found: List[Occurrence]) -> None:
+def _collect(node: Node, head: bool, found: List[Occurrence]) -> None:
+    """Collect the atoms of a literal, a condition, an aggregate or one of its elements."""
+    if node.ast_type == ASTType.Literal and node.atom.ast_type == ASTType.SymbolicAtom:
+        plain = node.sign == Sign.NoSign
+        _note(node.atom, head and plain, not head and plain, found)
+        return
+    inner = node.atom if node.ast_type == ASTType.Literal else node
+    if inner.ast_type == ASTType.ConditionalLiteral:
+        _collect(inner.literal, head, found)
+    condition = getattr(inner, "condition", ())
+    if isinstance(condition, Sequence):
+        for one in condition:
+            _collect(one, False, found)
+    else:  # in the head's aggregate it is a literal with its own condition
+        _collect(condition, head, found)
+    for one in getattr(inner, "elements", ()):
+        _collect(one, head, found)
+
+
+def _note(atom: Node, head: bool, positive: bool, found: List[Occurrence]) -> None:
     found.extend(Occurrence(term, term_signature(term), head, positive) for term in atom_terms(atom.symbol))
-
-
-def _from_head(head: Node, found: List[Occurrence]) -> None:
-    """Collect the atoms of a head: a literal, a disjunction or an aggregate."""
-    if head.ast_type == ASTType.Literal:
-        if head.atom.ast_type == ASTType.SymbolicAtom:
-            _from_atom(head.atom, head.sign == Sign.NoSign, False, found)
-        return
-    for element in head.elements:
-        conditional = element.condition if element.ast_type == ASTType.HeadAggregateElement else element
-        if conditional.ast_type == ASTType.ConditionalLiteral:
-            _from_head(conditional.literal, found)
-            for literal in conditional.condition:
-                _from_body(literal, True, found)
-
-
-def _from_body(literal: Node, positive: bool, found: List[Occurrence]) -> None:
-    """Collect the atoms of a body literal; in aggregates and conditions those without a sign count as positive."""
-    kind = literal.ast_type
-    if kind == ASTType.ConditionalLiteral:
-        for part in [literal.literal, *list(literal.condition)]:
-            _from_body(part, positive, found)
-    elif kind == ASTType.Literal:
-        atom = literal.atom
-        plain = positive and literal.sign == Sign.NoSign
-        if atom.ast_type == ASTType.SymbolicAtom:
-            _from_atom(atom, False, plain, found)
-        elif hasattr(atom, "elements"):
-            for element in atom.elements:
-                _from_element(element, found)
-
-
-def _from_element(element: Node, found: List[Occurrence]) -> None:
-    if element.ast_type == ASTType.ConditionalLiteral:
-        _from_body(element, True, found)
-        return
-    for literal in element.condition if hasattr(element, "condition") else ():
-        _from_body(literal, True, found)
 
 
 def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
