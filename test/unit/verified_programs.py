@@ -103,10 +103,10 @@ class SteeredSolver(PlanSolver):
         super().__init__(program)
         self._chosen = chosen
 
-    def update(self, update, stopped=None, dropped=None):
+    def update(self, update, stopped=None):
         """Take ``update`` as any solver does; where its answer begins otherwise, look for one of the same length."""
         before = self.log
-        result = super().update(update, stopped, dropped)
+        result = super().update(update, stopped)
         wanted, has = self._chosen.get(result.step), _actions_of(result)
         if wanted is None or not result.answers or has == wanted:
             return result
@@ -116,7 +116,7 @@ class SteeredSolver(PlanSolver):
             update.step, result.horizon - result.step, (*update.items, Volatile(), *demands, *forbidden)
         )
         self.restore(before)
-        other = super().update(steered, stopped, dropped)
+        other = super().update(steered, stopped)
         found = other if other.answers else result
         self.restore(before.with_entries(AcceptedUpdate(update, found.horizon)).adopt(Plan.from_result(found)))
         return found

@@ -10,7 +10,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import AcceptedUpdate, History, Plan
 from rosoclingo.planning.prediction import is_predicted
-from rosoclingo.planning.question import Reply, Stop
+from rosoclingo.planning.question import Reply, Stop, never
 
 LONG_PREDICTED = 20
 """Number of updates after which a checkpoint is worthwhile even without a search: every reader has to fold them."""
@@ -52,13 +52,21 @@ class PlanningSolver(ABC):
         """Continue from another history, of this solver or of any other."""
         self.log = log
 
-    @abstractmethod
     def solve(self, stopped: Optional[Stop] = None) -> SolveResult:
-        """Search without an update."""
+        """Search without an update (before the first one: at horizon 1)."""
+        return self._search(None, stopped or never)
+
+    def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
+        """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
+
+        A predicted update is answered without a search. A search ended by ``stopped`` leaves the update accepted.
+        Raises SolverError if the update is refused, and DroppedError if it is dropped: the history is unchanged then.
+        """
+        return self._accept_predicted(update) or self._search(update, stopped or never)
 
     @abstractmethod
-    def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
-        """Accept ``update`` and search for answers until there is one, the bound is reached or ``stopped``."""
+    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        """Accept ``update``, if there is one, and search for answers."""
 
     @abstractmethod
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
@@ -125,6 +133,8 @@ class PlanningSolver(ABC):
         if log is None or result is None:
             return None
         self.log = log
-        result = replace(result, step=self.step, warnings=(), statistics=dict.fromkeys(result.statistics, 0.0))
+        result = replace(
+            result, step=self.step, warnings=update.warnings, statistics=dict.fromkeys(result.statistics, 0.0)
+        )
         self._answer = log, result
         return result

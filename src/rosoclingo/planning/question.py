@@ -12,6 +12,12 @@ Given = Sequence[Tuple[clingo.Symbol, bool]]
 Stop = Callable[[], bool]
 """Returns whether to end the search."""
 
+
+def never() -> bool:
+    """Return False: the stop of a search that is not stopped."""
+    return False
+
+
 Read = Callable[[clingo.Model], FrozenSet[clingo.Symbol]]
 """Reads a set of symbols from a model."""
 

@@ -21,7 +21,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy
+from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
@@ -64,6 +64,7 @@ class PlanSolver(PlanningSolver):
         plan_time: Optional[float] = None,
         clock: Clock = CLOCK,
         idles: Optional[bool] = None,
+        dropped: Stop = never,
     ) -> None:
         """Create a solver with an empty history.
 
@@ -76,10 +77,11 @@ class PlanSolver(PlanningSolver):
                 or the first one that is found, is the answer. None for no limit.
             clock: returns the processor time.
             idles: whether further steps leave answers valid; None to test it.
+            dropped: polled while the program is grounded; if it returns true, DroppedError is raised.
 
         """
         super().__init__()
-        self.program = program
+        self.program, self._dropped = program, dropped
         self.models = models
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
         self._plan_time, self._clock = plan_time, clock
@@ -96,29 +98,12 @@ class PlanSolver(PlanningSolver):
         """The snapshot of the history."""
         return self.log.snapshot(self.program)
 
-    def solve(self, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None) -> SolveResult:
-        """Search without an update (before the first one: at horizon 1)."""
-        return self._search(None, stopped, dropped)
-
-    def update(
-        self, update: StreamUpdate, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None
-    ) -> SolveResult:
-        """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
-
-        A predicted update is answered without a search. A search ended by ``stopped`` leaves the update accepted.
-
-        Raises SolverError if the update is refused, and DroppedError if ``dropped``, which is polled while grounding,
-        returns true; the history is then unchanged.
-        """
-        result = self._accept_predicted(update) or self._search(update, stopped, dropped)
-        return replace(result, warnings=update.warnings + result.warnings)
-
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
-    def _search(self, update: Optional[StreamUpdate], stopped: Optional[Stop], dropped: Optional[Stop]) -> SolveResult:
-        halt, before = stopped or _never, self.snapshot
+    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        before = self.snapshot
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        asking = self._asking(before.with_update(update, self.program), halt, dropped)
+        asking = self._asking(before.with_update(update, self.program), stopped)
         self._searched, self._under_way = None, lambda: asking.horizon
         start, began = time.perf_counter(), time.process_time()
         strategy: Strategy[SearchResult]
@@ -129,19 +114,22 @@ class PlanSolver(PlanningSolver):
             limit = TimeLimit(self._plan_time, predictable, self._clock)
             strategy = Soon(asking, self.models, self.log.plan, limit).run()
         try:
-            found = asking.run(strategy, halt)
+            found = asking.run(strategy, stopped)
         except StoppedError:
             found = SearchResult(UNKNOWN)
         spent = {"solve": asking.seconds, "ground": time.perf_counter() - start - asking.seconds}
         spent["needed"] = (found.answered or time.process_time()) - began
-        result = self._result(asking, found, spent)
+        warnings = () if update is None else update.warnings
+        result = self._result(asking, found, warnings, spent)
         self.log = self.log.with_entries(AcceptedUpdate(update, asking.horizon))
         self._searched = _Cached(self.log.key, asking)
         self._adopt(result)
         self._append_checkpoint(always=False)
         return result
 
-    def _result(self, asking: Asking, found: SearchResult, spent: Dict[str, float]) -> SolveResult:
+    def _result(
+        self, asking: Asking, found: SearchResult, warnings: Tuple[str, ...], spent: Dict[str, float]
+    ) -> SolveResult:
         reply, horizon = found.reply, asking.horizon
         if reply.satisfiable:
             self._hint = horizon = reply.horizon
@@ -152,7 +140,7 @@ class PlanSolver(PlanningSolver):
             reply.answers,
             horizon,
             asking.step,
-            tuple(self._warnings(asking)),
+            (*warnings, *self._warnings(asking)),
             reply.permanent,
             spent,
             found.proven,
@@ -163,14 +151,13 @@ class PlanSolver(PlanningSolver):
         self,
         snapshot: Snapshot,
         halt: Stop,
-        dropped: Optional[Stop],
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
     ) -> Asking:
         """Return an object that answers questions about ``snapshot``."""
 
         def build(snapshot: Snapshot, horizon: int) -> Grounding:
             """Ground the program in pieces, or as a whole if clingo refuses pieces."""
-            arguments = self.program, snapshot, horizon, assumable, dropped or _never
+            arguments = self.program, snapshot, horizon, assumable, self._dropped
             predicts = self._predicts and not assumable
             try:
                 return Grounding(*arguments, predicts)
@@ -218,7 +205,7 @@ class PlanSolver(PlanningSolver):
         plan = self.log.plan
         if plan is None or plan.shortest or self.models != 1:
             return None
-        halt = stopped or _never
+        halt = stopped or never
         start, (asking, returns) = time.perf_counter(), self._last_search(halt)
         if asking.grounding is not None and asking.grounding.is_cyclic:
             return None
@@ -256,7 +243,7 @@ class PlanSolver(PlanningSolver):
             else:
                 log = log.before
         if searched is None:
-            searched, returns = _Cached(self.log.key, self._asking(self.snapshot, halt, halt)), set()
+            searched, returns = _Cached(self.log.key, self._asking(self.snapshot, halt)), set()
         self._searched = searched
         return searched.asking, frozenset(returns)
 
@@ -268,7 +255,6 @@ class PlanSolver(PlanningSolver):
         assumable: FrozenSet[clingo.Symbol],
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
-        dropped: Optional[Stop] = None,
         kept: Sequence[clingo.Symbol] = (),
         believes: bool = True,
     ) -> Reply:
@@ -279,13 +265,13 @@ class PlanSolver(PlanningSolver):
         is cached by history, update and assumable facts. Raises as :meth:`update`.
         """
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        halt = stopped or _never
+        halt = stopped or never
         unbounded = replace(update, bound=None)
         key = self.log.key, unbounded, assumable
         probed, self._probed = self._probed, None  # dropped if an error occurs
         if probed is None or probed.key != key or probed.asking.block == 1:
             snapshot = self.snapshot.with_least_horizon().with_update(unbounded, self.program)
-            probed = _Cached(key, self._asking(replace(snapshot, bound=None), halt, dropped, assumable))
+            probed = _Cached(key, self._asking(replace(snapshot, bound=None), halt, assumable))
         asking = probed.asking
         last = asking.last(None if update.bound is None else asking.step + update.bound)
         end = max(self.horizon, asking.snapshot.horizon, last)
@@ -305,7 +291,7 @@ class PlanSolver(PlanningSolver):
 
     def compact(self, stopped: Optional[Stop] = None) -> None:
         """Append a checkpoint if many predicted updates followed the last one, unless stopped."""
-        if self.log.length > LONG_PREDICTED and not (stopped or _never)():
+        if self.log.length > LONG_PREDICTED and not (stopped or never)():
             self.checkpoint()
 
     def checkpoint(self) -> None:
@@ -317,10 +303,10 @@ class PlanSolver(PlanningSolver):
 
     def _solve_again(self, plan: Plan) -> None:
         """Ground the whole history and find the predicted answer, which has exactly the actions of ``plan``."""
-        asking = self._asking(self.snapshot, _never, None)
+        asking = self._asking(self.snapshot, never)
         grounding, horizon = asking.ground(), max(plan.horizon, self.snapshot.min_horizon)
         actions = grounding.actions(self.program.first_step, grounding.horizon)
-        grounding.ask(Question(horizon, horizon, plan.fixing(actions)), _never)
+        grounding.ask(Question(horizon, horizon, plan.fixing(actions)), never)
         self._searched = _Cached(self.log.key, asking)
 
     @property
@@ -344,8 +330,3 @@ class PlanSolver(PlanningSolver):
         self._replace_log(self.log.checkpoint(compact or snapshot))
         if searched is not None:
             self._searched = searched._replace(key=self.log.key)
-
-
-def _never() -> bool:
-    """The stop of a search that is not stopped."""
-    return False

@@ -237,12 +237,9 @@ class SharedSolver(PlanningSolver):
         """What is in force after the whole history."""
         return self.log.snapshot(self._streams.program)
 
-    def solve(self, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
-        """Search without an update."""
-        return self.update(StreamUpdate())
-
-    def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
+    def _search(self, update: Optional[StreamUpdate], stopped: Callable[[], bool]) -> SolveResult:
         """Take ``update`` and return an answer of the least horizon; raises SolverError and StoppedError."""
+        update = update or StreamUpdate()
         snapshot = self._after(update)
         bound = 0 if update.bound is None else update.bound
         plan, several = self.log.plan, not any(snapshot.lapsing)

@@ -57,7 +57,7 @@ class Questions:
     def __init__(self, program: RelaxedProgram, stream: Stream, idles: bool, halt: Stop) -> None:
         """Prepare to ask; ``idles``: whether answers can be extended by idle steps. ``halt`` stops a question."""
         self._stream, self._idles, self._halt = stream, idles, halt
-        self._solver = PlanSolver(program, idles=idles)
+        self._solver = PlanSolver(program, idles=idles, dropped=halt)
         self._solver.restore(stream.log)
         before, update = self._solver.snapshot, stream.update
         self.step = before.step if update.step is None else update.step
@@ -75,9 +75,7 @@ class Questions:
         disabled = frozenset() if facts is None else self.facts - facts
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
         try:
-            reply = self._solver.inquire(
-                update, self.facts, disabled, self._halt, self._halt, sorted(kept), believes=False
-            )
+            reply = self._solver.inquire(update, self.facts, disabled, self._halt, sorted(kept), believes=False)
         except DroppedError:
             raise UndecidedError from None
         if reply.satisfiable is None:

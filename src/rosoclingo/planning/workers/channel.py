@@ -1,16 +1,21 @@
-"""Messages between a worker and its parent: lines of JSON over a socket."""
+"""Pickled messages between a worker and its parent, over a socket."""
 
-import json
+import copyreg
+import pickle
 import select
 import socket
+import struct
 import time
 from collections import deque
 from contextlib import suppress
-from typing import Deque, Optional
+from typing import Any, Deque, Optional
 
-from rosoclingo.planning.text import Message
+import clingo
+
+copyreg.pickle(clingo.Symbol, lambda symbol: (clingo.parse_term, (str(symbol),)))
 
 _CHUNK = 1 << 18
+_SIZE = struct.Struct("!Q")
 
 CONNECTION = 3
 """File descriptor of the connection in a new worker process."""
@@ -31,13 +36,14 @@ class Channel:
         """Use ``connection``, which :meth:`close` closes."""
         self._socket = connection
         self._socket.setblocking(False)
-        self._unsent, self._partial = bytearray(), bytearray()
+        self._unsent, self._received = bytearray(), bytearray()
         self._ended = False
-        self.unread: Deque[Message] = deque()
+        self.unread: Deque[Any] = deque()
 
-    def send(self, message: Message) -> None:
+    def send(self, message: object) -> None:
         """Send ``message``; a closed connection is reported by :meth:`wait`."""
-        self._unsent += json.dumps(message, separators=(",", ":")).encode("ascii") + b"\n"
+        data = pickle.dumps(message)
+        self._unsent += _SIZE.pack(len(data)) + data
         self._flush()
 
     def wait(self, timeout: Optional[float] = None) -> bool:
@@ -74,12 +80,14 @@ class Channel:
             try:
                 data = self._socket.recv(_CHUNK)
             except BlockingIOError:
-                return
+                break
             except OSError:  # closed by the other end with unread data
                 data = b""
             self._ended = not data
-            *lines, rest = data.split(b"\n")
-            for line in lines:
-                self.unread.append(json.loads(self._partial + line))
-                self._partial.clear()
-            self._partial += rest
+            self._received += data
+        while len(self._received) >= _SIZE.size:
+            end = _SIZE.size + _SIZE.unpack_from(self._received)[0]
+            if len(self._received) < end:
+                break
+            self.unread.append(pickle.loads(self._received[_SIZE.size : end]))
+            del self._received[:end]

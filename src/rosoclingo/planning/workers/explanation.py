@@ -5,9 +5,10 @@ from typing import NamedTuple, Optional
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.questions import Stream, stream_to_message
-from rosoclingo.planning.question import Stop
+from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.worker import Request
 
 GRACE, PATIENCE = 2.0, 5.0
 """Those of the pool, longer: a stopped worker still assembles what it has found."""
@@ -21,7 +22,7 @@ class Explanation(NamedTuple):
 
 
 def explain_in_worker(
-    program: ReactiveProgram, stream: Stream, seconds: float, stopped: Stop = lambda: False
+    program: ReactiveProgram, stream: Stream, seconds: float, stopped: Stop = never
 ) -> Optional[Explanation]:
     """Explain in a process of its own why there is no plan; None if there is one.
 
@@ -36,9 +37,9 @@ def explain_in_worker(
             return stopped() or elapsed() >= seconds
 
         try:
-            reply = pool.ask({"do": "explain", "stream": stream_to_message(stream)}, None, is_over)
+            reply = pool.ask(Request("explain", (stream_to_message(stream),)), is_over)
         except DroppedError as error:
             if is_over():
                 raise DroppedError(f"no explanation was found in {seconds:g} s") from None
             raise SolverError(f"the explaining process was lost: {error}") from None
-    return Explanation(reply["text"], reply["why"]) if reply["why"] else None
+    return Explanation(**reply.value) if reply.value else None

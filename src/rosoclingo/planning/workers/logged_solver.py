@@ -1,10 +1,11 @@
 """An incremental solver that can continue from any history."""
 
-from typing import Callable, Optional
+from typing import Any, FrozenSet, Optional
 
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
-from rosoclingo.oclingo.solving.results import SolveResult
+from rosoclingo.oclingo.solving.results import Answer, SolveResult
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.question import Stop
 
@@ -14,12 +15,16 @@ class LoggedSolver:
 
     Attributes:
         log: the history.
+        remarks: none, as :class:`ReactiveSolver` reports clingo's remarks with the update that caused them.
 
     """
 
-    def __init__(self, make: Callable[[], ReactiveSolver]) -> None:
-        """Use solvers that ``make`` returns."""
-        self._make, self._solver = make, make()
+    remarks: FrozenSet[str] = frozenset()
+
+    def __init__(self, program: ReactiveProgram, dropped: Stop, **options: Any) -> None:
+        """Use solvers with ``options``; ``dropped`` is that of :meth:`ReactiveSolver.update`."""
+        self._program, self._dropped, self._options = program, dropped, options
+        self._solver = ReactiveSolver(program, **options)
         self.log = self._read = History()
 
     @property
@@ -27,28 +32,34 @@ class LoggedSolver:
         """The last grounded step, also during a search."""
         return self._solver.reached
 
+    @staticmethod
+    def recent(answer: Answer) -> Answer:
+        """Return all atoms of ``answer``."""
+        return answer
+
     def restore(self, log: History) -> None:
         """Continue from a history."""
         self.log = log
 
-    def solve(self, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None) -> SolveResult:
+    def solve(self, stopped: Stop) -> SolveResult:
         """Search without an update."""
-        return self._run(lambda solver: solver.solve(stopped, dropped), None)
+        return self._search(None, stopped)
 
-    def update(
-        self, update: StreamUpdate, stopped: Optional[Stop] = None, dropped: Optional[Stop] = None
-    ) -> SolveResult:
+    def update(self, update: StreamUpdate, stopped: Stop) -> SolveResult:
         """Accept ``update`` and search for answers; raises like :class:`ReactiveSolver`."""
-        return self._run(lambda solver: solver.update(update, stopped, dropped), update)
+        return self._search(update, stopped)
 
-    def _run(self, search: Callable[[ReactiveSolver], SolveResult], update: Optional[StreamUpdate]) -> SolveResult:
+    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         entries = self.log.entries_after(self._read)
         if entries is None:
-            self._solver, self._read, entries = self._make(), History(), self.log.entries
+            self._solver, self._read = ReactiveSolver(self._program, **self._options), History()
+            entries = self.log.entries
         for one in entries:
             if isinstance(one, AcceptedUpdate):
                 self._solver.take_again(one.update, one.horizon)
         self._read = self.log
-        result = search(self._solver)
-        self.log = self._read = self.log.with_entries(AcceptedUpdate(update, self._solver.horizon))
+        solver = self._solver
+        ways = stopped, self._dropped
+        result = solver.solve(*ways) if update is None else solver.update(update, *ways)
+        self.log = self._read = self.log.with_entries(AcceptedUpdate(update, solver.horizon))
         return result

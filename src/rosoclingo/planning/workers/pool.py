@@ -10,11 +10,9 @@ from typing import Any, Callable, Optional, Set, Type, TypeVar
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.history import History
-from rosoclingo.planning.question import Stop
-from rosoclingo.planning.text import Message
-from rosoclingo.planning.workers.wire import program_to_message
-from rosoclingo.planning.workers.worker import Search, Worker, WorkerLostError
+from rosoclingo.planning.question import Stop, never
+from rosoclingo.planning.workers.protocol import WorkerReply
+from rosoclingo.planning.workers.worker import Request, SolverWorker, WorkerLostError
 
 T = TypeVar("T")
 
@@ -71,11 +69,12 @@ class WorkerPool:
         self._patience = grace, patience
         self._keeps_standby = standby
         self._forked = program if fork else None
-        self._load = {"do": "load", "program": program_to_message(program), "options": options}
-        self._active: Optional[Worker] = None
-        self._standby: Optional[Worker] = None
+        constants = {name: str(value) for name, value in program.constants.items()}
+        self._load = Request("load", ([*program.texts], constants, options))
+        self._active: Optional[SolverWorker] = None
+        self._standby: Optional[SolverWorker] = None
         self._closed = False
-        self._cpu_time = 0.0  # of former active workers, while they were active
+        self._cpu_time = 0.0  # of former active workers, less that of the active one before it became active
         self.remarks: Set[str] = set(program.warnings)
         self._replace()
 
@@ -118,35 +117,27 @@ class WorkerPool:
     def __exit__(self, kind: Optional[Type[BaseException]], *rest: object) -> None:
         self.close()
 
-    def start(self, stopped: Optional[Stop] = None) -> None:
+    def start(self, stopped: Stop = never) -> None:
         """Wait until a worker is ready; raises like a search, and NotReadyError after a stop."""
         self._run(lambda worker: worker.wait_until_ready(stopped), stopped)
 
     def close(self) -> None:
         """Kill all workers; later calls raise SolverError."""
         self._closed = True
-        self._discard()
-        self._discard_standby()
+        self._end(self._activate(None))
+        self._end(self._standby)
 
     # ---- Asking ------------------------------------------------------------------------------------------------------
 
-    def ask(self, command: Message, log: Optional[History], stopped: Optional[Stop], idle: bool = False) -> Message:
-        """Return the reply to ``command``, see :meth:`Worker.ask`; raises DroppedError if workers are lost."""
-        return self._run(lambda worker: worker.ask(command, log, stopped, idle), stopped)
+    def ask(self, request: Request, stopped: Stop = never, idle: bool = False) -> WorkerReply:
+        """Return the reply to ``request``, see :meth:`SolverWorker.ask`; raises DroppedError if workers are lost.
 
-    def search(self, search: Search, stopped: Optional[Stop]) -> Message:
-        """Return the reply to ``search``; the standby worker takes over if it has begun this search."""
-        prefetched = self._standby is not None and self._standby.searches(search)
+        The standby worker takes over if it has begun this request.
+        """
+        prefetched = self._standby is not None and self._standby.has_begun(request)
         if prefetched:
-            self._exchange()
-
-        def ask(worker: Worker) -> Message:
-            """Ask a worker, or wait for it if it has begun."""
-            if worker.searches(search):
-                return worker.finish(stopped)
-            return worker.ask(search.command, search.log, stopped)
-
-        reply = self._run(ask, stopped)
+            self._standby = self._activate(self._standby)
+        reply = self._run(lambda worker: worker.ask(request, stopped, idle), stopped)
         if self._active is not None and self._active.has_grown():
             self._replace()
         elif self._keeps_standby and not prefetched:
@@ -154,24 +145,23 @@ class WorkerPool:
                 self._get_standby()
         return reply
 
-    def prefetch(self, search: Search) -> bool:
-        """Begin ``search`` in the standby worker; return whether it is searching or has the answer."""
+    def prefetch(self, request: Request) -> bool:
+        """Begin ``request`` in the standby worker; return whether it is searching or has the answer."""
         if self._closed or not self._keeps_standby:
             return False
         with suppress(WorkerLostError):
-            begun = self._get_standby().search
-            if begun is None or not begun.has_answer_of(search) or begun.log.plan != search.log.plan:
+            if not self._get_standby().has_begun(request, same_plan=True):
                 if self._get_standby().has_grown():
-                    self._discard_standby()
-                self._get_standby().begin(search.command, search.log, search)
+                    self._end(self._standby)
+                self._get_standby().begin(request)
             return True
         return False
 
-    def has_prefetched(self, search: Search, stopped: Optional[Stop] = None) -> bool:
-        """Return whether the standby worker has the answer to ``search``; wait for it until ``stopped``."""
-        return self._standby is not None and self._standby.has_answer(search, stopped)
+    def has_prefetched(self, request: Request, stopped: Stop) -> bool:
+        """Return whether the standby worker has the answer to ``request``; wait for it until ``stopped``."""
+        return self._standby is not None and self._standby.has_answer(request, stopped)
 
-    def _run(self, action: Callable[[Worker], T], stopped: Optional[Stop], retries: int = RETRIES) -> T:
+    def _run(self, action: Callable[[SolverWorker], T], stopped: Stop, retries: int = RETRIES) -> T:
         """Call ``action`` with the active worker, and again with another one if it is lost before a stop."""
         if self._closed:
             raise SolverError("the solver process has been closed")
@@ -179,51 +169,48 @@ class WorkerPool:
             return action(self._get_active())
         except WorkerLostError as error:
             self._replace()
-            if not retries or (stopped is not None and stopped()):
+            if not retries or stopped():
                 raise DroppedError(f"{error}; the request was discarded") from None
             return self._run(action, stopped, retries - 1)
         except SolverError:
             raise
         except BaseException:  # a message may be half read
-            self._discard()
+            self._end(self._activate(None))
             raise
 
     # ---- Workers -----------------------------------------------------------------------------------------------------
 
-    def _get_active(self) -> Worker:
+    def _get_active(self) -> SolverWorker:
         """Return the active worker; if there is none, the standby worker becomes active. Raises WorkerLostError."""
         if self._active is None or not self._active.alive:
-            self._discard()
-            self._active, self._standby = self._get_standby(), None
-            self._cpu_time -= self._active.cpu_time
+            self._end(self._activate(None))
+            worker, self._standby = self._get_standby(), None
+            self._activate(worker)
+            return worker
         return self._active
 
-    def _get_standby(self) -> Worker:
+    def _get_standby(self) -> SolverWorker:
         """Return the standby worker, started if there is none; raises WorkerLostError."""
         if self._standby is None or not self._standby.alive:
-            self._discard_standby()
-            self._standby = Worker(self._load, self._patience, self._forked)
+            self._end(self._standby)
+            self._standby = None  # none if it cannot be started
+            self._standby = SolverWorker(self._load, self._patience, self._forked)
         return self._standby
 
-    def _exchange(self) -> None:
-        """Make the standby worker active and the active worker, if there is one, the standby worker."""
-        self._active, self._standby = self._standby, self._active
-        for worker, sign in ((self._active, -1), (self._standby, 1)):
-            self._cpu_time += 0.0 if worker is None else sign * worker.cpu_time
+    def _activate(self, worker: Optional[SolverWorker]) -> Optional[SolverWorker]:
+        """Make ``worker`` the active one; return the former one."""
+        former, self._active = self._active, worker
+        self._cpu_time += 0.0 if former is None else former.cpu_time
+        self._cpu_time -= 0.0 if worker is None else worker.cpu_time
+        return former
 
     def _replace(self) -> None:
         """Replace the active worker; if that fails, the next call tries again."""
-        self._discard()
+        self._end(self._activate(None))
         with suppress(WorkerLostError):
             self._get_active()
 
-    def _discard(self) -> None:
-        worker, self._active = self._active, None
-        if worker is not None:
-            self._cpu_time += worker.cpu_time
-            worker.kill()
-
-    def _discard_standby(self) -> None:
-        worker, self._standby = self._standby, None
+    @staticmethod
+    def _end(worker: Optional[SolverWorker]) -> None:
         if worker is not None:
             worker.kill()

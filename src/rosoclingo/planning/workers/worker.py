@@ -6,16 +6,16 @@ import socket
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple, NoReturn, Optional, Tuple
+from typing import Any, NamedTuple, NoReturn, Optional, Tuple
 
-from rosoclingo.oclingo.errors import DroppedError, NotReadyError, SolverError
+from rosoclingo.oclingo.errors import NotReadyError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.planning.history import History, entry_from_message, entry_to_line
-from rosoclingo.planning.question import Stop
-from rosoclingo.planning.text import Message
+from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.planning.history import History
+from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.workers.channel import Channel
 from rosoclingo.planning.workers.process import WorkerProcess
+from rosoclingo.planning.workers.protocol import Command, Interrupt, Progress, WorkerReply
 
 POLL = 0.002
 """Seconds of wall time between two calls of a stop function."""
@@ -24,44 +24,50 @@ GROWTH = 32 * 2**20
 """A worker is replaced when it has grown by this number of bytes, or by half of its first size if that is more."""
 
 Patience = Tuple[float, float]
-"""Seconds of wall time after a stop until a command is dropped, and until the worker is killed."""
+"""Seconds of wall time after a stop until a grounding is dropped, and until the worker is killed."""
+
+
+_DECIDED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE
 
 
 class WorkerLostError(Exception):
     """The worker process has ended; the text says how."""
 
 
-class Search(NamedTuple):
-    """A search for an answer to ``update`` after ``log``; if it ``improves``, it then shortens the plan."""
+class Request(NamedTuple):
+    """A command of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain` for a history, or for none.
 
-    log: History
-    update: Optional[StreamUpdate]
-    improves: bool = False
+    Attributes:
+        name: the name of the command.
+        arguments: its arguments; those of a search begin with its update.
+        log: the history.
 
-    @property
-    def command(self) -> Message:
-        """The command for a worker."""
-        text = None if self.update is None else str(self.update)
-        return {"do": "update", "update": text, "improves": self.improves}
+    """
 
-    def has_answer_of(self, other: "Search") -> bool:
-        """Return whether both have the same answer."""
-        return self.update == other.update and (self.log is other.log or self.log.key == other.log.key)
+    name: str
+    arguments: Tuple[Any, ...] = ()
+    log: Optional[History] = None
+
+    def has_answer_of(self, other: "Request") -> bool:
+        """Return whether both are searches with the same answer."""
+        if self.log is None or other.log is None or self.name != "search" or other.name != "search":
+            return False
+        return self.arguments[0] == other.arguments[0] and (self.log is other.log or self.log.key == other.log.key)
 
 
-class Worker:
+class SolverWorker:
     """A process with a program that executes one command at a time.
 
     Attributes:
         is_ready: whether it has loaded the program.
         reached: the last grounded step of the running search, as last reported.
-        search: the search that was begun last; None after :meth:`abandon` and for other commands.
+        request: the last request; None after :meth:`abandon`, and once its reply has been returned.
         log: the history after the last reply; None while a command is running, or after a failure.
 
     """
 
-    def __init__(self, load: Message, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
-        """Start a process and send it the command ``load``; raises WorkerLostError.
+    def __init__(self, load: Request, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
+        """Start a process and send it the request to ``load``; raises WorkerLostError.
 
         With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`, and is waited for, as it is
         ready at once. Otherwise ``load`` brings the program.
@@ -76,15 +82,14 @@ class Worker:
                 raise WorkerLostError(f"cannot start a solver process: {error}") from None
         self._channel = Channel(ours)
         self._open = 0  # number of commands whose last reply is missing
-        self._reply: Optional[Message] = None  # to the last command
+        self._reply: Optional[WorkerReply] = None  # to the last command
         self._cpu_time, self._first_memory = 0.0, 0
         self.is_ready, self.reached = False, 0
-        self.search: Optional[Search] = None
+        self.request: Optional[Request] = None
         self.log: Optional[History] = None
-        self._start: Optional[History] = None  # the history before the last command
         self.begin(load)
         if program is not None:
-            self.wait_until_ready(None)
+            self.wait_until_ready(never)
 
     # ---- The process -------------------------------------------------------------------------------------------------
 
@@ -125,69 +130,70 @@ class Worker:
         self._process.kill()
         self._channel.close()
 
-    # ---- Commands ----------------------------------------------------------------------------------------------------
+    # ---- Requests ----------------------------------------------------------------------------------------------------
 
-    def begin(self, command: Message, log: Optional[History] = None, search: Optional[Search] = None) -> None:
-        """Send ``command``, for a history or none, which can be that of a ``search``; abandon a running command.
+    def begin(self, request: Request) -> None:
+        """Send the command of ``request``; abandon a running command.
 
         The worker gets the entries that follow its own history if it can, otherwise the whole history.
         """
         self.abandon()
-        if log is not None:
-            entries = None if self.log is None else log.entries_after(self.log)
-            text = log.text() if entries is None else "".join(map(entry_to_line, entries))
-            command = {**command, "history": text, "continues": entries is not None}
-        self.log, self._start = None, log
-        self._channel.send(command)
+        name, arguments, log = request
+        entries = None if log is None or self.log is None else log.entries_after(self.log)
+        continues = entries is not None
+        if log is not None and entries is None:
+            entries = log.entries
+        self._channel.send(Command(name, arguments, entries, continues))
+        self.request, self.log, self.reached = request, None, 0
         self._open += 1
-        self.search, self.reached = search, 0
 
     def abandon(self) -> None:
         """Interrupt the running command and ignore its reply."""
         if self._open:
             self._interrupt(0.0)
-        self.search = self._reply = None
+        self.request = self._reply = None
 
-    def wait_until_ready(self, stopped: Optional[Stop]) -> None:
+    def wait_until_ready(self, stopped: Stop) -> None:
         """Wait until the program is loaded; raises NotReadyError after a stop."""
         while not self.is_ready:
-            if not self._receive(POLL) and stopped is not None and stopped():
+            if not self._receive(POLL) and stopped():
                 raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
 
-    def ask(self, command: Message, log: Optional[History], stopped: Optional[Stop], idle: bool = False) -> Message:
-        """Execute ``command`` once the program is loaded; see :meth:`begin` and :meth:`finish`."""
-        self.wait_until_ready(stopped)
-        self.begin(command, log)
-        return self.finish(stopped, idle)
-
-    def finish(self, stopped: Optional[Stop], idle: bool = False) -> Message:
-        """Wait for the last reply to the running command; return it with the histories before and after it.
+    def ask(self, request: Request, stopped: Stop, idle: bool = False) -> WorkerReply:
+        """Return the last reply to ``request``, which can have been begun, with the history after it.
 
         A stop interrupts the command, and so does a first answer that is being improved. If the worker does not react,
         the command is dropped and then WorkerLostError raised, see :data:`Patience`. An ``idle`` command, which is
         optional work, is abandoned at a stop with an empty reply. Raises SolverError if the worker refuses the command.
         """
+        self.wait_until_ready(stopped)
+        if not self.has_begun(request):
+            self.begin(request)
+        reply = self._wait(stopped, idle)
+        begun, self.request, self._reply = self.request, None, None
+        if isinstance(reply.value, SolverError):
+            raise reply.value
+        if begun is not None and begun.log is not None:
+            self.log = begun.log.with_entries(*reply.entries).cut()
+        return reply._replace(log=self.log)
+
+    def _wait(self, stopped: Stop, idle: bool) -> WorkerReply:
+        """Wait for the last reply to the running command."""
         interrupted: Optional[float] = None
         while self._open:
             if self._receive(POLL):
                 continue
             if interrupted is None:
-                if self._reply is None and (stopped is None or not stopped()):
+                if self._reply is None and not stopped():
                     continue
                 if idle:
                     self.abandon()
-                    return {}
+                    break
                 interrupted = time.monotonic()
                 self._interrupt(self._patience[0])
             elif time.monotonic() > interrupted + self._patience[1]:
                 raise WorkerLostError("the solver ignored a stop while grounding and was killed")
-        reply, self.search, self._reply = self._reply or {}, None, None
-        if "refused" in reply:
-            raise (DroppedError if reply["dropped"] else SolverError)(reply["refused"])
-        if self._start is not None:
-            self.log = self._start.with_entries(*map(entry_from_message, reply.get("entries", ()))).cut()
-            reply = {**reply, "start": self._start, "log": self.log}
-        return reply
+        return self._reply or WorkerReply()
 
     def is_busy(self) -> bool:
         """Return whether it loads the program or executes a command."""
@@ -196,23 +202,24 @@ class Worker:
                 pass
         return self.alive and self._open > 0
 
-    def searches(self, search: Search) -> bool:
-        """Return whether it has begun ``search``, or one with the same answer."""
-        return self.alive and self.search is not None and self.search.has_answer_of(search)
+    def has_begun(self, request: Request, same_plan: bool = False) -> bool:
+        """Return whether it has begun ``request``, or one with the same answer, also from another plan in force."""
+        begun = self.request
+        if not self.alive or begun is None or not begun.has_answer_of(request):
+            return False
+        return not same_plan or (begun.log and begun.log.plan) == (request.log and request.log.plan)
 
-    def has_answer(self, search: Search, stopped: Optional[Stop] = None) -> bool:
-        """Return whether it has found the answer to ``search``; wait for it until ``stopped``."""
-        while self.searches(search) and self.is_busy() and self._reply is None and stopped is not None:
-            if stopped():
-                break
+    def has_answer(self, request: Request, stopped: Stop) -> bool:
+        """Return whether it has found the answer to ``request``; wait for it until ``stopped``."""
+        while self.has_begun(request) and self.is_busy() and self._reply is None and not stopped():
             with suppress(WorkerLostError):
                 self._receive(POLL)
-        result = (self._reply or {}).get("result", {})
-        return self.searches(search) and result.get("outcome") in ("satisfiable", "unsatisfiable")
+        result = None if self._reply is None else self._reply.value
+        return self.has_begun(request) and isinstance(result, SolveResult) and result.outcome in _DECIDED
 
     def _interrupt(self, grace: float) -> None:
         """Interrupt the running command; a grounding is dropped after ``grace`` seconds."""
-        self._channel.send({"do": "interrupt", "drop_at": time.monotonic() + grace})  # processes share this clock
+        self._channel.send(Interrupt(time.monotonic() + grace))
 
     def _receive(self, timeout: float) -> bool:
         """Process one message, waiting at most ``timeout`` seconds for it; return whether there was one."""
@@ -222,12 +229,12 @@ class Worker:
         except EOFError:
             self._raise_lost()
         message = self._channel.unread.popleft()
-        if "reached" in message:
-            self.reached = message["reached"]
+        if isinstance(message, Progress):
+            self.reached = message.horizon
             return True
         if self._open == 1:
             self._reply = message
-        self._open -= "more" not in message
+        self._open -= message.is_last
         self.is_ready = True
         return True
 

@@ -5,7 +5,6 @@ ends, it is closed, and the kernel ends this process by SIGIO, even while it is 
 """
 
 import fcntl
-import json
 import os
 import select
 import signal
@@ -13,18 +12,20 @@ import socket
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, FrozenSet, Iterator, Optional, Sequence, Union
+
+import clingo
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.planning.history import History, entry_from_message, entry_to_message
-from rosoclingo.planning.text import Message, symbols_from_text, symbols_to_text
+from rosoclingo.planning.history import History
+from rosoclingo.planning.question import Reply
 from rosoclingo.planning.workers.channel import CONNECTION, Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
-from rosoclingo.planning.workers.wire import program_from_message, result_to_message
+from rosoclingo.planning.workers.protocol import Command, Interrupt, Progress, WorkerReply
 
 if TYPE_CHECKING:
     from rosoclingo.planning.solver import PlanSolver
@@ -36,110 +37,100 @@ REPORTING = 0.5
 """Seconds of wall time between two progress reports of a search."""
 
 
-def new_solver(program: ReactiveProgram, options: Message) -> "Union[PlanSolver, LoggedSolver]":
-    """Return a solver with the ``options`` of :class:`WorkerPool`."""
-    if options.pop("shortest", False):
-        from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
-
-        return PlanSolver(program, **options)
-    options.pop("plan_time", None)
-    return LoggedSolver(lambda: ReactiveSolver(program, **options))
-
-
 class WorkerMain:
-    """Executes commands one after the other and replies to each.
+    """Executes commands one after the other and replies to each; its public methods are the commands.
 
     Its only state is caches: the history of the last command, and the solver's groundings.
     """
 
     def __init__(self, channel: Channel, program: Optional[ReactiveProgram] = None) -> None:
-        """Use ``program``, or the one that the command ``load`` brings."""
-        self._channel = channel
-        self._given = program
+        """Use ``program``, or the one that the command :meth:`load` brings."""
+        self._channel, self._given = channel, program
         self._reported = time.monotonic()
-        self._handlers: Dict[str, Callable[[Message], Message]] = {
-            "load": self._load,
-            "update": self._update,
-            "improve": self._improve,
-            "shorten": self._shorten,
-            "inquire": self._inquire,
-            "explain": self._explain,
-        }
+        self._solver: Union[PlanSolver, LoggedSolver]
+        self._start = History()  # the history before the command
 
     def run(self) -> None:
         """Execute commands until the parent closes the connection, which raises EOFError."""
         while True:
             self._channel.wait()
             command = self._channel.unread.popleft()
-            if command["do"] in self._handlers:  # late interrupts are ignored
-                self._channel.send(self._reply_to(command))
+            if isinstance(command, Command):  # late interrupts are ignored
+                self._channel.send(self._execute(command))
 
-    def _reply_to(self, command: Message) -> Message:
+    def _execute(self, command: Command) -> WorkerReply:
         self._reported = time.monotonic()
-        if "history" in command:
-            before = self._solver.log if command["continues"] else History()
-            entries = map(entry_from_message, map(json.loads, command["history"].splitlines()))
-            self._solver.restore(before.with_entries(*entries))
+        if command.entries is not None:
+            before = self._solver.log if command.continues else History()
+            self._start = before.with_entries(*command.entries)
+            self._solver.restore(self._start)
         try:
-            return self._handlers[command["do"]](command)
+            return self._reply(getattr(self, command.name)(*command.arguments))
         except SolverError as error:
-            return {"refused": str(error), "dropped": isinstance(error, DroppedError)}
+            return WorkerReply(error)
+
+    def _reply(self, value: object, is_last: bool = True) -> WorkerReply:
+        """Return the reply with ``value``; old atoms of an answer and clingo's remarks are left out of it."""
+        remarks = self._solver.remarks
+        if isinstance(value, SolveResult):
+            answers = tuple(map(self._solver.recent, value.answers))
+            value = replace(value, answers=answers, warnings=tuple(one for one in value.warnings if one not in remarks))
+        entries = self._solver.log.entries_after(self._start) or []
+        return WorkerReply(value, entries, tuple(sorted(remarks)), is_last)
 
     # ---- Commands ----------------------------------------------------------------------------------------------------
 
-    def _load(self, command: Message) -> Message:
-        self._program = program = self._given or program_from_message(command["program"])
-        self._solver = new_solver(program, dict(command["options"]))
-        return {}
+    def load(self, sources: Sequence[Source], constants: Dict[str, str], options: Dict[str, Any]) -> None:
+        """Load a program without reading its files; ``options`` are those of :class:`WorkerPool`."""
+        self._program = self._given or ReactiveProgram(sources, constants, whole=True)
+        if options.pop("shortest", False):
+            from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
 
-    def _update(self, command: Message) -> Message:
-        """Accept an update and search; if the command says so, then shorten the plan until interrupted."""
-        solver, start, text = self._solver, self._solver.log, command["update"]
-        if text is None:
-            result = solver.solve(self._is_interrupted, self._is_dropped)
+            self._solver = PlanSolver(self._program, dropped=self._is_dropped, **options)
         else:
-            result = solver.update(parse_update(text), self._is_interrupted, self._is_dropped)
-        reply = self._answer(result, start)
+            options.pop("plan_time", None)
+            self._solver = LoggedSolver(self._program, self._is_dropped, **options)
+
+    def search(self, update: Optional[StreamUpdate], improves: bool) -> SolveResult:
+        """Accept an update and search; if it ``improves``, then shorten the plan until interrupted."""
+        solver, stopped = self._solver, self._is_interrupted
+        result = solver.solve(stopped) if update is None else solver.update(update, stopped)
         with suppress(SolverError):  # the first plan remains valid
-            while command["improves"] and result.answers and not self._is_interrupted():
-                self._channel.send({**reply, "more": True})
-                better = self._planner.improve(self._is_interrupted)
+            while improves and result.answers and not stopped():
+                self._channel.send(self._reply(result, is_last=False))
+                better = self.improve()
                 if better is None:
                     break
-                reply = self._answer(replace(better, warnings=result.warnings, statistics=result.statistics), start)
-        return reply
+                result = replace(better, warnings=result.warnings, statistics=result.statistics)
+        return result
 
-    def _improve(self, _command: Message) -> Message:
+    def improve(self) -> Optional[SolveResult]:
         """Shorten the plan."""
-        start = self._planner.log
-        result = self._planner.improve(self._is_interrupted)
-        return {} if result is None else self._answer(result, start)
+        return self._planner.improve(self._is_interrupted)
 
-    def _shorten(self, _command: Message) -> Message:
+    def checkpoint(self) -> None:
         """Append a checkpoint to the history."""
-        start = self._planner.log
         self._planner.checkpoint()
-        return self._entries_since(start)
 
-    def _inquire(self, command: Message) -> Message:
+    def inquire(
+        self, update: StreamUpdate, assumable: FrozenSet[clingo.Symbol], disabled: FrozenSet[clingo.Symbol]
+    ) -> Reply:
         """Decide whether there is an answer without some facts."""
-        assumable, disabled = (symbols_from_text(command[key]) for key in ("assumable", "disabled"))
-        update = parse_update(command["update"])
-        verdict = self._planner.inquire(update, assumable, disabled, self._is_interrupted, self._is_dropped)
-        return {"satisfiable": verdict.satisfiable, "core": symbols_to_text(sorted(verdict.core))}
+        reply = self._planner.inquire(update, assumable, disabled, self._is_interrupted)
+        return Reply(reply.satisfiable, core=reply.core)
 
-    def _explain(self, command: Message) -> Message:
-        """Explain why there is no plan."""
+    def explain(self, stream: Dict[str, Any]) -> Optional[Dict[str, Any]]:
+        """Explain why there is no plan; return None if there is one."""
         from rosoclingo.planning.explaining.explainer import explain  # noqa: PLC0415 rarely needed
         from rosoclingo.planning.explaining.questions import stream_from_message  # noqa: PLC0415
         from rosoclingo.planning.minimal_sets import UndecidedError  # noqa: PLC0415
 
         os.nice(NICENESS)
         try:
-            found = explain(self._program, stream_from_message(command["stream"]), self._is_interrupted)
+            found = explain(self._program, stream_from_message(stream), self._is_interrupted)
         except UndecidedError:
             raise DroppedError("stopped before anything was found") from None
-        return {"why": None} if found is None else {"why": found.to_message(), "text": found.text()}
+        return None if found is None else {"text": found.text(), "message": found.to_message()}
 
     @property
     def _planner(self) -> "PlanSolver":
@@ -148,34 +139,21 @@ class WorkerMain:
 
     # ---- The parent --------------------------------------------------------------------------------------------------
 
-    def _answer(self, result: SolveResult, start: History) -> Message:
-        """Return the reply with a ``result`` and the entries that follow ``start``."""
-        remarks: List[str] = []  # all of them, as earlier replies may be unread
-        if not isinstance(self._solver, LoggedSolver):
-            answers = tuple(map(self._solver.recent, result.answers))
-            warnings = tuple(one for one in result.warnings if one not in self._solver.remarks)
-            remarks, result = sorted(self._solver.remarks), replace(result, answers=answers, warnings=warnings)
-        return {"result": result_to_message(result), "remarks": remarks, **self._entries_since(start)}
-
-    def _entries_since(self, start: History) -> Message:
-        """Return the part of a reply with the entries that follow ``start``."""
-        return {"entries": [*map(entry_to_message, self._solver.log.entries_after(start) or ())]}
-
     def _is_interrupted(self) -> bool:
         """Return whether to stop the running search; reports its progress at times."""
         if time.monotonic() - self._reported >= REPORTING:
             self._reported = time.monotonic()
-            self._channel.send({"reached": self._solver.reached})
-        return bool(self._interrupts())
+            self._channel.send(Progress(self._solver.reached))
+        return any(self._interrupts())
 
     def _is_dropped(self) -> bool:
         """Return whether to drop the running command."""
-        return any(time.monotonic() >= one["drop_at"] for one in self._interrupts())
+        return any(time.monotonic() >= one.drop_at for one in self._interrupts())
 
-    def _interrupts(self) -> List[Message]:
-        """Return the messages that interrupt the running command."""
+    def _interrupts(self) -> Iterator[Interrupt]:
+        """Yield the messages that interrupt the running command."""
         self._channel.wait(0.0)
-        return [message for message in self._channel.unread if message["do"] == "interrupt"]
+        return (one for one in self._channel.unread if isinstance(one, Interrupt))
 
 
 def end_with_parent(lifeline: int) -> None:

@@ -5,6 +5,7 @@ import threading
 
 import pytest
 
+from rosoclingo.oclingo import parse_atom
 from rosoclingo.planning.workers.channel import Channel
 
 LONG = {"text": "x" * 2**21}
@@ -34,9 +35,12 @@ def test_channel_joins_messages_from_pieces(ends):
 
 def test_channel_reports_end_after_last_message(ends):
     channel, there = ends
-    there.sendall(b'{"a":1}\n{"b":')
+    other = Channel(there)
+    symbols = frozenset(map(parse_atom, ["p(1,-2)", '-q("a,b\\"")', "r(#sup,f((),g))"]))
+    other.send(symbols)
+    there.send(b"a part")
     assert channel.wait()
-    assert channel.unread.popleft() == {"a": 1}
+    assert channel.unread.popleft() == symbols
     assert not channel.wait(0.0)
     there.close()
     for _ in range(2):
@@ -53,7 +57,7 @@ def test_channel_writes_rest_while_it_waits(ends):
         received = 0
         while received < 2**21:
             received += len(there.recv(2**20))
-        there.sendall(b"{}\n")
+        Channel(there).send(None)
 
     threading.Thread(target=answer, daemon=True).start()
     assert channel.wait(300.0)

@@ -1,7 +1,5 @@
 """Explanations by a process of its own: the same reasons, and an end in time."""
 
-import json
-
 import pytest
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_update
@@ -31,7 +29,7 @@ def test_explaining_process_finds_the_same_reasons():
     asked = stream("#step 2. on(2). #end step.", 1, "#step 1. on(1). #end step.")
     found = explain_in_worker(PROGRAM, asked, 300.0)
     here = explain(PROGRAM, asked)
-    assert found == (here.text(), json.loads(json.dumps(here.to_message())))
+    assert found == (here.text(), here.to_message())
     assert [one.text for one in here.told] == ["on(1).", "on(2)."]
     assert explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 300.0) is None
 

@@ -28,7 +28,7 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.planning.workers.worker import Worker
+from rosoclingo.planning.workers.worker import SolverWorker
 
 DATA = Path(__file__).parents[3] / "data"
 CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
@@ -229,7 +229,7 @@ def memory(monkeypatch):
     """Sizes of workers, one for each look; workers are replaced if they grow by more than 100, or by half."""
     sizes = []
     monkeypatch.setattr(worker, "GROWTH", 100)
-    monkeypatch.setattr(Worker, "memory", property(lambda self: sizes.pop(0)))
+    monkeypatch.setattr(SolverWorker, "memory", property(lambda self: sizes.pop(0)))
     return sizes
 
 

@@ -6,35 +6,34 @@ import signal
 import pytest
 from children import ended
 
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.planning.workers.wire import program_to_message
-from rosoclingo.planning.workers.worker import Worker, WorkerLostError
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.question import never
+from rosoclingo.planning.workers.worker import Request, SolverWorker, WorkerLostError
 
 PATIENCE = (300.0, 300.0)
 
 
 def load(text=""):
-    """A command to load a program."""
-    program = program_to_message(ReactiveProgram.from_text(f"#program base. a. {text}"))
-    return {"do": "load", "program": program, "options": {}}
+    """A request to load a program."""
+    return Request("load", ([Source("a.lp", f"#program base. a. {text}")], {}, {}))
 
 
 @pytest.fixture
 def worker():
-    one = Worker(load(), PATIENCE)
+    one = SolverWorker(load(), PATIENCE)
     yield one
     one.kill()
 
 
 @pytest.mark.slow
 def test_worker_that_hangs_is_not_waited_for(worker):
-    assert worker.finish(None) == {}
+    worker.wait_until_ready(never)
     os.kill(worker.pid, signal.SIGSTOP)
     for _ in range(3):
         worker.begin(load(f'b("{"x" * 2**20}").'))
     assert worker.is_busy()
     os.kill(worker.pid, signal.SIGCONT)
-    assert worker.finish(None) == {}
+    assert worker.ask(load(), never).value is None
     assert not worker.is_busy()
 
 
@@ -49,6 +48,5 @@ def test_worker_that_hangs_can_be_killed(worker):
 def test_worker_that_ended_is_reported_as_lost(worker):
     os.kill(worker.pid, signal.SIGKILL)
     assert ended(worker.pid)
-    worker.begin(load())
     with pytest.raises(WorkerLostError, match="ended by signal SIGKILL"):
-        worker.finish(None)
+        worker.ask(load(), never)

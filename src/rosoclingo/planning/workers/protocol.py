@@ -1,0 +1,53 @@
+"""The messages between a worker and its parent."""
+
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+
+from rosoclingo.planning.history import Entry, History
+
+
+class Command(NamedTuple):
+    """A method of the worker to call.
+
+    Attributes:
+        name: the name of the method.
+        arguments: its arguments.
+        entries: the entries of the history before the call, None if it needs no history.
+        continues: whether the entries follow the worker's own history.
+
+    """
+
+    name: str
+    arguments: Tuple[Any, ...] = ()
+    entries: Optional[List[Entry]] = None
+    continues: bool = False
+
+
+class Interrupt(NamedTuple):
+    """Ends the running search; a grounding is dropped at ``drop_at``, by the clock that all processes share."""
+
+    drop_at: float
+
+
+class Progress(NamedTuple):
+    """The last grounded ``horizon`` of the running search."""
+
+    horizon: int
+
+
+class WorkerReply(NamedTuple):
+    """The reply to a command.
+
+    Attributes:
+        value: the result of the method, or the error that it raised.
+        entries: the entries to append to the history.
+        remarks: all remarks of clingo so far.
+        is_last: whether the command has ended; a search that improves its plan replies with each plan.
+        log: the history after the command, which the parent adds.
+
+    """
+
+    value: Any = None
+    entries: Sequence[Entry] = ()
+    remarks: Tuple[str, ...] = ()
+    is_last: bool = True
+    log: Optional[History] = None
