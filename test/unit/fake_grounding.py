@@ -18,7 +18,7 @@ class FakeGrounding:
 
     A question about several horizons finds the plan of the last one. Horizon ``h`` is refuted after ``hard[h]``
     conflicts; from horizon ``dead`` on the program is hopeless. After ``halts`` questions there is a stop, which
-    interrupts the last one if it is ``cut``. The program ``claims`` to need so many steps, of so many ``atoms`` each.
+    interrupts the last one if it is ``cut``. The program ``claims`` to need so many steps.
 
     Notes in ``asked``: ``2..5/100`` for these horizons and conflicts; then ``+3`` and ``-4`` for the cycles of actions
     assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
@@ -29,7 +29,7 @@ class FakeGrounding:
     def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **options):
         self.plans, self.step, self.horizon, self.most, self.hard = plans, step, horizon, most, hard or {}
         self.dead, self.halts, self.cut = options.get("dead"), options.get("halts"), options.get("cut", False)
-        self.claims, self.atoms_per_step = options.get("claims", 0), options.get("atoms", 10**6)
+        self.claims = options.get("claims", 0)
         advises, optimizes = options.get("advises", False), options.get("optimizes", False)
         self.program = SimpleNamespace(forgets=(), advises=advises, optimizes=optimizes)
         self.asked, self.questions = [], 0

@@ -1,21 +1,17 @@
 """The loop that runs a strategy: it sends the questions to a grounding and polls for a stop."""
 
-import math
 import time
-from typing import Callable, Iterator, List, Optional, TypeVar
+from typing import Callable, List, Optional, TypeVar
 
 import clingo
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.grounding import PIECE, Grounding
+from rosoclingo.planning.grounding import PIECE, Grounding, pieces
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy
 from rosoclingo.planning.snapshot import Snapshot
 
 T = TypeVar("T")
-
-PIECE_ATOMS = 250_000
-"""Approximate number of atoms ground between two polls: each call of clingo iterates over all existing atoms."""
 
 Build = Callable[[Snapshot, int], Grounding]
 """Grounds the program with a snapshot up to a horizon."""
@@ -91,13 +87,14 @@ class Asking:
         return self.ground().actions(first, last)
 
     def ground(self, horizon: int = 0) -> Grounding:
-        """Return the grounding with all steps up to ``horizon``; build or extend it if necessary."""
-        horizon, grounding = max(horizon, self.snapshot.horizon), self.grounding
-        if grounding is None:
-            self.grounding = grounding = self._new_grounding(horizon)
-        elif grounding.horizon < horizon:
-            self.grounding = grounding = self._extend(grounding, horizon)
-        return grounding
+        """Return the grounding with all steps up to ``horizon``; build it or extend it in pieces if necessary."""
+        if self.grounding is None:
+            self.grounding = self._new_grounding(self.snapshot.horizon)
+        for last in pieces(self.grounding.horizon + 1, horizon, horizon if self.grounding.is_cyclic else PIECE):
+            if self.is_stopped():
+                raise StoppedError
+            self.grounding = self._extended(self.grounding, last)
+        return self.grounding
 
     # ---- Implementation ----------------------------------------------------------------------------------------------
 
@@ -107,28 +104,17 @@ class Asking:
             raise StoppedError
         if question.until is not None and question.until():
             return UNKNOWN
-        for last in self._pieces(question.last):
-            self.ground(last)
-            if stopped():
-                raise StoppedError
-        grounding, start = self.ground(question.last), time.perf_counter()
+        grounding = self.ground(question.last)
+        if stopped():
+            raise StoppedError
+        start = time.perf_counter()
         reply = grounding.ask(question, stopped)
         self.seconds += time.perf_counter() - start
         if reply.satisfiable is None and stopped():
             raise StoppedError
         return reply
 
-    def _pieces(self, last: int) -> Iterator[int]:
-        """Yield the horizons at which to poll while grounding up to ``last``, in pieces of equal size."""
-        while self.grounding is None or self.grounding.horizon < last:
-            if self.grounding is None:
-                yield self.snapshot.horizon
-                continue
-            rest = last - self.grounding.horizon
-            number = round(rest / max(PIECE, PIECE_ATOMS // self.grounding.atoms_per_step))
-            yield last if self.grounding.is_cyclic else self.grounding.horizon + math.ceil(rest / max(1, number))
-
-    def _extend(self, grounding: Grounding, horizon: int) -> Grounding:
+    def _extended(self, grounding: Grounding, horizon: int) -> Grounding:
         """Return the extended grounding, or a new one if it cannot grow.
 
         Rules that define the same atom at several steps, or that close a loop, have to be ground in one call of clingo.
@@ -140,7 +126,7 @@ class Asking:
             except DroppedError:
                 raise
             except SolverError:
-                self.grounding = None  # any other error occurs again
+                pass  # any other error occurs again
         return self._new_grounding(horizon)
 
     def _new_grounding(self, horizon: int) -> Grounding:

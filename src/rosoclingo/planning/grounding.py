@@ -10,7 +10,6 @@ from typing import (
     Iterable,
     Iterator,
     List,
-    NamedTuple,
     Optional,
     Sequence,
     Set,
@@ -21,8 +20,8 @@ from weakref import proxy
 import clingo
 from clingo.propagator import Propagator
 
-from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import BEYOND, RETURN, STEPS, no_plan_from, steps_claimed
+from rosoclingo.oclingo.errors import DroppedError, SolverError
+from rosoclingo.oclingo.program.action_rules import BEYOND, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -65,17 +64,6 @@ HIDDEN = (Signature(GUARD, 2), BEYOND)
 """Predicates of auxiliary atoms, which answers leave out."""
 
 _TOO_LATE = "Head {} comes too late: steps before {} are compacted. The entire rule will be ignored."
-
-
-class _Answer(NamedTuple):
-    """One answer to a question; see :class:`Reply`."""
-
-    shown: FrozenSet[clingo.Symbol]
-    horizon: int
-    cost: Tuple[int, ...]
-    optimal: bool
-    predicted: Predicted
-    read: Tuple[FrozenSet[clingo.Symbol], ...]
 
 
 class Grounding:
@@ -158,10 +146,6 @@ class Grounding:
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
         self._add_entries(snapshot.items)
-        ended = {clingo.Number(cycle) for cycle in snapshot.closed.keys() - snapshot.awaiting_returns}
-        for one in self._control.symbolic_atoms.by_signature(*RETURN):
-            if one.symbol.arguments[2] in ended and self.definitions.is_undefined(one.symbol):
-                self.definitions.close(one.symbol)
         self._ends.settle(min(snapshot.min_horizon, self.horizon))
 
     def _declare_open(self) -> Set[clingo.Symbol]:
@@ -315,11 +299,6 @@ class Grounding:
         return [one.symbol for one in self._control.symbolic_atoms]
 
     @property
-    def atoms_per_step(self) -> int:
-        """Average number of atoms of a step; at least 1."""
-        return max(1, len(self._control.symbolic_atoms) // max(1, self.horizon + 1 - self.past.first))
-
-    @property
     def assumable(self) -> FrozenSet[clingo.Symbol]:
         """The facts that a question can disable."""
         return self._assumables.facts
@@ -393,7 +372,7 @@ class Grounding:
         assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first for cores
         blames = bool(blameable) and question.blames
         limits = Limits(question.models, question.conflicts, question.best, question.advised)
-        answers: List[_Answer] = []
+        answers: List[Reply] = []
         this = proxy(self)  # the control holds the callback, which must not hold the control
         with refusing(self.messages, self.program):
             if question.brief:
@@ -408,9 +387,9 @@ class Grounding:
         if (result.interrupted or result.unknown) and (question.proven or not answers):
             return UNKNOWN
         if result.satisfiable or answers:
-            shown = tuple(one.shown for one in (answers if question.proven else answers[-1:]))
-            last, read = answers[-1], tuple(one.read for one in answers)
-            return Reply(True, shown, last.horizon, last.cost, last.optimal, predicted=last.predicted, read=read)
+            counted = answers if question.proven else answers[-1:]
+            shown, read = tuple(one.answers[0] for one in counted), tuple(one.read[0] for one in counted)
+            return answers[-1]._replace(answers=shown, read=read)
         if self.is_conflicting:
             lasts = all(
                 one.lifetime == FOREVER for one in self.snapshot.timed_statements
@@ -424,7 +403,7 @@ class Grounding:
         blamed = frozenset(one for one, literal in kept.items() if literal in blame)
         return Reply(False, core=facts, blamed=blamed, hopeless=timeless and self._is_complete)
 
-    def _keep(self, model: clingo.Model, question: Question, answers: List[_Answer]) -> None:
+    def _keep(self, model: clingo.Model, question: Question, answers: List[Reply]) -> None:
         """Record a model as an answer; models that are not proven optimal only if the question accepts them."""
         if question.best and question.proven and model.cost and not model.optimality_proven:
             return
@@ -434,7 +413,8 @@ class Grounding:
         predicted = Predicted() if self._return_rules is None else self._predict(model, self._return_rules)
         read = tuple(one(model) for one in question.reads)
         cost, optimal = tuple(model.cost), bool(model.optimality_proven)
-        answers.append(_Answer(self.shown | self._compacted, horizon, cost, optimal, predicted, read))
+        shown = self.shown | self._compacted
+        answers.append(Reply(True, (shown,), horizon, cost, optimal, predicted=predicted, read=(read,)))
         differ = [one.literal for one in self._atoms(question.differ)]
         if differ and question.models != 1:
             model.context.add_clause([-one if model.is_true(one) else one for one in differ])
@@ -474,7 +454,7 @@ class Grounding:
         return predict(self._actions.among(self.shown or ()), rules, can_arrive, is_true)
 
 
-def pieces(first: int, end: int, size: int, keep_from: int) -> Iterator[int]:
+def pieces(first: int, end: int, size: int, keep_from: int = 0) -> Iterator[int]:
     """Yield the last step of each piece of ``first`` to ``end``; one piece ends before ``keep_from``."""
     while first <= end:
         last = min(first + size - 1, end)

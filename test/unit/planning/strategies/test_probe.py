@@ -264,7 +264,7 @@ def test_probes_of_one_update_share_a_grounding(work):
 
 def test_probe_doubles_the_steps_until_a_stop(work):
     assert not probe(planner_of(FAR), "#step 1 : 139. go.", "go").satisfiable
-    assert " ".join(work[-9:]) == "1..1 >33 1..33 >66 1..66 >132 1..132 >140 1..140"
+    assert " ".join(work[-10:]) == "1..1 >33 1..33 >66 1..66 >130 >132 1..132 >140 1..140"
     work.clear()
     stopped = probe(planner_of(FAR), "#step 1 : 139. go.", "go", stopped=lambda: ">66" in work)
     assert (stopped.satisfiable, work[-1]) == (None, ">66")

@@ -103,8 +103,7 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
     ({20: [20]}, ADVISED, NOW, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
     # as many steps as the program claims and a quarter more, in pieces; but the claim is not believed
     ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100 16..21/100"),
-    ({180: []}, {"claims": 160, "most": 300}, NOW, "1..1/100 >68 >134 >200 2..200/100"),
-    ({180: []}, {"claims": 160, "most": 300, "atoms": 1800}, NOW, "1..1/100 >200 2..200/100"),
+    ({180: []}, {"claims": 160, "most": 300}, NOW, "1..1/100 >65 >129 >193 >200 2..200/100"),
     # each horizon before the next if further steps can end answers
     ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
     # shorter plans, and proofs, with twice the conflicts each time
