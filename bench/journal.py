@@ -20,7 +20,7 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.database import Header, file_of, read
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 
 
@@ -46,7 +46,7 @@ class Run:
 
     def goal(self, key, text):
         """A client's goal comes, and its first actions go out."""
-        self.keeper.add(key, Client(text, (0, 0)))
+        self.keeper.add(key, ClientGoal(text, (0, 0)))
         self.keeper.keep()
         self.core.add_goal(key, text)
         self.advance()

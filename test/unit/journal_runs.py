@@ -9,7 +9,7 @@ from core_driver import soon
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.runs.recorded_run import RunProgram
 
@@ -35,7 +35,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
     keeper.send()
     for number in range(200):
         if number < len(goals):
-            keeper.add(goals[number][0], Client(goals[number][1], (int(clock[0]), 0)))
+            keeper.add(goals[number][0], ClientGoal(goals[number][1], (int(clock[0]), 0)))
             core.add_goal(*goals[number])
         if number == cancel_at:
             keeper.cancel(goals[1][0])

@@ -6,7 +6,7 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
@@ -38,7 +38,7 @@ class Node:
 
     def goal(self, key, text):
         """A goal comes."""
-        self.keeper.add(key, Client(text, (1, 2)))
+        self.keeper.add(key, ClientGoal(text, (1, 2)))
         self.keeper.keep()
         self.core.add_goal(key, text)
         return self.run()

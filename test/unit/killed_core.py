@@ -9,12 +9,13 @@ from core_driver import ERRANDS, shortest
 from hypothesis import strategies as st
 from workloads import sized
 
+from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Client, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
@@ -65,9 +66,8 @@ class Fate:
             patch.setattr(JournalFolder, "begin", self._commits(JournalFolder.begin))
             patch.setattr(JournalFolder, "append", self._commits(JournalFolder.append))
             patch.setattr(folder, "RECORDS", 20)
-            patch.setattr(folder, "LOG_PAGES", 10**6)  # the log only grows, so that it can be cut
-            patch.setattr(folder, "SYNCED", "OFF")
-            patch.setattr(folder, "UNSYNCED", "OFF")
+            patch.setattr(database, "LOG_PAGES", 10**6)  # the log only grows, so that it can be cut
+            patch.setattr(database, "SYNCED", "OFF")
             yield
 
     def pass_instant(self):
@@ -81,14 +81,14 @@ class Fate:
         return self._left == 0
 
     def _commits(self, write):
-        def commit(journal, change, *times, wait=True):
+        def commit(journal, change, *times):
             self.writes.add(self.instants + 1)
             now = self._is_now()
-            write(journal, change, *times)
+            written = write(journal, change, *times)
             if now:
                 raise KilledError
-            if wait:
-                self._on_disk = journal.path.with_name(f"{NAME}-wal").stat().st_size
+            self._on_disk = journal.path.with_name(f"{NAME}-wal").stat().st_size
+            return written
 
         return commit
 
@@ -218,11 +218,10 @@ class Node:
         else:
             raise AssertionError("the core does not come to rest")
         self.keeper.send()
-        self.keeper.settle()
 
     def goal(self, key, text):
         """A goal arrives."""
-        self.keeper.add(key, Client(text, (1, 2)))
+        self.keeper.add(key, ClientGoal(text, (1, 2)))
         self.keeper.keep()
         self.core.add_goal(key, text)
 

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "src" / "rosoclingo"
 PURE = ("oclingo", "planning", "golog", "reasoning", "checking", "runs", "robot/navigation", "robot/simulation")
-PURE_COMMON = ("labels", "lazy", "reading")  # what pure packages may import of common
+PURE_COMMON = ("database", "labels", "lazy", "reading")  # what pure packages may import of common
 MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "common": set(),
     "oclingo": {"oclingo/progression", "oclingo/program", "oclingo/solving"},  # errors for all, the front for users

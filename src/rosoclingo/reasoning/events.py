@@ -1,7 +1,7 @@
 """What the core tells its observers: one frozen value per thing that happened, in the order it happened."""
 
 from dataclasses import dataclass
-from typing import Callable, ClassVar, FrozenSet, Iterable, Optional, Tuple
+from typing import Callable, FrozenSet, Iterable, Optional, Tuple
 
 from clingo import Symbol
 
@@ -14,15 +14,9 @@ from rosoclingo.reasoning.present import Present
 
 @dataclass(frozen=True)
 class Event:
-    """Anything that happened, in ``cycle``.
-
-    Attributes:
-        is_news: whether anybody may act on it; what came from outside is told for the record alone.
-
-    """
+    """Anything that happened, in ``cycle``."""
 
     cycle: int
-    is_news: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -82,7 +76,6 @@ class ReturnTaken(Event):
     """The answer of an interface to an action of this cycle."""
 
     atom: Symbol
-    is_news = False
 
 
 @dataclass(frozen=True)
@@ -90,7 +83,6 @@ class FactTaken(Event):
     """Another fact about the world."""
 
     atom: Symbol
-    is_news = False
 
 
 @dataclass(frozen=True)

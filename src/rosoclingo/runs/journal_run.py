@@ -12,10 +12,10 @@ from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Anew
 from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
 from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
-from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, State, history
-from rosoclingo.reasoning.journal.keeper import Client
+from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, history
+from rosoclingo.reasoning.journal.keeper import ClientGoal
 from rosoclingo.reasoning.keywords import REQUEST, RETURN, is_keyword
-from rosoclingo.reasoning.records import actions_of, group, keys_of, log_of, plan_of, symbol_of
+from rosoclingo.reasoning.records import Record, actions_of, group, keys_of, log_of, plan_of, symbol_of
 from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
@@ -119,7 +119,7 @@ class _Reader:
     def __init__(self, events: RunEvents, header: Header) -> None:
         """Pass on to ``events``, first of all the program; raises RecordingError."""
         self._events, self._clock = events, _Clock()
-        self._clients: Dict[str, Client] = {}
+        self._clients: Dict[str, ClientGoal] = {}
         self._ended: Set[str] = set()
         self._states: Dict[str, Tuple[GoalState, bool]] = {}
         self._returns: Set[str] = set()
@@ -148,7 +148,7 @@ class _Reader:
         self._statuses(time, state)
         self._events.clock(time)
 
-    def _begin(self, time: float, state: State) -> None:
+    def _begin(self, time: float, state: Record) -> None:
         """Pass on the plan and the actions of the first state."""
         self.first, self._cycle = max(1, state["core"]["step"]), _told(state)
         self._entries.update(group(state, "log"))
@@ -158,9 +158,9 @@ class _Reader:
             self._events.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"]["actions"])])
             self._under_way(time, state)
 
-    def _arrivals(self, time: float, state: State) -> None:
+    def _arrivals(self, time: float, state: Record) -> None:
         """Pass on goals that have come, and cancels."""
-        found = {key: Client.of_record(value) for key, value in group(state, "client").items()}
+        found = {key: ClientGoal.of_record(value) for key, value in group(state, "client").items()}
         for key, client in found.items():
             before = self._clients.get(key)
             if before is None:
@@ -171,7 +171,7 @@ class _Reader:
                 self._events.cancel(time, key)
         self._clients.update(found)
 
-    def _under_way(self, time: float, state: State) -> None:
+    def _under_way(self, time: float, state: Record) -> None:
         """Pass on which actions under way the core has ended, and which have returned."""
         self._events.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"]["ended"])])
         if state["dispatch"] is not None:
@@ -182,7 +182,7 @@ class _Reader:
         self._returns.update(fresh)
         self._events.returned(time, SOMEBODY, fresh)
 
-    def _advance(self, time: float, state: State) -> None:
+    def _advance(self, time: float, state: Record) -> None:
         """Pass on a cycle that has begun, and what was decided in it."""
         entries = {name: value for name, value in group(state, "log").items() if name not in self._entries}
         self._entries.update(entries)
@@ -210,7 +210,7 @@ class _Reader:
             return self._updates[anew[-1] :]
         return list({one.step: one for one in self._updates if (one.step or 1) > self._cycle}.values())
 
-    def _decided(self, time: float, cycle: int, state: State) -> None:
+    def _decided(self, time: float, cycle: int, state: Record) -> None:
         """Pass on a plan, from ``cycle`` on, with the horizon of the plan in force or of the last search."""
         entries = list(group(state, "log").values())
         plans = [one for one in entries if one["do"] == "adopt"]
@@ -218,7 +218,7 @@ class _Reader:
         actions = [str(one.atom) for one in plan_of(state["plan"]).actions if one.cycle >= cycle]
         self._events.plan(time, cycle, horizon, actions)
 
-    def _statuses(self, time: float, state: State) -> None:
+    def _statuses(self, time: float, state: Record) -> None:
         """Pass on how goals stand, and how they ended."""
         for key, goal in group(state, "goal").items():
             state_now, waits = GoalState(goal["state"]), goal["waits"]
@@ -239,7 +239,7 @@ class _Reader:
                 self._events.status(time, key, _NUMBERS[client.ending.state], client.ending.message)
 
 
-def _told(state: State) -> int:
+def _told(state: Record) -> int:
     """Return the cycle of the last update in force."""
     return int(state["core"]["published"])
 

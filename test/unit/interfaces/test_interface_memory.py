@@ -2,7 +2,6 @@
 
 import contextlib
 import resource
-import sqlite3
 import tempfile
 from pathlib import Path
 
@@ -173,15 +172,6 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path):
     one.path.mkdir()
     one.begin_run("first")
     assert "cannot read" in one.trouble
-
-
-def test_each_change_is_on_the_disk_before_the_action_goes_on(tmp_path, monkeypatch):
-    """SQLite returns from a transaction once the disk has it: that is its mode FULL, which is 2."""
-    opened, connect = [], sqlite3.connect
-    monkeypatch.setattr(sqlite3, "connect", lambda path: opened.append(connect(path)) or opened[-1])
-    memory(tmp_path).note_begun(PICKUP, "goal-1")
-    assert [one.execute("PRAGMA synchronous").fetchone() for one in opened] == [(2,)]
-    assert not opened[0].in_transaction
 
 
 def test_the_last_answers_are_kept_and_all_that_is_under_way(tmp_path):

@@ -40,7 +40,7 @@ from rosoclingo.reasoning import (
 )
 from rosoclingo.reasoning.core_state import Health, Level, Report
 from rosoclingo.reasoning.interface_register import InterfaceRegister
-from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.reasoning.settings import JOINING
@@ -243,7 +243,7 @@ class CoreNode:
             return
         self._arrivals.add(key)
         self._handles.add(key, handle)
-        self._keeper.add(key, Client(text, stamp_of(handle)))
+        self._keeper.add(key, ClientGoal(text, stamp_of(handle)))
         self._worker.put(lambda: self._goal_came(key, text))
 
     def _goal_came(self, key: str, text: str) -> None:
@@ -271,7 +271,6 @@ class CoreNode:
         self._tick()
         improvable = self._go_on()
         self._send()
-        self._keeper.settle()
         self._keeper.forget(self._results.over())
         self._look_after_journal()
         self._tick()

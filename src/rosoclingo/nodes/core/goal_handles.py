@@ -13,7 +13,7 @@ from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoCling
 from rosoclingo.nodes.core.board import SHOWN, GoalBoard
 from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
 from rosoclingo.reasoning.goals import TRANSITIONS
-from rosoclingo.reasoning.journal.keeper import Client
+from rosoclingo.reasoning.journal.keeper import ClientGoal
 from rosoclingo.reasoning.keywords import shortened
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
@@ -147,7 +147,7 @@ class Results:
         return [one.status.goal_id.id for one in messages]
 
 
-def status_of(client: Client, goal: Optional[Goal]) -> int:
+def status_of(client: ClientGoal, goal: Optional[Goal]) -> int:
     """Return actionlib's status of a goal; the core has none where it has not got to it, or the goal has ended."""
     if client.ending is not None:
         return _number(client.ending.state)

@@ -13,6 +13,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple, TypeVar
 
+from rosoclingo.reasoning.records import Record
+
 #: The file in the folder of a journal.
 NAME = "journal.db"
 
@@ -25,9 +27,6 @@ TABLES = (
     "CREATE TABLE IF NOT EXISTS record (number INTEGER PRIMARY KEY, time REAL, change TEXT, crc INTEGER)",
     f"PRAGMA user_version = {FORMAT}",
 )
-
-#: A state by sections: plain values for JSON. The sections of a group are in order of arrival.
-State = Dict[str, Any]
 
 _T = TypeVar("_T")
 
@@ -57,14 +56,14 @@ class Kept(NamedTuple):
     """The content of a journal: its header, the state after the last record, and the number of records."""
 
     header: Header
-    state: State
+    state: Record
     records: int
 
 
 class Moment(NamedTuple):
     """The state after a record, and the time of that record in seconds of the run's clock, None if it has none."""
 
-    state: State
+    state: Record
     time: Optional[float]
 
 
@@ -100,7 +99,7 @@ def history(file: Path) -> Tuple[Header, Iterator[Moment]]:
 
     def moments() -> Iterator[Moment]:
         """Yield the moments."""
-        state: State = {}
+        state: Record = {}
         for _, time, change, _ in rows:
             _apply(state, json.loads(change))
             yield Moment(state, time)
@@ -158,7 +157,7 @@ def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, Optional[f
     return Header(*row[:-1]), rows
 
 
-def changes(before: State, after: State) -> State:
+def changes(before: Record, after: Record) -> Record:
     """Return what makes one state of the other, in the same order within each group; empty if they are the same."""
     moved = set() if list(before) == list(after) else _moved(before, after)
     gone = [name for name in before if name not in after or name in moved]
@@ -182,7 +181,7 @@ def lines_of(kept: Kept) -> Iterable[str]:
         yield f"{name} {json.dumps(value)}"
 
 
-def _moved(before: State, after: State) -> Set[str]:
+def _moved(before: Record, after: Record) -> Set[str]:
     """Return the sections that have to move to the end of their group."""
     places = {name: place for place, name in enumerate(before)}
     last: Dict[str, float] = {}
@@ -196,7 +195,7 @@ def _moved(before: State, after: State) -> Set[str]:
     return found
 
 
-def _apply(state: State, change: State) -> None:
+def _apply(state: Record, change: Record) -> None:
     for name in change.get("drop", ()):
         state.pop(name, None)
     state.update(change.get("set", {}))

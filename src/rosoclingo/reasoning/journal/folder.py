@@ -9,27 +9,22 @@ import sqlite3
 from pathlib import Path
 from typing import List, Optional
 
+from rosoclingo.common.database import Database
 from rosoclingo.reasoning.journal.database import (
     NAME,
     TABLES,
     Header,
     JournalError,
     Kept,
-    State,
     changes,
     checksum,
     is_empty,
     read,
 )
+from rosoclingo.reasoning.records import Record
 
 #: Records after which the journal begins again with the whole state.
 RECORDS = 500
-
-#: SQLite's ``synchronous``: with the one a commit waits for the disk, with the other it outlives only this process.
-SYNCED, UNSYNCED = "FULL", "NORMAL"
-
-#: Pages of the log before SQLite moves them into the database: a short log is overwritten, which is faster than growth.
-LOG_PAGES = 60
 
 #: Seconds between two attempts to write, after a write has failed.
 RETRY = 10.0
@@ -52,9 +47,9 @@ class JournalFolder:
     def __init__(self, folder: Path) -> None:
         """Lock the folder, which is made if there is none; raises TakenError if another core has it, and OSError."""
         self.path = folder / NAME
+        self.database = Database(self.path, TABLES, RETRY)
         folder.mkdir(parents=True, exist_ok=True)
         self._lock: Optional[int] = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
-        self._db: Optional[sqlite3.Connection] = None
         self.records = 0  # since the whole state was written
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -78,58 +73,44 @@ class JournalFolder:
             mend = f"start without it (~resume: no, or rosrun rosoclingo journal clear {self.path.parent})"
             raise JournalError(f"{self.path}: {error}: {mend}; nothing of it is used") from None
 
-    def begin(self, header: Header, state: State, time: Optional[float] = None) -> None:
-        """Write the whole state in place of all records; raises sqlite3.Error."""
-        db = self._connect()
-        db.execute(f"PRAGMA synchronous = {SYNCED}")
-        db.execute("PRAGMA page_size = 1024")  # a commit writes whole pages, and a record is shorter than one
-        db.execute("PRAGMA journal_mode = WAL")
-        db.execute(f"PRAGMA wal_autocheckpoint = {LOG_PAGES}")
+    def begin(self, header: Header, state: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
+        """Write the whole state in place of all records; return whether the disk has it."""
         self.records = 0
-        with db:
-            db.execute("BEGIN")
-            for statement in (*TABLES, "DELETE FROM header", "DELETE FROM record"):
-                db.execute(statement)
-            db.execute("INSERT INTO header VALUES (?, ?, ?, ?, ?)", (*header, checksum(*header)))
-            self._insert({"set": state}, time)
+        return self._commit({"set": state}, time, now, header)
 
-    def append(self, change: State, time: Optional[float] = None, wait: bool = True) -> None:
-        """Write one more record; raises sqlite3.Error, and then the record is not in the journal.
+    def append(self, change: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
+        """Write one more record; return whether the disk has it. If not, the record is not in the journal."""
+        return self._commit(change, time, now)
 
-        On return the disk has it if ``wait`` is true. Otherwise it survives the process, but not the machine, until the
-        disk has a later record.
-        """
-        self._connect().execute(f"PRAGMA synchronous = {SYNCED if wait else UNSYNCED}")
-        self._insert(change, time)
-
-    def _insert(self, change: State, time: Optional[float]) -> None:
+    def _commit(self, change: Record, time: Optional[float], now: float, header: Optional[Header] = None) -> bool:
         text = json.dumps(change, separators=(",", ":"))
         row = self.records + 1, None if time is None else round(time, 3), text
-        self._connect().execute("INSERT INTO record VALUES (?, ?, ?, ?)", (*row, checksum(*row)))
-        self.records += 1
+
+        def write(db: sqlite3.Connection) -> bool:
+            """Insert the record, as the only one if there is a header."""
+            if header is not None:
+                db.execute("DELETE FROM header")
+                db.execute("DELETE FROM record")
+                db.execute("INSERT INTO header VALUES (?, ?, ?, ?, ?)", (*header, checksum(*header)))
+            db.execute("INSERT INTO record VALUES (?, ?, ?, ?)", (*row, checksum(*row)))
+            return True
+
+        written = bool(self.database.run(write, now))
+        self.records += written
+        return written
 
     def set_aside(self, suffix: str) -> Optional[Path]:
         """Rename the journal to end with ``suffix``; return its path, None if there is none; raises OSError."""
-        if is_empty(self.path):
-            self._disconnect()
-            with contextlib.suppress(FileNotFoundError):
-                self.path.unlink()
-            return None
-        self._connect()
-        self._disconnect()
-        aside = Path(f"{self.path}.{suffix}")
-        os.replace(self.path, aside)  # first of all: SQLite ignores the log of a file that does not exist
-        for file in ("-wal", "-shm"):
-            with contextlib.suppress(FileNotFoundError):
-                os.replace(f"{self.path}{file}", f"{aside}{file}")
-        folder = os.open(self.path.parent, os.O_RDONLY)
-        os.fsync(folder)
-        os.close(folder)
-        return aside
+        if not is_empty(self.path):
+            return self.database.set_aside(suffix)
+        self.database.close()
+        with contextlib.suppress(FileNotFoundError):
+            self.path.unlink()
+        return None
 
     def clear(self) -> List[str]:
         """Remove the journal and those that were set aside; return the names of the files; raises OSError."""
-        self._disconnect()
+        self.database.close()
         found = sorted(self.path.parent.glob(f"{NAME}*"))
         for one in found:
             one.unlink()
@@ -137,22 +118,10 @@ class JournalFolder:
 
     def close(self) -> None:
         """Unlock the folder."""
-        self._disconnect()
+        self.database.close()
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
-
-    def _connect(self) -> sqlite3.Connection:
-        if self._db is None:
-            self._db = sqlite3.connect(str(self.path), 1.0, isolation_level=None, check_same_thread=False)
-        return self._db
-
-    def _disconnect(self) -> None:
-        if self._db is not None:
-            with contextlib.suppress(sqlite3.Error):  # a full disk, a reader or damage: the log stays beside the file
-                self._db.execute("PRAGMA journal_mode = DELETE")  # a single file, for copies and read-only folders
-            self._db.close()
-            self._db = None
 
 
 def tidy(shelf: Path, now: float) -> None:
@@ -183,50 +152,42 @@ def _remove(path: Path) -> None:
 
 
 class Journal:
-    """Keeps a state in a folder: each :meth:`write` adds the sections that have changed.
+    """Keeps a state in a folder: each :meth:`write` adds the sections that have changed, and waits for the disk.
 
     A disk that is full or fails does not stop the robot: :attr:`fault` reports it, and the next attempt is made after
     some time. Until then there is no journal: the old one is out of date and has another name.
-
-    Attributes:
-        fault: why nothing is written at present, empty if all is well.
-
     """
 
-    def __init__(self, folder: JournalFolder, header: Header, retry: float = RETRY) -> None:
-        self._folder, self._header, self._retry = folder, header, retry
-        self._written: Optional[State] = None
-        self._tried = float("-inf")
-        self.fault = ""
+    def __init__(self, folder: JournalFolder, header: Header) -> None:
+        self._folder, self._header = folder, header
+        self._written: Optional[Record] = None
 
-    def write(self, state: State, now: float, time: Optional[float] = None, wait: bool = True) -> None:
-        """Write the ``state``, and ``wait`` until the disk has it and all earlier ones.
+    @property
+    def fault(self) -> str:
+        """Why nothing is written at present, empty if all is well."""
+        fault = self._folder.database.fault
+        return fault and f"the journal {self._folder.path} cannot be written: {fault}"
+
+    def is_due(self, now: float) -> bool:
+        """Return whether it is time for another attempt after a write that failed."""
+        return self._folder.database.is_due(now)
+
+    def write(self, state: Record, now: float, time: Optional[float] = None) -> None:
+        """Write the ``state``.
 
         ``now`` is in seconds of a monotonic clock; ``time``, which is written too, is in seconds of the run's clock.
         """
         if self.fault and not self.is_due(now):
             return
-        try:
-            self._write(state, time, wait)
-            self.fault = ""
-        except (OSError, sqlite3.Error) as error:
-            self._written, self._tried = None, now
-            self.fault = f"the journal {self._folder.path} cannot be written: {error}"
-            with contextlib.suppress(OSError):
-                self._folder.set_aside("stale")
-
-    def is_due(self, now: float) -> bool:
-        """Return whether it is time for another attempt after a write that failed."""
-        return bool(self.fault) and now - self._tried >= self._retry
-
-    def _write(self, state: State, time: Optional[float], wait: bool) -> None:
         if self._written is None or self._folder.records >= RECORDS:
-            self._folder.begin(self._header, state, time)
+            written = self._folder.begin(self._header, state, time, now)
         else:
             change = changes(self._written, state)
-            if change or wait:  # an empty record makes the disk have the earlier ones
-                self._folder.append(change, time, wait=wait)
-        self._written = state
+            written = not change or self._folder.append(change, time, now)
+        self._written = state if written else None
+        if not written:
+            with contextlib.suppress(OSError):
+                self._folder.set_aside("stale")
 
     def close(self) -> None:
         """Write no more."""

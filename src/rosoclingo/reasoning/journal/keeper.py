@@ -18,7 +18,7 @@ class Ending(NamedTuple):
     message: str
 
 
-class Client(NamedTuple):
+class ClientGoal(NamedTuple):
     """A client's goal as it came, at ``stamp`` (seconds and nanoseconds), from then on until its end is told.
 
     ``cancelled`` tells whether the client has asked to cancel it.
@@ -36,7 +36,7 @@ class Client(NamedTuple):
         return {**self._asdict(), "stamp": list(self.stamp), "ending": ending}
 
     @classmethod
-    def of_record(cls, record: Record) -> "Client":
+    def of_record(cls, record: Record) -> "ClientGoal":
         """Return the goal of :meth:`record`."""
         end = record["ending"]
         ending = end and Ending(GoalState(end["state"]), Outcome(end["outcome"]), end["message"])
@@ -69,8 +69,7 @@ class Keeper:
         self._core: Optional[KeptCore] = None
         self._state: Record = {}
         self._events: List[Event] = []
-        self._unsynced = False  # whether the disk may lack a record
-        self.clients: Dict[str, Client] = {}
+        self.clients: Dict[str, ClientGoal] = {}
         self.given_up = GivenUpGoals()
 
     def __call__(self, event: Event) -> None:
@@ -81,7 +80,7 @@ class Keeper:
         """Keep this core, which may have been made of a ``record``; then all is written down again."""
         self._core = core
         if record is not None:
-            self.clients = {key: Client.of_record(value) for key, value in group(record, "client").items()}
+            self.clients = {key: ClientGoal.of_record(value) for key, value in group(record, "client").items()}
             self.given_up.restore(record)
         self._look()
         self._write()
@@ -96,7 +95,7 @@ class Keeper:
         """Why nothing is written at present, empty where all is well."""
         return self._fault if self._journal is None else self._journal.fault
 
-    def add(self, key: str, client: Client) -> None:
+    def add(self, key: str, client: ClientGoal) -> None:
         """A client's goal has arrived; :meth:`keep` it before the client hears of that."""
         self.clients[key] = client
 
@@ -116,7 +115,7 @@ class Keeper:
     def send(self, keep_ends: bool = False) -> None:
         """Write the state after a step of the core, and let its events out; also to be called if nothing happens.
 
-        The disk has the state before any event goes out that the outside acts on. With ``keep_ends`` ended goals stay
+        The disk has the state before any event goes out. With ``keep_ends`` ended goals stay
         in the journal until :meth:`forget`, because their clients may not hear yet.
         """
         if not self._events:
@@ -127,16 +126,11 @@ class Keeper:
         events, self._events = self._events, []
         ends = [key for key in map(self._note, events) if key is not None]
         self._look()
-        self._write(wait=any(event.is_news for event in events))
+        self._write()
         for event in events:
             self._tell(event)
         if not keep_ends:
             self.forget(ends)
-
-    def settle(self) -> None:
-        """Wait until the disk has all records, for times without other work."""
-        if self._unsynced:
-            self._write()
 
     def close(self) -> None:
         """Write no more, and unlock the journal."""
@@ -149,13 +143,12 @@ class Keeper:
         if self._journal is not None:
             self._state = self._core.record()
 
-    def _write(self, wait: bool = True) -> None:
+    def _write(self) -> None:
         if self._journal is None:
             return
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
         time = None if self._time is None else self._time()
-        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time, wait)
-        self._unsynced = not wait
+        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time)
 
     def _note(self, event: Event) -> Optional[str]:
         """Note the end of a client's goal, and return its key; note a goal that is given up."""

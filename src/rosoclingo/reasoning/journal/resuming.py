@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
 
-from rosoclingo.reasoning.journal.database import Header, JournalError, Kept, State, is_empty, launch_of
+from rosoclingo.reasoning.journal.database import Header, JournalError, Kept, is_empty, launch_of
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.records import group
+from rosoclingo.reasoning.records import Record, group
 
 #: ``yes``: resume; ``no``: begin a new run; ``ask``: resume if the same launch has begun the run.
 RESUMES = ("ask", "yes", "no")
@@ -26,7 +26,7 @@ class Found(NamedTuple):
 
     journal: Optional[Journal]
     run: str
-    state: Optional[State] = None
+    state: Optional[Record] = None
     remarks: Sequence[str] = ()
     odd: bool = False
     fault: str = ""

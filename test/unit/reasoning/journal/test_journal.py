@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from killed_core import files_of, put_files
 
+from rosoclingo.common import database
 from rosoclingo.reasoning.journal import folder as module
 from rosoclingo.reasoning.journal.database import NAME, Header, JournalError, changes, history, lines_of, read
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, TakenError, tidy
@@ -59,10 +60,10 @@ def killed(tmp_path_factory):
     folder = JournalFolder(path)
     journal = Journal(folder, HEADER)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "LOG_PAGES", 10**6)
+        patch.setattr(database, "LOG_PAGES", 10**6)
         for number in range(12):
             states.append({"core": number, f"goal:{number}": "x" * 300, "goal:0": number // 3})
-            journal.write(states[-1], 0.0, float(number), wait=number % 2 == 0)
+            journal.write(states[-1], 0.0, float(number))
             lengths.append((path / f"{NAME}-wal").stat().st_size)
     files = files_of(path)
     folder.close()
@@ -73,7 +74,7 @@ def killed(tmp_path_factory):
 @given(st.lists(STATES, min_size=1, max_size=6))
 def test_what_is_read_is_what_was_written(states):
     with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "SYNCED", "OFF")
+        patch.setattr(database, "SYNCED", "OFF")
         folder = JournalFolder(Path(name))
         journal = Journal(folder, HEADER)
         for number, state in enumerate(states):
@@ -175,7 +176,7 @@ def test_what_stands_elsewhere_in_its_group_is_written_anew(before, after, writt
 def test_only_what_has_changed_is_written(folder):
     journal = Journal(folder, HEADER)
     for core in (1, 1, 2):
-        journal.write({"core": core, "goal:1": "x" * 1000}, 0.0, wait=False)
+        journal.write({"core": core, "goal:1": "x" * 1000}, 0.0)
     folder.close()
     with sqlite3.connect(str(folder.path)) as db:
         found = [text for (text,) in db.execute("SELECT change FROM record")]
@@ -186,7 +187,7 @@ def test_only_what_has_changed_is_written(folder):
 @pytest.mark.slow
 def test_it_does_not_grow_without_end(folder, monkeypatch):
     monkeypatch.setattr(module, "RECORDS", 20)
-    monkeypatch.setattr(module, "SYNCED", "OFF")
+    monkeypatch.setattr(database, "SYNCED", "OFF")
     journal, sizes, records = Journal(folder, HEADER), [], []
     for number in range(500):
         journal.write({"core": number, "goal:1": "x" * 100}, 0.0)
@@ -250,7 +251,7 @@ def full_disk():
 
 
 def test_a_disk_that_fails_is_told_and_tried_again(folder):
-    journal, stale = Journal(folder, HEADER, retry=10.0), Path(f"{folder.path}.stale")
+    journal, stale = Journal(folder, HEADER), Path(f"{folder.path}.stale")
     journal.write({"core": 1}, 0.0)
     assert journal.fault == ""
     with full_disk():

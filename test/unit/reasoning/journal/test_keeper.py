@@ -10,6 +10,7 @@ from core_driver import ERRANDS, FORGETFUL, shortest
 from kept_node import PROGRAM
 from workloads import sized
 
+from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import (
     ActionsDispatched,
@@ -24,7 +25,7 @@ from rosoclingo.reasoning import (
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
-from rosoclingo.reasoning.journal.keeper import Client, Ending, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 
 
@@ -54,66 +55,45 @@ def test_whatever_goes_out_is_on_disk_before(start):
 
 
 @pytest.fixture
-def synced(monkeypatch):
-    """For each further record whether the disk was waited for."""
-    waits, append = [], JournalFolder.append
+def records(monkeypatch):
+    """The changes of each further record."""
+    changes, append = [], JournalFolder.append
 
-    def note(journal, change, time=None, wait=True):
-        append(journal, change, time, wait)
-        waits.append(wait)
+    def note(journal, change, *times):
+        changes.append(change)
+        return append(journal, change, *times)
 
     monkeypatch.setattr(JournalFolder, "append", note)
-    return waits
+    return changes
 
 
-def test_the_disk_is_waited_for_once_between_a_return_and_the_next_action(start, synced):
-    node = start()
-    node.goal("a", "do(walk,1)").goal("b", "do(walk,2)")
-
-    def look(event):
-        if event.is_news:
-            assert synced[-1]
-
-    node.at_event = look
-    synced.clear()
-    node.told.clear()
-    node.succeed()
-    kinds = [type(event) for event in node.told]
-    assert kinds.index(ReturnTaken) < kinds.index(ActionsDispatched)
-    assert synced.count(True) == 1
-
-
-def test_a_return_outlives_the_core_at_once_and_the_machine_where_nothing_follows(start, synced):
+def test_a_return_outlives_the_core_and_the_machine_at_once(start, records):
     node = start()
     node.goal("a", "do(walk,1)")
     (action,) = node.core.awaited
-    synced.clear()
+    records.clear()
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     node.keeper.send()
     assert [type(event) for event in node.told][-1] is ReturnTaken
-    assert synced == [False]
-    node.keeper.settle()
-    node.keeper.settle()
-    assert synced == [False, True]
+    assert len(records) == 1
     assert start().core.awaited == ()
 
 
-def test_nothing_is_written_where_nothing_happens(start, synced):
+def test_nothing_is_written_where_nothing_happens(start, records):
     node = start()
     node.goal("a", "do(walk,1)")
-    synced.clear()
+    records.clear()
     node.keeper.send()
-    node.keeper.settle()
-    assert synced == []
+    assert records == []
 
 
 def test_a_goal_that_was_kept_but_not_taken_is_there_after_a_kill(start):
     node = start()
-    node.keeper.add("a", Client("do(walk,1)", (3, 4)))
+    node.keeper.add("a", ClientGoal("do(walk,1)", (3, 4)))
     node.keeper.cancel("a")
     node.keeper.keep()
     again = start()
-    assert again.keeper.clients == {"a": Client("do(walk,1)", (3, 4), cancelled=True)}
+    assert again.keeper.clients == {"a": ClientGoal("do(walk,1)", (3, 4), cancelled=True)}
     assert again.core.goal("a") is None
 
 
@@ -239,7 +219,7 @@ def size_of(journal):
 @pytest.mark.slow
 @pytest.mark.once
 def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
-    monkeypatch.setattr(folder, "SYNCED", "OFF")
+    monkeypatch.setattr(database, "SYNCED", "OFF")
     monkeypatch.setattr(folder, "RECORDS", 20)
     node, sizes, states, goals = start(ReactiveProgram.from_text(FORGETFUL)), [], [], sized(120, 240)
     for number in range(goals):
@@ -279,7 +259,7 @@ def test_a_core_is_on_disk_before_it_begins_and_no_more_once_the_journal_is_clos
 def test_without_a_journal_all_goes_out(tmp_path):
     core, keeper, told = kept(None)
     core.start()
-    keeper.add("a", Client("do(", (1, 2)))
+    keeper.add("a", ClientGoal("do(", (1, 2)))
     keeper.keep()
     core.add_goal("a", "do(")
     assert told == []
@@ -296,7 +276,7 @@ def test_what_is_wrong_with_the_journal_is_told(tmp_path):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
     try:
-        keeper.add("a", Client("do(walk,1)", (1, 2)))
+        keeper.add("a", ClientGoal("do(walk,1)", (1, 2)))
         keeper.keep()
         assert "disk I/O error" in keeper.fault
     finally:
@@ -307,5 +287,5 @@ def test_what_is_wrong_with_the_journal_is_told(tmp_path):
     now.append(folder.RETRY)
     keeper.send()
     assert keeper.fault == ""
-    assert place.read().state["client:a"] == Client("do(walk,1)", (1, 2)).record(), "though nothing has happened"
+    assert place.read().state["client:a"] == ClientGoal("do(walk,1)", (1, 2)).record(), "though nothing has happened"
     keeper.close()

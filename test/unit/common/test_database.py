@@ -1,0 +1,71 @@
+"""A database: what the disk has, and what is reported where it cannot be written."""
+
+import sqlite3
+from contextlib import closing
+
+import pytest
+
+from rosoclingo.common.database import Database
+
+TABLE = "CREATE TABLE IF NOT EXISTS word (text TEXT PRIMARY KEY)"
+
+
+def add(text):
+    return lambda db: db.execute("INSERT INTO word VALUES (?)", (text,)) and text
+
+
+def words(db):
+    return [text for (text,) in db.execute("SELECT text FROM word ORDER BY rowid")]
+
+
+@pytest.fixture
+def database(tmp_path):
+    found = Database(tmp_path / "folder" / "words.db", [TABLE], 2.0)
+    yield found
+    found.close()
+
+
+def test_database_is_synced_before_a_transaction_returns(database):
+    """SQLite returns from a commit once the disk has it: that is its mode FULL, which is 2."""
+    assert database.run(lambda db: db.execute("PRAGMA synchronous").fetchone()) == (2,)
+    assert database.run(lambda db: db.in_transaction)
+    assert database.run(add("a")) == "a"
+    with closing(sqlite3.connect(f"{database.path.as_uri()}?mode=ro", uri=True)) as reader:
+        assert words(reader) == ["a"]
+
+
+def test_database_changes_nothing_if_a_transaction_fails(database):
+    database.run(add("a"))
+    assert database.run(lambda db: [add("b")(db), db.execute("nonsense")]) is None
+    assert "syntax error" in database.fault
+    assert database.run(words) == ["a"]
+    assert database.fault == ""
+
+
+def test_database_is_due_some_time_after_a_failure(database):
+    assert not database.is_due(100.0)
+    database.path.parent.write_text("in the way")
+    assert database.run(words, 100.0) is None
+    assert "folder" in database.fault
+    assert [database.is_due(now) for now in (100.0, 101.9, 102.0)] == [False, False, True]
+    database.path.parent.unlink()
+    assert database.run(words, 102.0) == []
+    assert not database.is_due(200.0)
+
+
+def test_database_that_is_damaged_is_set_aside(database):
+    database.path.parent.mkdir()
+    database.path.write_bytes(b"nonsense " * 1000)
+    assert database.run(words) is None
+    assert "not a database" in database.fault
+    assert database.run(add("a")) == "a"
+    assert (database.path.parent / "words.db.damaged").read_bytes() == b"nonsense " * 1000
+
+
+def test_database_that_is_set_aside_has_all_in_one_file(database):
+    database.run(add("a"))
+    aside = database.set_aside("old")
+    assert [one.name for one in database.path.parent.iterdir()] == ["words.db.old"]
+    with closing(sqlite3.connect(str(aside))) as db:
+        assert words(db) == ["a"]
+    assert database.run(words) == []
