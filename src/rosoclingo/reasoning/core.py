@@ -15,12 +15,12 @@ from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
-from rosoclingo.reasoning.mending import Case, mend
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Preparations
 from rosoclingo.reasoning.present import Present
-from rosoclingo.reasoning.recovery import Question, Recovery, forget_history, recover, settle
+from rosoclingo.reasoning.recovery import Recovery, forget_history, recover, settle
 from rosoclingo.reasoning.refusals import refusals
+from rosoclingo.reasoning.repair import repair
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import SITUATION_AFTER, Response, Situation, State
@@ -32,6 +32,7 @@ from rosoclingo.reasoning.stream_planner import (
     in_turns,
     unwatched,
 )
+from rosoclingo.reasoning.trials import Impasse, Way
 
 
 class Core:
@@ -291,7 +292,7 @@ class Core:
         return state._replace(situation=situation, result=result, why=self._planner.why_none(result))
 
     def _settle_failures(self, state: State) -> State:
-        settled = settle(self._planner, state.result, self._question, self._execution.unhandled)
+        settled = settle(self._planner, state.result, self._impasse(state.batch), self._execution.unhandled)
         self._planner, result = settled.planner, settled.result
         self._execution.unhandled.clear()
         for problem in settled.problems:
@@ -344,19 +345,19 @@ class Core:
         self._goals.drop(self._goals.fed, "cannot be met: the program keeps putting off its plan")
         return state.settled
 
-    @property
-    def _question(self) -> Question:
+    def _impasse(self, batch: Batch) -> Impasse:
         goals, seen = tuple(reversed(self._goals.fed)), tuple(reversed(self._execution.observations))
-        return Question(self._step + 1, goals, seen, self._watch_recovery, self._settings.horizon_limit)
+        watch, alone, executed = self._watch_recovery, self._settings.horizon_limit, self._execution.executed
+        return Impasse(self._step + 1, goals, seen, watch, alone, batch.facts, executed, self._clock)
 
     def _give_up_goals(self, state: State) -> Optional[State]:
-        found = recover(self._planner, self._question)
+        found = recover(self._planner, self._impasse(state.batch))
         return None if found is None else self._adopt(state._replace(no_plan=self._planner.stream), found)
 
     def _adopt(self, state: State, found: Recovery) -> State:
         """Start the next cycle without some goals."""
         self._announce.update(self._step, self._planner.in_force)
-        if found.withheld:
+        if found.way is Way.WITHHELD:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
         for one, stream in streams_of(found.unmet, state.no_plan) if state.no_plan is not None else ():
             self._tell(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
@@ -373,8 +374,7 @@ class Core:
         """Take the fewest observations otherwise, once."""
         if state.no_plan is not None:
             return None
-        in_force, executed = self._planner.in_force, self._execution.executed
-        found = mend(self._planner, Case(state.batch, in_force, executed, self._question, self._clock))
+        found = repair(self._planner, self._impasse(state.batch))
         if found is None:
             return None
         no_plan, self._planner = self._planner.stream, found.planner

@@ -1,25 +1,11 @@
 """What to give up when the solver finds no plan: as few goals as possible, the newest first, and why each of them.
 
 Goals are given up in the next update, by the program's own means, ``_request(cancel(Id),C)``; so the stream that was
-sent stays a true record. What would be without a goal or an observation is found out on a solver beside it.
+sent stays a true record.
 """
 
-from dataclasses import replace
 from itertools import combinations
-from typing import (
-    Callable,
-    Collection,
-    Dict,
-    FrozenSet,
-    Iterable,
-    Iterator,
-    List,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-    TypeVar,
-)
+from typing import Callable, Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
@@ -35,47 +21,28 @@ from rosoclingo.planning.minimal_sets import (
     remember,
     yes_or_no,
 )
-from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
-from rosoclingo.reasoning.keywords import cancellation
 from rosoclingo.reasoning.observations import Observation, UnhandledFailure
-from rosoclingo.reasoning.stream_planner import Planner, SearchWatch
+from rosoclingo.reasoning.stream_planner import Planner
+from rosoclingo.reasoning.trials import Impasse, Trials, Way, facts_of, first_found
 
-#: So many observations are told though it is not sure that all of them matter.
+#: Limit of the observations that are reported although it is not sure that all of them matter.
 FEW = 3
 
-T = TypeVar("T")
-Found = TypeVar("Found")
-
-
-class Question(NamedTuple):
-    """What is to be recovered from, at ``step``: the cycle that is to start without some of the goals.
-
-    It is known that there is no plan for ``goals``, those that are live and were fed. They are newest first, as are the
-    ``observations``. ``watch`` bounds the time to find the fewest goals to give up, and that for the reasons. ``alone``
-    is the number of steps within which a goal is to be met alone.
-    """
-
-    step: int
-    goals: Tuple[Goal, ...]
-    observations: Tuple[Observation, ...]
-    watch: SearchWatch
-    alone: int
+#: How goals are given up; withheld if it does not help to cancel them.
+WAYS = (Way.CANCELLED, Way.WITHHELD)
 
 
 class Recovery(NamedTuple):
-    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the goals of ``unmet``.
-
-    ``withheld`` tells that cancelling did not help, so that the requests had to be taken out of the history.
-    """
+    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the goals of ``unmet``."""
 
     planner: Planner
     update: StreamUpdate
     result: SolveResult
-    withheld: bool
+    way: Way
     unmet: Tuple[UnmetGoal, ...] = ()
 
     @property
@@ -84,50 +51,14 @@ class Recovery(NamedTuple):
         return self.result.outcome is SolveOutcome.SATISFIABLE
 
 
-def recover(planner: Planner, question: Question) -> Optional[Recovery]:
+def recover(planner: Planner, impasse: Impasse) -> Optional[Recovery]:
     """Find the goals to give up. None when there is no plan even without any goal.
 
     Raises UndecidedError where it is not known in time which goals cannot be met.
     """
-
-    def helping(attempts: _Attempts) -> Optional[_Attempts]:
-        """Give back what helps if all goals go."""
-        return attempts if attempts.can_have((), question.observations) else None
-
-    attempts = first_found(_both_ways(planner, question), helping)
-    return None if attempts is None else _fewest(attempts, question)
-
-
-def is_answerable(planner: Planner, question: Question) -> bool:
-    """Whether there is an answer without the goals, be they cancelled or withheld; raises UndecidedError."""
-
-    def answer(attempts: _Attempts) -> Optional[Recovery]:
-        """Plan without any goal."""
-        found = attempts.without(question.goals)
-        if found.result.outcome is SolveOutcome.INTERRUPTED:
-            raise UndecidedError
-        return found if found.met else None
-
-    return first_found(_both_ways(planner, question), answer) is not None
-
-
-def first_found(candidates: Iterable[T], find: Callable[[T], Optional[Found]]) -> Optional[Found]:
-    """Return the first result of ``find`` that is not None; None if there is none.
-
-    Raises UndecidedError if there is none and ``find`` was undecided for a candidate.
-    """
-    undecided = False
-    for one in candidates:
-        try:
-            found = find(one)
-        except UndecidedError:
-            undecided = True
-            continue
-        if found is not None:
-            return found
-    if undecided:
-        raise UndecidedError
-    return None
+    finders = (_Finder(planner, impasse, way) for way in WAYS if impasse.goals)
+    found = first_found(finders, lambda one: one if one.can_have((), impasse.observations) else None)
+    return None if found is None else found.recover()
 
 
 def forget_history(
@@ -166,7 +97,7 @@ class Settled(NamedTuple):
 UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
 
 
-def settle(planner: Planner, result: SolveResult, question: Question, unhandled: Sequence[UnhandledFailure]) -> Settled:
+def settle(planner: Planner, result: SolveResult, impasse: Impasse, unhandled: Sequence[UnhandledFailure]) -> Settled:
     """Find the goals that rest on actions whose failures the program cannot handle: they do not count as met.
 
     The actions count as not done if the program has an answer then. A goal rests on them if the program had it
@@ -182,12 +113,12 @@ def settle(planner: Planner, result: SolveResult, question: Question, unhandled:
     problems = tuple(f"{one}, {UNHEARD}: it counts as {counted}" for one in unheard)
     failed = frozenset((one.interface, one.parameter) for each in failures for one in each.actions)
     last = max(one.cycle for one in failures) + 1
-    resting = [goal for goal in question.goals if (goal.request_cycle or 0) <= last]
-    step, answers = question.step - 1, result.answers
+    resting = [goal for goal in impasse.goals if (goal.request_cycle or 0) <= last]
+    step, answers = impasse.step - 1, result.answers
     left = not answers or bool(extract_plan(answers[0]).remaining(step))
     if not resting or (undone and left and _goes_on(result, step, failed)):
         return Settled(planner, result, problems)
-    found = _without_failed(planner, question, resting, failed, keeps=undone) if left else None
+    found = _without_failed(planner, impasse, resting, failed, keeps=undone) if left else None
     gone = found[1] if found is not None else resting
     note = UNHEARD if unhandled[0].undone is None else CONTRADICTS
     unmet = tuple(UnmetGoal(goal, observations=failures, note=note) for goal in gone)
@@ -196,192 +127,122 @@ def settle(planner: Planner, result: SolveResult, question: Question, unhandled:
 
 def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:
     """Let the failed actions count as not done; None if there is no answer then."""
-    gone, update = _facts_of(failures), planner.in_force
-    old = sorted(gone - update.heads - update.committed)
     try:
-        found = planner.instead(replace(update, items=(*map(Withdraw, old), *update.less(gone).items)))
+        found = planner.corrected(facts_of(failures))
     except SolverError:
         return None
     return found if found[1].outcome is SolveOutcome.SATISFIABLE else None
 
 
 def _goes_on(result: SolveResult, cycle: int, failed: FrozenSet[Tuple[Symbol, Symbol]]) -> bool:
-    """Tell whether there is a plan that from ``cycle`` on does not repeat failed actions."""
+    """Return whether there is a plan that from ``cycle`` on does not repeat failed actions."""
     if result.outcome is not SolveOutcome.SATISFIABLE:
         return False
     return not any((one.interface, one.parameter) in failed for one in extract_plan(result.answers[0]).remaining(cycle))
 
 
 def _without_failed(
-    planner: Planner, question: Question, resting: List[Goal], failed: FrozenSet[Tuple[Symbol, Symbol]], keeps: bool
+    planner: Planner, impasse: Impasse, resting: List[Goal], failed: FrozenSet[Tuple[Symbol, Symbol]], keeps: bool
 ) -> Optional[Tuple[Recovery, List[Goal]]]:
     """Plan without the goals, or without those that repeat failed actions; None if there is no plan."""
-    found: Optional[Recovery] = None
-    dropped = resting
-    for attempts in _both_ways(planner, question):
-        without = attempts.without(dropped)
-        if without.met and (found is None or _goes_on(without.result, question.step, failed)):
-            found = without
-        if found is not None and _goes_on(found.result, question.step, failed):
-            break
+    options = filter(lambda one: one.met, (_plan_without(planner, impasse, resting, way) for way in WAYS))
+    found = next(options, None)
     if found is None:
         return None
-    look = question.watch()
+    if not _goes_on(found.result, impasse.step, failed):
+        found = next((one for one in options if _goes_on(one.result, impasse.step, failed)), found)
+    dropped, look = resting, impasse.watch()
     for goal in reversed(resting) if keeps else ():
         others = [one for one in dropped if one is not goal]
         if look() is not None or not others:
             break
-        trial = _Attempts(planner, question, found.withheld).without(others)
-        if trial.met and _goes_on(trial.result, question.step, failed):
+        trial = _plan_without(planner, impasse, others, found.way)
+        if _goes_on(trial.result, impasse.step, failed):
             found, dropped = trial, others
     return found, dropped
 
 
-class _Attempts:
-    """What would be without some goals, which are cancelled or withheld, and had some observations not been made.
+def _plan_without(planner: Planner, impasse: Impasse, dropped: Collection[Goal], way: Way) -> Recovery:
+    """Start the next cycle without some goals."""
+    gone = requests_of(dropped) if way is Way.WITHHELD else frozenset()
+    cancels = impasse.cancels(dropped) if way is Way.CANCELLED else ()
+    update = StreamUpdate(impasse.step, items=(*map(Withdraw, sorted(gone)), *map(Statement, cancels)))
+    try:
+        planner = planner.restarted(gone)
+        result = planner.update(update)
+    except SolverError:  # what is left of the goals takes too long, or is refused, as well
+        result = SolveResult(SolveOutcome.INTERRUPTED, (), impasse.step, impasse.step)
+    return Recovery(planner, update, result, way)
 
-    One grounding tells, in which the facts that make the difference are in doubt.
-    """
 
-    def __init__(self, planner: Planner, question: Question, withhold: bool) -> None:
-        self._planner = planner
-        self._question = question
-        self._withhold = withhold
-        self._beside: Optional[Planner] = None
-        self._refuted: List[_Refuted] = []
-        self.begin()
+class _Finder:
+    """Finds the fewest goals to give up in one way, and the reasons."""
 
-    def begin(self) -> None:
-        """Start the time limit of the next task."""
-        self._look = self._question.watch()
+    def __init__(self, planner: Planner, impasse: Impasse, way: Way) -> None:
+        self._planner, self._impasse, self._way = planner, impasse, way
+        self._trials = Trials(planner, impasse, way, facts_of(impasse.observations))
+        self._look = impasse.watch()
 
-    @property
-    def lookahead(self) -> int:
-        """How many steps a plan may have."""
-        return self._planner.lookahead
+    def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
+        """Return whether there is a plan, of ``steps`` steps at least, for the goals kept; raises UndecidedError."""
+        reply = self._trials.ask(kept, facts_of(seen), steps)
+        if reply.satisfiable is None:
+            raise UndecidedError
+        return reply.satisfiable
 
-    def without(self, dropped: Sequence[Goal]) -> Recovery:
-        """Plan without some goals."""
-        step = self._question.step
-        gone: FrozenSet[Symbol] = requests_of(dropped) if self._withhold else frozenset()
-        update = StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *map(Statement, self._cancels(dropped))))
-        try:
-            fresh = self._planner.restarted(gone)
-            result = fresh.update(update)
-        except SolverError:  # what is left of the goals takes too long, or is refused, as well
-            fresh, result = self._planner, SolveResult(SolveOutcome.INTERRUPTED, (), step, step)
-        return Recovery(fresh, update, result, self._withhold)
+    def recover(self) -> Recovery:
+        """Give up as few goals as possible; raises UndecidedError."""
+        goals, seen = self._impasse.goals, self._impasse.observations
+        known: List[Witness[Goal]] = [Witness(True, frozenset()), Witness(False, frozenset(goals))]
+        oracle: Oracle[Goal] = yes_or_no(lambda kept: self._met(kept, seen))
+        diagnosis = find_diagnosis(goals, remember(oracle, known))
+        if not diagnosis:
+            raise UndecidedError
+        for mus in diagnosis.values():
+            self._confirm(mus)
+        unmet = self._unmet(diagnosis)  # first, while what explains it is still ground
+        found = _plan_without(self._planner, self._impasse, diagnosis, self._way)
+        if not found.met:
+            raise UndecidedError
+        return found._replace(unmet=unmet)
 
-    def met(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
-        """As ``can_have``, while there is time."""
+    def _met(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
+        """As :meth:`can_have`, while there is time."""
         if self._look() is not None:
             raise UndecidedError
         return self.can_have(kept, seen, steps)
 
-    def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
-        """Whether there is a plan, of so many ``steps`` at least, for the goals kept; raises UndecidedError."""
-        question = self._question
-        disabled = _facts_of(one for one in question.observations if one not in seen)
-        dropped = [goal for goal in question.goals if goal not in kept]
-        disabled |= requests_of(dropped) if self._withhold else frozenset(self._cancels(kept))
-        steps = max(steps, self.lookahead)
-        if any(one.tells_of(disabled, steps) for one in self._refuted):
-            return False
-        verdict = self._ask(disabled, steps)
-        if verdict.satisfiable is None:
+    def _confirm(self, mus: Mus[Goal]) -> None:
+        """Make sure that goals cannot be met one after the other either; raises UndecidedError if that is not known."""
+        steps = self._impasse.alone * len(mus.items)
+        if mus.minimal and steps <= self._planner.lookahead:
+            return
+        if not mus.minimal or self._met(mus.items, self._impasse.observations, steps):
             raise UndecidedError
-        if not verdict.satisfiable:
-            self._refuted.append(_Refuted(verdict.core, verdict.core & disabled, steps))
-        return verdict.satisfiable
 
-    def _ask(self, disabled: FrozenSet[Symbol], steps: int) -> Reply:
-        goals = self._question.goals
-        cancels = self._cancels(goals)
-        assumable = _facts_of(self._question.observations)
-        assumable |= requests_of(goals) if self._withhold else frozenset(cancels)
-        update = StreamUpdate(self._question.step, items=tuple(map(Statement, cancels)))
+    def _unmet(self, diagnosis: Dict[Goal, Mus[Goal]]) -> Tuple[UnmetGoal, ...]:
+        self._look = self._impasse.watch()
+        unmet: List[UnmetGoal] = []
+        for goal, mus in reversed(list(diagnosis.items())):
+            seen = self._observed(mus.items)
+            others = tuple(other for other in reversed(mus.items) if other is not goal)
+            unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.items)), seen.minimal))
+        return tuple(unmet)
+
+    def _observed(self, goals: Tuple[Goal, ...]) -> Mus[Observation]:
+        """Return the observations that prevent the goals from being met together; they can need others."""
+        observations = self._impasse.observations
         try:
-            self._beside = self._beside or self._planner.restarted()
-            return self._beside.inquire(update, assumable, disabled, steps)
-        except SolverError:  # takes too long, or is refused
-            return UNKNOWN
-
-    def _cancels(self, goals: Collection[Goal]) -> List[Symbol]:
-        """The cancellations of the goals, of the oldest first; none where goals are withheld."""
-        oldest_first = [] if self._withhold else [one for one in reversed(self._question.goals) if one in goals]
-        return [cancellation(one.identifier, self._question.step) for one in oldest_first]
-
-
-def _both_ways(planner: Planner, question: Question) -> Iterator[_Attempts]:
-    """Yield what would be if goals were cancelled, then if they were withheld; nothing where there are none."""
-    for withhold in (False, True) if question.goals else ():
-        yield _Attempts(planner, question, withhold)
-
-
-class _Refuted(NamedTuple):
-    """There is no plan of at most so many ``steps`` where of the facts in ``core`` just these are ``disabled``."""
-
-    core: FrozenSet[Symbol]
-    disabled: FrozenSet[Symbol]
-    steps: int
-
-    def tells_of(self, disabled: FrozenSet[Symbol], steps: int) -> bool:
-        """Whether there is none for this reason where these facts are disabled."""
-        return steps <= self.steps and self.core & disabled == self.disabled
-
-
-def _facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:
-    return frozenset().union(*(one.facts for one in observations))
-
-
-def _fewest(attempts: _Attempts, question: Question) -> Recovery:
-    """Give up as few goals as possible; raises UndecidedError."""
-    known: List[Witness[Goal]] = [Witness(True, frozenset()), Witness(False, frozenset(question.goals))]
-    oracle: Oracle[Goal] = yes_or_no(lambda kept: attempts.met(kept, question.observations))
-    diagnosis = find_diagnosis(question.goals, remember(oracle, known))
-    if not diagnosis:
-        raise UndecidedError
-    for mus in diagnosis.values():
-        _confirm(attempts, question, mus)
-    unmet = _unmet(attempts, question, diagnosis)  # first, while what tells of it is still ground
-    found = attempts.without(list(diagnosis))
-    if not found.met:
-        raise UndecidedError
-    return found._replace(unmet=unmet)
-
-
-def _confirm(attempts: _Attempts, question: Question, mus: Mus[Goal]) -> None:
-    """Make sure that goals cannot be met one after the other either; raises UndecidedError where that is not known."""
-    steps = question.alone * len(mus.items)
-    if mus.minimal and steps <= attempts.lookahead:
-        return
-    if not mus.minimal or attempts.met(mus.items, question.observations, steps):
-        raise UndecidedError
-
-
-def _unmet(attempts: _Attempts, question: Question, diagnosis: Dict[Goal, Mus[Goal]]) -> Tuple[UnmetGoal, ...]:
-    attempts.begin()
-    unmet: List[UnmetGoal] = []
-    for goal, mus in reversed(list(diagnosis.items())):
-        seen = _observed(attempts, mus.items, question.observations)
-        others = tuple(other for other in reversed(mus.items) if other is not goal)
-        unmet.append(UnmetGoal(goal, others, tuple(reversed(seen.items)), seen.minimal))
-    return tuple(unmet)
-
-
-def _observed(attempts: _Attempts, goals: Tuple[Goal, ...], observations: Tuple[Observation, ...]) -> Mus[Observation]:
-    """Return the observations that prevent the goals from being met together; they can need others."""
-    try:
-        omissions = ((some, [one for one in observations if one not in some]) for some in _omissions(observations))
-        hindering, needed = next(((some, rest) for some, rest in omissions if attempts.met(goals, rest)), ((), []))
-    except UndecidedError:
-        return Mus((), minimal=False)
-    if not hindering:
-        return Mus(())
-    known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(hindering))]
-    oracle: Oracle[Observation] = yes_or_no(lambda seen: attempts.met(goals, [*needed, *seen]))
-    found = find_mus(hindering, remember(oracle, known))
-    return found if found.minimal or len(found.items) <= FEW else Mus((), minimal=False)
+            omissions = ((some, [one for one in observations if one not in some]) for some in _omissions(observations))
+            hindering, needed = next(((some, rest) for some, rest in omissions if self._met(goals, rest)), ((), []))
+        except UndecidedError:
+            return Mus((), minimal=False)
+        if not hindering:
+            return Mus(())
+        known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(hindering))]
+        oracle: Oracle[Observation] = yes_or_no(lambda seen: self._met(goals, [*needed, *seen]))
+        found = find_mus(hindering, remember(oracle, known))
+        return found if found.minimal or len(found.items) <= FEW else Mus((), minimal=False)
 
 
 def _omissions(observations: Tuple[Observation, ...]) -> Iterator[Tuple[Observation, ...]]:

@@ -28,7 +28,6 @@ from rosoclingo.reasoning.keywords import (
     shortened,
     success_of,
 )
-from rosoclingo.reasoning.mending import Change
 from rosoclingo.reasoning.observations import MEMORY, Observation, UnhandledFailure
 from rosoclingo.reasoning.records import (
     Record,
@@ -39,6 +38,7 @@ from rosoclingo.reasoning.records import (
     symbol_of,
     text_of,
 )
+from rosoclingo.reasoning.repair import Change
 
 #: Facts of one message.
 MOST_FACTS = 1000

@@ -5,7 +5,7 @@ All that a solver takes is in its log; planners beside one another read the same
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from clingo import Symbol
 
@@ -15,11 +15,12 @@ from rosoclingo.oclingo import (
     SolveOutcome,
     SolverError,
     SolveResult,
+    Statement,
     StreamUpdate,
     Volatile,
     commitment,
 )
-from rosoclingo.oclingo.progression.updates import Anew, Closed, Over
+from rosoclingo.oclingo.progression.updates import Anew, Closed, Over, Withdraw
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
@@ -245,10 +246,25 @@ class Planner:
         """Return a planner beside this one that has accepted what is in ``log``."""
         return Planner(self._make_solver, self.lookahead, self._watch, log)
 
-    def instead(self, update: StreamUpdate, without: FrozenSet[Symbol] = frozenset()) -> Tuple["Planner", SolveResult]:
-        """Return a planner beside this one that was fed ``update`` in place of the last one, and never ``without``."""
-        planner = self.at((self._before or History()).withdraw(without))
-        return planner, planner.update(update.less(without))
+    def before_update(self) -> "Planner":
+        """Return a planner beside this one that has not accepted the last update."""
+        return self.at(self._before or History())
+
+    def instead(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
+        """Return a planner beside this one that was fed ``update`` in place of the last one."""
+        planner = self.before_update()
+        return planner, planner.update(update)
+
+    def corrected(self, gone: FrozenSet[Symbol], new: Iterable[Symbol] = ()) -> Tuple["Planner", SolveResult]:
+        """Return a planner beside this one whose last update has ``new`` facts in place of the ones ``gone``.
+
+        It withdraws those of earlier updates.
+        """
+        update = self.in_force
+        present = update.heads | update.committed
+        stated = (Statement(one) for one in dict.fromkeys(new) if one not in present - gone)
+        items = (*map(Withdraw, sorted(gone - present)), *update.less(gone).items, *stated)
+        return self.instead(replace(update, items=items))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
         """Return a planner that knows only that it is ``step`` now and nothing was done before; and what it was fed."""

@@ -13,8 +13,9 @@ from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.recovery import FEW, Question, is_answerable, recover
+from rosoclingo.reasoning.recovery import FEW, recover
 from rosoclingo.reasoning.stream_planner import Halt
+from rosoclingo.reasoning.trials import Impasse, Way
 
 #: The cycle that is to start.
 STEP = 5
@@ -73,9 +74,9 @@ class World:
         return lambda: Halt("time is over") if self.left is not None and self.left <= 0 else None
 
     @property
-    def question(self):
+    def impasse(self):
         newest = [tuple(reversed(things)) for things in (self.goals, self.observations)]
-        return Question(STEP, *newest, self.watch, STEPS)
+        return Impasse(STEP, *newest, self.watch, STEPS)
 
     def restarted(self, without=frozenset()):
         return Beside(self, without)
@@ -133,7 +134,7 @@ class Beside:
 
 def lost(world):
     """The goals given up, each with its reasons in the order of the words, and ? where they are not sure."""
-    found = recover(world, world.question)
+    found = recover(world, world.impasse)
     assert found.met
     return [
         " ".join(
@@ -151,18 +152,17 @@ def text(update):
 
 def test_goals_are_cancelled_oldest_first_in_the_cycle_that_starts():
     world = World(3, "a", ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
-    assert not is_answerable(world, world.question)
+    assert recover(world, world.impasse) is None
     assert [text(update) for update in world.updates] == [
         "#step 5. _request(cancel(1),5). _request(cancel(2),5). _request(cancel(3),5). #end step.",
-        "#step 5. #withdraw _request(go(1),3). #withdraw _request(go(2),3). #withdraw _request(go(3),3). #end step.",
+        "#step 5. #end step.",
     ]
-    assert world.without == [frozenset(), frozenset(map(request, (1, 2, 3)))]
 
 
-def test_what_is_withdrawn_is_in_order():
-    world = World(12, ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
-    is_answerable(world, world.question)
-    withdrawn = [item.atom for item in world.updates[1].items]
+def test_withdrawals_are_in_order():
+    goals = " ".join(map(str, range(1, 13)))
+    world = World(12, conflicts=goals.split(), ways={False: UNSATISFIABLE})
+    withdrawn = [item.atom for item in recover(world, world.impasse).update.items]
     assert withdrawn == sorted(withdrawn)
     assert len(withdrawn) == 12
 
@@ -170,8 +170,8 @@ def test_what_is_withdrawn_is_in_order():
 @pytest.mark.parametrize("withheld", [False, True])
 def test_the_way_on_is_a_planner_with_its_update(withheld):
     world = World(3, conflicts=["1 3"], ways={False: UNSATISFIABLE} if withheld else {})
-    found = recover(world, world.question)
-    assert found.withheld is withheld
+    found = recover(world, world.impasse)
+    assert found.way is (Way.WITHHELD if withheld else Way.CANCELLED)
     assert isinstance(found.planner, Beside)
     assert found.result.horizon == STEP + 3
     mark = "#withdraw _request(go(3),3)." if withheld else "_request(cancel(3),5)."
@@ -208,42 +208,25 @@ def test_each_goal_that_is_given_up_is_at_odds_only_with_goals_that_are_kept(con
         assert set(one) in conflicts
 
 
-@pytest.mark.parametrize(("ways", "answer"), [([], None), ([False], True), ([True], True), ([True, False], True)])
-def test_whether_there_is_an_answer_without_the_goals(ways, answer):
-    outcomes = {way: SATISFIABLE if way in ways else UNSATISFIABLE for way in (True, False)}
-    world = World(2, ways=outcomes)
-    assert is_answerable(world, world.question) is bool(answer)
-    assert len(world.asked) == (1 if False in ways else 2)
-
-
 @pytest.mark.parametrize("slow", [True, False])
-@pytest.mark.parametrize("of", [recover, is_answerable])
-def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(slow, of):
+def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(slow):
     world = World(2, ways={slow: INTERRUPTED, not slow: UNSATISFIABLE})
     with pytest.raises(UndecidedError):
-        of(world, world.question)
+        recover(world, world.impasse)
     assert len(world.asked) == 2
     world = World(2, conflicts=["1"], ways={False: INTERRUPTED, True: SATISFIABLE})
-    assert of(world, world.question)
-
-
-def test_an_update_that_the_solver_refuses_tells_nothing():
-    world = World(2, refused=[""])
-    with pytest.raises(UndecidedError):
-        is_answerable(world, world.question)
-    assert len(world.asked) == 2
+    assert recover(world, world.impasse)
 
 
 def test_without_goals_there_is_nothing_to_give_up():
     world = World(0)
-    assert is_answerable(world, world.question) is False
-    assert recover(world, world.question) is None
+    assert recover(world, world.impasse) is None
     assert world.asked == []
 
 
 def test_with_goals_it_counts_whether_there_is_an_answer_without_them():
     world = World(2, ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
-    assert recover(world, world.question) is None
+    assert recover(world, world.impasse) is None
 
 
 @pytest.mark.parametrize(
@@ -260,7 +243,7 @@ def test_with_goals_it_counts_whether_there_is_an_answer_without_them():
 def test_nothing_is_given_up_that_is_not_known_to_be_impossible(goals, others):
     world = World(goals, **others)
     with pytest.raises(UndecidedError):
-        recover(world, world.question)
+        recover(world, world.impasse)
 
 
 def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
@@ -269,7 +252,7 @@ def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
         world = World(3, conflicts=["1 3"], steps={"13": steps})
         if met:
             with pytest.raises(UndecidedError):
-                recover(world, world.question)
+                recover(world, world.impasse)
         else:
             assert lost(world) == ["3 1"]
     assert lost(World(3, conflicts=["3"], steps={"3": STEPS + 1})) == ["3"]
@@ -288,7 +271,7 @@ def test_what_follows_from_the_facts_that_a_refutation_names_is_not_asked(ways):
 
 def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
     world = World(4, conflicts=["1 2", "3 4", "1 4"])
-    found = recover(world, world.question)
+    found = recover(world, world.impasse)
     gone = {loss.goal.key for loss in found.unmet}
     assert (
         text(found.update)

@@ -239,14 +239,28 @@ def test_a_planner_beside_has_the_horizon_that_the_step_needs():
 def test_another_update_in_place_of_the_last_one():
     planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
-    beside, result = planner.instead(other, frozenset({parse_atom("_seen(d)")}))
-    assert told(beside) == ["#step 1 : 8. _seen(a).", "#withdraw _seen(d).", "#step 2 : 8. #closed 1. _seen(e)."]
+    beside, result = planner.instead(other)
+    assert told(beside) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(d). _seen(e)."]
     assert result.step == 2
     assert beside.in_force.step == 2
     again, _ = planner.instead(planner.in_force)
     assert told(again) == told(planner), "the past is told once"
     beside, _ = Planner(Told, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
+
+
+def test_planner_with_a_corrected_update_withdraws_older_facts():
+    lines = "#step 1. _seen(a). _seen(b).", "#step 2. :- not _action_lib(walk,1,1). _seen(c). _seen(d)."
+    planner = fed(Planner(Told, 8), *lines)
+    wrong = parse_atom("_seen(a)"), parse_atom("_seen(c)"), parse_atom("_action_lib(walk,1,1)")
+    right = parse_atom("_seen(e)"), parse_atom("_seen(d)"), parse_atom("_seen(e)")
+    beside, _ = planner.corrected(frozenset(wrong), right)
+    assert told(beside) == [
+        "#step 1 : 8. _seen(a). _seen(b).",
+        "#step 2 : 8. #withdraw _seen(a). #closed 1. _seen(d). _seen(e).",
+    ]
+    moved, _ = planner.corrected(frozenset(wrong[:2]), (wrong[1],))
+    assert told(moved)[1].endswith("_seen(d). _seen(c)."), "one is withheld, another is redated to it"
 
 
 @pytest.mark.parametrize(

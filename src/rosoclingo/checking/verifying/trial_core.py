@@ -13,6 +13,7 @@ from rosoclingo.reasoning.records import Record
 from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Response, State
+from rosoclingo.reasoning.trials import Way
 
 NO_ANSWER, PUT_OFF = "no-answer", "put-off"
 """What the core itself finds wrong with a program."""
@@ -161,7 +162,7 @@ class TrialCore(KeptCore):
         self.advance(0.0)
 
     def _adopt(self, state: State, found: Recovery) -> State:
-        if found.withheld:
+        if found.way is Way.WITHHELD:
             raise BrokenError(NO_ANSWER, self._planner.stream, withheld=True)
         return super()._adopt(state, found)
 

@@ -3,21 +3,20 @@
 import pytest
 from clingo import parse_term
 
-from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement, StreamUpdate, commitment
-from rosoclingo.oclingo.progression.updates import Closed, Withdraw
+from rosoclingo.oclingo import SolverError, Statement, StreamUpdate, commitment
+from rosoclingo.oclingo.progression.updates import Closed
 from rosoclingo.planning.minimal_sets import UndecidedError
+from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.input_feeder import Batch, Clock
+from rosoclingo.reasoning.input_feeder import Clock
 from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.mending import Case, Change, mend
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.recovery import Question
+from rosoclingo.reasoning.repair import Change, repair
 from rosoclingo.reasoning.stream_planner import Halt
+from rosoclingo.reasoning.trials import Impasse
 
 #: The cycle that the update starts.
 STEP = 5
-
-SATISFIABLE, UNSATISFIABLE, INTERRUPTED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED
 
 
 class World:
@@ -27,6 +26,8 @@ class World:
     ``refused`` are taken by no solver, nor is anything after ``most`` searches. ``time`` is the number of searches
     after which time is over. The update's own facts are among the observations already, as with the core.
     """
+
+    lookahead = 7
 
     def __init__(self, new="", conflicts=(), **others):
         self.new, self.old = (
@@ -44,74 +45,66 @@ class World:
         self.refused = [set(one.split()) for one in others.pop("refused", ())]
         self.time, self.most = others.pop("time", None), others.pop("most", None)
         assert not others
-        self.asked, self.updates, self.left = [], [], None
+        self.asked, self.left = [], None
+        facts = [one.atom for one in self.new]
+        items = [
+            Closed(4, 4),
+            *(commitment(one.atom) for one in self.done[-1:]),
+            *map(Statement, self.requests + facts),
+        ]
+        self.in_force = StreamUpdate(STEP, 7, tuple(items))
 
     def watch(self):
         self.left = self.time
         return lambda: Halt("time is over") if self.left is not None and self.left <= 0 else None
 
     @property
-    def case(self):
-        facts = [Statement(one.atom) for one in self.new]
-        items = (
-            Closed(4, 4),
-            *map(commitment, [one.atom for one in self.done[-1:]]),
-            *map(Statement, self.requests),
-            *facts,
-        )
-        goals = tuple(reversed(self.goals))
-        question = Question(STEP + 1, goals, tuple(reversed(self.old)), self.watch, 7)
-        batch = Batch(StreamUpdate(STEP), facts=tuple(self.new))
+    def impasse(self):
+        goals, old = tuple(reversed(self.goals)), tuple(reversed(self.old))
         clock = Clock(lambda name, arity: {"_kind": None, "_next": 1}.get(name, 0))
-        return Case(batch, StreamUpdate(STEP, 7, items), tuple(self.done), question, clock)
+        return Impasse(STEP + 1, goals, old, self.watch, 7, tuple(self.new), tuple(self.done), clock)
 
-    def instead(self, update, undone=frozenset()):
-        self.updates.append(update)
-        assert update.step == STEP
-        withdrawn = {item.atom for item in update.items if isinstance(item, Withdraw)}
-        assert withdrawn <= {one.atom for one in self.old}
-        told = {str(item.head) for item in update.items if isinstance(item, Statement) and item.head is not None}
-        brought = {one.atom for one in self.new}
-        told |= {str(one.atom) for one in self.old if one.atom not in withdrawn | brought}
-        told |= {f"{one.interface}({one.parameter})" for one in self.done if one.atom not in undone}
-        found = Beside(self, told, undone)
-        return found, found.result({one.key for one in self.goals})
+    def before_update(self):
+        return self
 
-    def outcome(self, told):
+    def restarted(self):
+        return self
+
+    def inquire(self, update, assumable, disabled, steps):
+        """As the planner does; facts that are neither actions nor requests are named as they are."""
+        assert steps == self.lookahead
+        assert disabled <= assumable
+        requests = {parse_term(f"_request(go({one.key[1:]}),3)"): one.key for one in self.goals}
+        actions = {one.atom: f"{one.interface}({one.parameter})" for one in self.done}
+        names = {one: requests.get(one) or actions.get(one) or str(one) for one in assumable}
+        heads = {item.head for item in update.items if isinstance(item, Statement) and item.head is not None}
+        cancels = {one for one in heads if update.step == STEP + 1 and one.name == "_request"}
+        told = {str(one) for one in (heads - cancels) | {one.atom for one in [*self.new, *self.old]}}
+        told.update(map(str, self.requests), actions.values(), requests.values())
+        told -= {names[one] for one in disabled} | {f"g{one.arguments[0].arguments[0]}" for one in cancels - disabled}
+        return self.reply(told, names)
+
+    def reply(self, told, names):
         self.left = None if self.left is None else self.left - 1
         self.asked.append(" ".join(sorted(told)))
         if any(one <= told for one in self.refused) or len(self.asked) - 1 == self.most:
             raise SolverError("refused by the test")
-        if any(one <= told for one in self.conflicts):
-            return UNSATISFIABLE
-        return INTERRUPTED if any(one <= told for one in self.slow) else SATISFIABLE
+        conflict = next((one for one in self.conflicts if one <= told), None)
+        if conflict is not None:
+            return Reply(False, core=frozenset(fact for fact, name in names.items() if name in conflict))
+        return Reply(None if any(one <= told for one in self.slow) else True)
 
-
-class Beside:
-    """A planner beside that of the world."""
-
-    def __init__(self, world, told, undone):
-        self.world, self.told, self.undone, self.outcome = world, told, undone, None
-        self.lookahead = 7
-
-    def result(self, goals):
-        self.outcome = self.world.outcome(self.told | goals)
-        return SolveResult(self.outcome, (), STEP + 3, STEP)
-
-    def restarted(self, without):
-        return Beside(self.world, self.told, self.undone)
-
-    def update(self, update):
-        gone = {str(item.head.arguments[0].arguments[0]) for item in update.items if isinstance(item, Statement)}
-        gone |= {str(item.atom.arguments[0].arguments[0]) for item in update.items if isinstance(item, Withdraw)}
-        return self.result({one.key for one in self.world.goals if one.key[1:] not in gone})
+    def corrected(self, gone, new):
+        told = {str(one.atom) for one in [*self.new, *self.old] if one.atom not in gone}
+        told |= {str(one) for one in self.requests if one not in gone} | {str(one) for one in new}
+        told |= {f"{one.interface}({one.parameter})" for one in self.done if one.atom not in gone}
+        self.last = told
+        return self, self.reply(told, {})
 
 
 def changes(world):
     """What becomes of the observations that are doubted: as which fact they are taken, and what they deny."""
-    found = mend(world, world.case)
-    assert found.planner.undone == frozenset(), "what was done was done"
-    assert found.planner.outcome is found.result.outcome
+    found = repair(world, world.impasse)
     return [
         f"{one.observation.atom}{'' if one.sure else '?'} {one.taken_as or '-'}"
         + "".join(f" {action.interface}({action.parameter})" for action in one.against)
@@ -160,7 +153,7 @@ def changes(world):
         # the first of what was done that can't be
         (World("_a(2)", ["_a(2) go(x)"], done="go,w,1 go,x,2 go,y,3 go,z,4"), ["_a(2) _a(5) go(x)"]),
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1 go,x,2 go,y,3"), ["_a(2) _a(5) go(w)"]),
-        (World("_a(2)", ["_a(2) go(y)"], done="go,w,1 go,x,2 go,y,3 pick,c,3 go,z,4"), ["_a(2) _a(5) go(y) pick(c)"]),
+        (World("_a(2)", ["_a(2) go(y)"], done="go,w,1 go,x,2 go,y,3 pick,c,3 go,z,4"), ["_a(2) _a(5) go(y)"]),
         (World("_a(3)", ["_a(3) go(w)"], done="go,w,1 go,x,2 go,y,3"), ["_a(3) _a(5)"]),
         (World("_a(2)", ["_a(2) go(x) go(z)"], done="go,w,1 go,x,2 go,y,3 go,z,4"), ["_a(2) _a(5) go(z)"]),
         (World("_a(2)", ["_a(2)"], done="go,w,1 go,x,2"), ["_a(2) _a(5)"]),
@@ -182,15 +175,14 @@ def test_what_is_doubted(world, changed):
 @pytest.mark.parametrize(
     ("world", "changed"),
     [
-        (World("_a(2) _b(2)", ["_a(2)"], time=0), ["_a(2)? _a(5)", "_b(2)? _b(5)"]),
+        (World("_a(2) _b(2)", ["_a(2)"], time=0), ["_a(2)? -", "_b(2)? -"]),
         (World("_a(2) _b(2)", ["_a(2)", "_b(5)"], time=0), ["_a(2)? -", "_b(2)? -"]),
-        (World("_a(2) _b(2)", ["_a(2)", "_b(5)"], time=1), ["_a(2)? -", "_b(2)? -"]),
-        (World("_a(2) _b(2)", ["_a(2)", "_b(5)"], time=2), ["_a(2)? _a(5)", "_b(2)? -"]),
+        (World("_a(2) _b(2)", ["_a(2)", "_b(5)"], time=1), ["_a(2)? _a(5)", "_b(2)? -"]),
         (World("_a(2) _b(2)", ["_a(2) go(w)"], done="go,w,1", time=2), ["_a(2)? _a(5)", "_b(2)? _b(5)"]),
         (World("_a(2) _b(2)", ["_a(2) go(w)"], done="go,w,1", time=3), ["_a(2) _a(5) go(w)"]),
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1", time=1), ["_a(2) _a(5)"]),
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1", time=2), ["_a(2) _a(5) go(w)"]),
-        (World("_a(2) _a(5) _b(5)", ["_a(2)", "_b(5)"], time=0), ["_a(2)? _a(5)", "_a(5)? -", "_b(5)? -"]),
+        (World("_a(2) _a(5) _b(5)", ["_a(2)", "_b(5)"], time=0), ["_a(2)? -", "_a(5)? -", "_b(5)? -"]),
         # as far as is known
         (World("_a(2) _b(2)", ["_b(2)"], slow=["_a(2)"]), ["_a(2)? _a(5)", "_b(2)? _b(5)"]),
         (World("_a(2)", ["_a(2)"], slow=["_a(5)"]), ["_a(2) -"]),
@@ -204,10 +196,10 @@ def test_what_is_doubted_where_searches_take_too_long(world, changed):
 
 def test_nothing_helps():
     world = World("_a(2) _b(5) _return(go,odd,2)", ["go(w)"], done="go,w,1", old="_c(5) _a(2)", requests="cancel(1),5")
-    assert mend(world, world.case) is None
-    assert len(world.asked) == len(set(world.asked)) == 5, "each of what may be doubted was, once"
+    assert repair(world, world.impasse) is None
+    assert len(world.asked) == 1, "it does not matter which facts are doubted"
     world = World("_a(5)", ["go(w)"], done="go,w,1", requests="go(1),6")
-    assert mend(world, world.case) is None
+    assert repair(world, world.impasse) is None
     assert world.asked == ["_request(go(1),6) go(w)"], "the last update's answer is known, and requests are no cancels"
 
 
@@ -218,19 +210,10 @@ def test_of_many_facts_each_is_tried_once():
     assert len(world.asked) < 20
 
 
-def test_a_fact_is_stated_once():
-    world = World("_a(1) _a(2) _a(5)", ["_a(1)", "_a(2)"])
-    assert changes(world) == ["_a(1) _a(5)", "_a(2) _a(5)"]
-    assert str(world.updates[-1]).count("_a(5).") == 1
-    world = World("_a(2) _a(5) _b(5)", ["_a(2)", "_b(5)"], time=0)
-    mend(world, world.case)
-    assert world.asked[-1] == "_a(5)", "one was withheld, another is taken for it"
-
-
 def test_a_solver_that_takes_nothing_any_more():
     world = World("_a(2)", ["_a(2)"], most=2)
     with pytest.raises(UndecidedError):
-        mend(world, world.case)
+        repair(world, world.impasse)
 
 
 SHUT = Observation(parse_term("_shut(d,2)"), 3)
@@ -262,20 +245,4 @@ def test_changes_in_words(change, text):
 def test_it_is_not_known_whether_anything_helps(way):
     world = World("_a(2)", ["_a(2)"], old="_b(5)", done="go,w,1", **{way: ["go(w)"]})
     with pytest.raises(UndecidedError):
-        mend(world, world.case)
-
-
-def test_the_update_as_it_is_taken_at_last():
-    world = World("_a(2) _kind(x)", ["_a(2)", "_b(5)"], old="_b(5) _c(5)", done="go,x,4", requests="cancel(1),5")
-    assert changes(world) == ["_b(5) -", "_a(2) _a(5)"]
-    lines = str(world.updates[-1]).splitlines()
-    assert lines == [
-        "#step 5 : 7.",
-        "#withdraw _b(5).",
-        "#closed 4.",
-        ":- not _action_lib(go,x,4).",
-        "_request(cancel(1),5).",
-        "_kind(x).",
-        "_a(5).",
-        "#end step.",
-    ]
+        repair(world, world.impasse)

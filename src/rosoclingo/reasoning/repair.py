@@ -1,0 +1,201 @@
+"""Repair: redate or withhold as few observations as possible if an update leaves the program without an answer.
+
+What was done was done, so an observation that contradicts it is wrong, or its date is: a sensor that reports a blocked
+door late names the cycle that it knows. Such a fact is redated to the present if it makes sense there, else withheld.
+Newer facts are doubted before older ones, and other facts before returns. A failure is withheld together with
+the commitment to its action, which then counts as not done, if that leaves an answer.
+"""
+
+from typing import Callable, Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+
+from clingo import Symbol
+
+from rosoclingo.oclingo import SolverError, SolveResult
+from rosoclingo.planning.minimal_sets import UndecidedError, Witness, find_diagnosis, find_mus, remember
+from rosoclingo.planning.question import Reply
+from rosoclingo.reasoning.keywords import CANCEL, REQUEST, Action, is_keyword, name_of
+from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.stream_planner import Planner
+from rosoclingo.reasoning.trials import Impasse, Trials, Way, facts_of, first_found
+
+T = TypeVar("T")
+
+_NOTHING: FrozenSet[Symbol] = frozenset()
+
+
+class Change(NamedTuple):
+    """An observation that was redated, or withheld.
+
+    Attributes:
+        observation: the observation.
+        taken_as: the fact in its place, None if it was withheld.
+        against: the executed actions that it contradicts.
+        sure: whether it contradicts what was done and observed; else this was not decided in time.
+
+    """
+
+    observation: Observation
+    taken_as: Optional[Symbol]
+    against: Tuple[Action, ...] = ()
+    sure: bool = True
+
+    def __str__(self) -> str:
+        one = self.observation
+        done = " and ".join(f"{action.interface_name}({name_of(action.parameter)})" for action in self.against)
+        done = f"{done} {'was' if len(self.against) == 1 else 'were'} done in cycle"
+        denied = f"that {done} {self.against[0].cycle}" if self.against else "what was done and told before"
+        origin = f" from interface {one.origin}" if one.origin else ""
+        now = f"taken for cycle {self.taken_as.arguments[-1]}" if self.taken_as is not None else "withheld"
+        now += "".join(f", {action.atom} counts as not done" for action in one.actions)
+        return f"{one.sent}{origin} {'contradicts' if self.sure else 'may contradict'} {denied}: {now}"
+
+
+class Repair(NamedTuple):
+    """The ``result`` of another update on ``planner``, in place of the one without an answer, and its ``changes``."""
+
+    planner: Planner
+    result: SolveResult
+    changes: Tuple[Change, ...]
+
+
+def repair(planner: Planner, impasse: Impasse) -> Optional[Repair]:
+    """Find the observations to redate or withhold; None if there is no answer even without all of them.
+
+    Raises UndecidedError if that is not decided in time.
+    """
+    finder = _Finder(planner, impasse)
+    return first_found(finder.pools(), finder.repair)
+
+
+class _Finder:
+    def __init__(self, planner: Planner, impasse: Impasse) -> None:
+        self._planner, self._impasse, self._step = planner, impasse, impasse.step - 1
+        self._look = impasse.watch()
+        told = facts_of(one for pool in self.pools() for one in pool)
+        self._known = told.union(action.atom for action in impasse.executed)
+        present = (impasse.clock.at_present(one.atom, self._step) for one in impasse.facts if self._is_late(one))
+        further = sorted(frozenset(present) - told)
+        ways = [way for way in Way if way is Way.KEPT or impasse.goals]
+        self._trials = [Trials(planner, impasse, way, self._known, further) for way in ways]
+
+    def pools(self) -> Iterator[Tuple[Observation, ...]]:
+        """Yield the observations to doubt, newest first: late facts, this update's, earlier ones, returns.
+
+        Returns of failures come with their actions first, then alone; then the update's cancellations.
+        """
+        new = tuple(reversed(self._impasse.facts))
+        fed = frozenset(one.atom for one in new)
+        old = tuple(one for one in self._impasse.observations if one.atom not in fed)
+        facts = tuple(one for one in new if not one.is_return)
+        earlier = (*facts, *(one for one in old if not one.is_return))
+        every = (*earlier, *(one for one in (*new, *old) if one.is_return))
+        alone = tuple(one._replace(actions=()) if one.is_return else one for one in every)
+        heads = sorted(one for one in self._planner.in_force.heads if one is not None)
+        cancels = (Observation(one, self._step) for one in heads if _is_cancel(one))
+        pools = [tuple(one for one in facts if self._is_late(one)), facts, earlier, every, alone, (*alone, *cancels)]
+        for number, pool in enumerate(pools):
+            if pool and pool not in pools[:number]:
+                yield pool
+
+    def _is_late(self, one: Observation) -> bool:
+        cycle = None if one.is_return else self._impasse.clock.cycle_of(one.atom)
+        return cycle is not None and cycle < self._step
+
+    def repair(self, pool: Tuple[Observation, ...]) -> Optional[Repair]:
+        """Doubt as few observations of a pool as possible; None if all are not enough."""
+        if not self._answers(pool).satisfiable:
+            return None
+        known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(pool))]
+
+        def oracle(kept: FrozenSet[Observation]) -> Witness[Observation]:
+            """Return whether there is an answer though some of the pool are kept."""
+            return _witness(kept, self._ask([one for one in pool if one not in kept]), lambda one: one.facts)
+
+        try:
+            found = find_diagnosis(pool, remember(oracle, known))
+        except UndecidedError:
+            found = None
+        self._look = self._impasse.watch()
+        doubted = [one for one in reversed(pool) if found is None or one in found]
+        moved = self._move(doubted)
+        against = {one: self._against(one, doubted, moved) for one in found or ()}
+        changes = (Change(one, moved.get(one), against.get(one, ()), found is not None) for one in doubted)
+        try:
+            planner, result = self._planner.corrected(facts_of(doubted), moved.values())
+        except SolverError:
+            raise UndecidedError from None
+        return Repair(planner, result, tuple(changes))
+
+    def _move(self, doubted: Sequence[Observation]) -> Dict[Observation, Symbol]:
+        """Redate those late facts to the present that leave an answer there."""
+        moved: Dict[Observation, Symbol] = {}
+        for one in doubted:
+            here = self._impasse.clock.at_present(one.atom, self._step) if self._is_late(one) else one.atom
+            if here != one.atom and self._fits(doubted, {**moved, one: here}):
+                moved[one] = here
+        return moved
+
+    def _fits(self, doubted: Sequence[Observation], moved: Dict[Observation, Symbol]) -> bool:
+        try:
+            return bool(self._ask(doubted, moved).satisfiable)
+        except UndecidedError:
+            return False
+
+    def _against(
+        self, one: Observation, doubted: Sequence[Observation], moved: Dict[Observation, Symbol]
+    ) -> Tuple[Action, ...]:
+        """Return the actions of the first cycle that ``one`` contradicts; none if that is not decided."""
+        cycle = self._impasse.clock.cycle_of(one.atom) or 0
+        done = [action for action in self._impasse.executed if action.cycle >= cycle - 1]
+        others = [other for other in doubted if other is not one]
+
+        def oracle(kept: FrozenSet[Action]) -> Witness[Action]:
+            """Return whether just these actions can have been executed."""
+            reply = self._ask(others, moved, frozenset(action.atom for action in done if action not in kept))
+            return _witness(kept, reply, lambda action: frozenset([action.atom]))
+
+        known: List[Witness[Action]] = [Witness(False, frozenset(done))]
+        found = find_mus(done, remember(oracle, known))
+        cycles = [action.cycle for action in found.items if found.minimal]
+        return tuple(action for action in found.items if action.cycle in cycles[-1:])
+
+    def _ask(
+        self,
+        doubted: Collection[Observation],
+        moved: Optional[Dict[Observation, Symbol]] = None,
+        undone: FrozenSet[Symbol] = _NOTHING,
+    ) -> Reply:
+        """As :meth:`_answers`, while there is time."""
+        if self._look() is not None:
+            raise UndecidedError
+        return self._answers(doubted, moved, undone)
+
+    def _answers(
+        self,
+        doubted: Collection[Observation],
+        moved: Optional[Dict[Observation, Symbol]] = None,
+        undone: FrozenSet[Symbol] = _NOTHING,
+    ) -> Reply:
+        """Return whether there is an answer, if need be without goals; raises UndecidedError.
+
+        Some observations are withheld, or ``moved``, and some actions ``undone``.
+        """
+        facts = (self._known - facts_of(doubted) - undone).union((moved or {}).values())
+        replies: List[Reply] = []
+        for trials in self._trials:
+            replies.append(trials.ask((), facts))
+            if replies[-1].satisfiable:
+                return replies[-1]
+        if any(reply.satisfiable is None for reply in replies):
+            raise UndecidedError
+        return Reply(False, core=frozenset().union(*(reply.core for reply in replies)))
+
+
+def _witness(kept: FrozenSet[T], reply: Reply, facts: Callable[[T], FrozenSet[Symbol]]) -> Witness[T]:
+    """Return the reply to a question about the items ``kept``."""
+    core = frozenset(one for one in kept if facts(one) & reply.core)
+    return Witness(bool(reply.satisfiable), kept if reply.satisfiable else core or kept)
+
+
+def _is_cancel(atom: Symbol) -> bool:
+    return is_keyword(atom, REQUEST) and is_keyword(atom.arguments[0], CANCEL)

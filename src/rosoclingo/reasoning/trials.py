@@ -1,0 +1,144 @@
+"""What would be without some goals and observations: hypothetical questions, which one grounding answers."""
+
+from dataclasses import replace
+from enum import Enum
+from typing import Callable, Collection, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, TypeVar
+
+from clingo import Symbol
+
+from rosoclingo.oclingo import SolverError, Statement, StreamUpdate
+from rosoclingo.planning.minimal_sets import UndecidedError
+from rosoclingo.planning.question import UNKNOWN, Reply
+from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.input_feeder import Clock, requests_of
+from rosoclingo.reasoning.keywords import Action, cancellation
+from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.stream_planner import Planner, SearchWatch
+
+T = TypeVar("T")
+Found = TypeVar("Found")
+
+
+class Impasse(NamedTuple):
+    """An update in force without a plan.
+
+    Attributes:
+        step: the next cycle, which can start without some goals.
+        goals: the live goals that the program has, newest first.
+        observations: the observations of this update and earlier ones, newest first.
+        watch: limits the time for what to give up, and again that for the reasons.
+        alone: the number of steps within which a goal is to be met alone.
+        facts: the facts of the update, oldest first.
+        executed: the latest executed actions, oldest first.
+        clock: dates facts.
+
+    """
+
+    step: int
+    goals: Tuple[Goal, ...]
+    observations: Tuple[Observation, ...]
+    watch: SearchWatch
+    alone: int
+    facts: Tuple[Observation, ...] = ()
+    executed: Tuple[Action, ...] = ()
+    clock: Clock = Clock()
+
+    def cancels(self, goals: Collection[Goal]) -> List[Symbol]:
+        """Return the cancellations of some of the goals, of the oldest first."""
+        return [cancellation(one.identifier, self.step) for one in reversed(self.goals) if one in goals]
+
+
+class Way(Enum):
+    """How goals are dropped: not at all, in the next update, or as if they had never been sent."""
+
+    KEPT = 0
+    CANCELLED = 1
+    WITHHELD = 2
+
+
+class Trials:
+    """Hypothetical questions about an impasse, for one way to drop goals.
+
+    Goals that are kept are asked for in the cycle of the impasse, the others in the next one.
+    """
+
+    def __init__(
+        self,
+        planner: Planner,
+        impasse: Impasse,
+        way: Way,
+        facts: FrozenSet[Symbol],
+        further: Iterable[Symbol] = (),
+    ) -> None:
+        """Ask about ``facts`` of the stream or executed actions, and ``further`` ones that were not stated."""
+        self._planner, self._impasse, self._way = planner, impasse, way
+        self._beside: Optional[Planner] = None
+        self._refuted: List[_Refuted] = []
+        cancels = self._cancels(impasse.goals)
+        self._assumable = frozenset([*facts, *further, *cancels, *self._requests(impasse.goals)])
+        items = tuple(map(Statement, [*cancels, *further]))
+        update = planner.in_force if way is Way.KEPT else StreamUpdate(impasse.step)
+        self._update = replace(update, items=(*update.items, *items))
+
+    def ask(self, kept: Collection[Goal], facts: FrozenSet[Symbol], steps: int = 0) -> Reply:
+        """Return whether there is a plan for the goals ``kept`` if of all facts just these hold.
+
+        The plan can have the usual number of steps, or ``steps`` if that is more.
+        """
+        dropped = [goal for goal in self._impasse.goals if goal not in kept]
+        disabled = self._assumable - facts - frozenset(self._cancels(dropped)) - self._requests(kept)
+        steps = max(steps, self._planner.lookahead)
+        for known in self._refuted:
+            if known.covers(disabled, steps):
+                return Reply(False, core=known.core)
+        try:
+            if self._beside is None:
+                self._beside = self._planner.before_update() if self._way is Way.KEPT else self._planner.restarted()
+            reply = self._beside.inquire(self._update, self._assumable, disabled, steps)
+        except SolverError:  # takes too long, or is refused
+            return UNKNOWN
+        if reply.satisfiable is False:
+            self._refuted.append(_Refuted(reply.core, reply.core & disabled, steps))
+        return reply
+
+    def _cancels(self, goals: Collection[Goal]) -> List[Symbol]:
+        return self._impasse.cancels(goals) if self._way is Way.CANCELLED else []
+
+    def _requests(self, goals: Collection[Goal]) -> FrozenSet[Symbol]:
+        return requests_of(goals) if self._way is Way.WITHHELD else frozenset()
+
+
+class _Refuted(NamedTuple):
+    """There is no plan of at most ``steps`` steps if of the facts in ``core`` just these are ``disabled``."""
+
+    core: FrozenSet[Symbol]
+    disabled: FrozenSet[Symbol]
+    steps: int
+
+    def covers(self, disabled: FrozenSet[Symbol], steps: int) -> bool:
+        """Return whether there is none for this reason if these facts are disabled."""
+        return steps <= self.steps and self.core & disabled == self.disabled
+
+
+def facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:
+    """Return all that would not have been stated without these observations."""
+    return frozenset().union(*(one.facts for one in observations))
+
+
+def first_found(candidates: Iterable[T], find: Callable[[T], Optional[Found]]) -> Optional[Found]:
+    """Return the first result of ``find`` that is not None; None if there is none.
+
+    Raises UndecidedError if there is none and ``find`` was undecided for a candidate.
+    """
+    undecided = False
+    for one in candidates:
+        try:
+            found = find(one)
+        except UndecidedError:
+            undecided = True
+            continue
+        if found is not None:
+            return found
+    if undecided:
+        raise UndecidedError
+    return None
