@@ -13,6 +13,7 @@ from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import ROSoClingoResult
 from rosoclingo.nodes.core.fact_intake import FactIntake
+from rosoclingo.nodes.core.gathering import TOGETHER
 from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, status_of
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
@@ -249,6 +250,7 @@ class CoreNode:
     def _goal_came(self, key: str, text: str) -> None:
         if key in self._arrivals:
             self._arrivals.discard(key)
+            self._facts.gathering.goal_came(time.monotonic())
             self._core.add_goal(key, text)
 
     def _cancel_arrived(self, handle: ServerGoalHandle) -> None:
@@ -276,6 +278,8 @@ class CoreNode:
         self._tick()
         if improvable or self._facts.waiting:
             return 0.0
+        if self._facts.gathering.expects(time.monotonic()):
+            return TOGETHER
         quiet = time.monotonic() - self._last_cycle >= 2 * PREPARING and not self._solvers.is_prefetching
         return IDLE if quiet else None
 

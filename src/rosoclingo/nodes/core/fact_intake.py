@@ -8,6 +8,7 @@ import rospy
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.nodes.core.fact_queue import FactQueue, Sent
+from rosoclingo.nodes.core.gathering import Gathering
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import shortened
@@ -15,16 +16,18 @@ from rosoclingo.reasoning.keywords import shortened
 #: Seconds of wall time for which the worker takes facts before other work.
 SLICE = 0.05
 
-#: Seconds of wall time for which an update waits for queued arrivals.
-GATHERING = 0.1
-
 
 class FactIntake:
-    """Queues facts until the worker takes them; the topic's callback only enqueues."""
+    """Queues facts until the worker takes them; the topic's callback only enqueues.
+
+    Attributes:
+        gathering: whether the next update waits for what was sent together.
+
+    """
 
     def __init__(self, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
         self._core, self._register, self._worker = core, register, worker
-        self._queue, self._gathering = FactQueue(), time.monotonic()
+        self._queue, self.gathering = FactQueue(), Gathering(time.monotonic())
 
     def connect(self) -> None:
         """Subscribe to facts."""
@@ -36,11 +39,8 @@ class FactIntake:
         return self._queue.waiting
 
     def gather(self) -> bool:
-        """Tell whether the next update waits for queued facts, goals or cancels, for at most GATHERING."""
-        now, waiting = time.monotonic(), self._queue.waiting or self._worker.waiting
-        if not waiting:
-            self._gathering = now
-        return waiting and now - self._gathering < GATHERING
+        """Tell whether the next update waits for facts, goals or cancels."""
+        return self.gathering.waits(time.monotonic(), self._queue.waiting or self._worker.waiting)
 
     @property
     def senders(self) -> Set[str]:
