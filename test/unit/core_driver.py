@@ -1,12 +1,14 @@
 """Drives the pure core in tests: small programs, a journal, and returns on demand."""
 
+import re
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Optional, Type, Union
 
 from core_journal import Journal
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, SolverError, SolveResult, StreamUpdate
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, StreamUpdate
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Halt, Problem
@@ -43,15 +45,15 @@ PLANS = {"shortest": shortest, "soon": soon}
 
 
 class Leaving:
-    """A watch by which the search of this ``number``, counted from 1, is left for what comes."""
+    """A watch that ends the search of this ``number``, from 1: for an arrival, or for its time if it is ``slow``."""
 
-    def __init__(self, number: int = 0) -> None:
-        self.number = number
+    def __init__(self, number: int = 0, slow: bool = False) -> None:
+        self.number, self.slow = number, slow
 
     def __call__(self) -> Callable[[], Optional[Halt]]:
         self.number -= 1
         over = self.number == 0
-        return lambda: Halt("the test", disturbed=True) if over else None
+        return lambda: Halt("the test", disturbed=not self.slow) if over else None
 
 
 class Driver:
@@ -168,24 +170,55 @@ class Driver:
 
 
 class FaultyDriver(Driver):
-    """A driver whose solvers raise the error that ``fault`` returns for an update, in place of taking it."""
+    """A driver whose solvers fail for some updates.
+
+    ``fault`` returns for an update the error that is raised in place of accepting it, SolveOutcome.INTERRUPTED for an
+    accepted update without an answer in time, else None. ``watch`` can end a search. ``failed`` are the texts of the
+    updates with a fault.
+    """
 
     def __init__(self, text: str = ERRANDS, settings: Optional[CoreSettings] = None, **others: Any) -> None:
-        super().__init__(text, settings, solver=self._make, **others)
+        self.watch, self.failed = Leaving(), []  # type: Leaving, List[str]
+        super().__init__(text, settings, **{"solver": self._make, "watch": self.watch, **others})
 
-    def fault(self, update: StreamUpdate) -> Optional[SolverError]:
-        """Return the error, None to take the update."""
+    def fault(self, update: StreamUpdate) -> Union[SolverError, SolveOutcome, None]:
+        """Return the fault of an update."""
+
+    def end_search(self, number: str, slow: bool = False) -> None:
+        """End the search of this number from now on."""
+        self.watch.number, self.watch.slow = int(number), slow
+
+    def fail_for(
+        self, fault: Union[Type[SolverError], SolveOutcome, None], *words: str, unless: str = "#nothing"
+    ) -> "FaultyDriver":
+        """From now on updates with one of the ``words``, or all, have a fault; those with ``unless`` have none.
+
+        Updates are texts such as ``search 2. _seen(sun).`` and, without a search, ``take 2. _seen(sun).``.
+        """
+
+        patterns = [".*".join(map(re.escape, word.split("..."))) for word in words or [""]]
+
+        def found(update: StreamUpdate) -> Union[SolverError, SolveOutcome, None]:
+            text = f"{'search' if update.bound else 'take'} {' '.join(str(update.plain).split()[1:-2])}"
+            if fault is None or unless in str(update) or not any(re.search(one, text) for one in patterns):
+                return None
+            self.failed.append(text)
+            return fault("no") if isinstance(fault, type) else fault
+
+        self.fault = found  # type: ignore[assignment]
+        return self
 
     def _make(self, program: ReactiveProgram) -> PlanSolver:
         driver = self
 
         class FaultySolver(PlanSolver):
             def update(self, update: StreamUpdate, stopped: Any = None) -> SolveResult:
-                error = driver.fault(update)
-                if error is None:
-                    return super().update(update, stopped)
-                if stopped is not None:
-                    stopped()
-                raise error
+                fault = driver.fault(update)
+                if isinstance(fault, SolverError):
+                    if stopped is not None:
+                        stopped()
+                    raise fault
+                result = super().update(update, stopped)
+                return result if fault is None else replace(result, outcome=fault, answers=())
 
         return shortest(program, FaultySolver)

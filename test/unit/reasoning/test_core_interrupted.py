@@ -1,91 +1,116 @@
-"""Searches that are ended: by what comes meanwhile, by time, by the loss of the solver's process."""
+"""Searches that are ended by arrivals or by time, and updates that the solver drops or refuses: nothing is lost."""
 
-from core_driver import ERRANDS, Driver, FaultyDriver, Leaving, shortest
+import os
+import signal
+from random import Random
+
+import pytest
+from core_driver import ERRANDS, Driver, FaultyDriver, shortest
+from core_programs import BATTERY, DOOMED, FAILED, IMPOSSIBLE, STATUS, fetch
+from core_scripts import play, scripts
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from stream_replay import check_replay
+from workloads import sized
 
-from rosoclingo.oclingo import DroppedError, NotReadyError
+from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, SolveOutcome, SolverError, parse_updates
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import Halt
+from rosoclingo.planning.workers.pool import WorkerPool
+from rosoclingo.planning.workers.process_solver import ProcessSolver
+from rosoclingo.reasoning import (
+    ActionsDispatched,
+    CoreSettings,
+    GoalProgress,
+    Halt,
+    PlanMade,
+    UpdateSent,
+    stream_planner,
+)
 from rosoclingo.reasoning.input_feeder import PAUSE
 
+ALONE = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
+RAIN = ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n"
+GOES_ON = "no plan was found before the search was ended: the search goes on"
 
-class Interrupted(FaultyDriver):
-    """A driver whose searches end as soon as ``halt`` is set, and are dropped where ``drops`` says so."""
-
-    def __init__(self, text=ERRANDS, start=True):
-        self.halt, self.drops = None, lambda update: False
-        super().__init__(text, watch=lambda: lambda: self.halt, start=start)
-
-    def fault(self, update):
-        return DroppedError("ended by the test") if self.drops(update) else None
-
-    def once(self):
-        """Advance once, with a search that is left for what comes."""
-        self.halt = Halt("the test", disturbed=True)
-        assert self.core.advance(self.now)
-        self.halt = None
-        return self
-
-
-def test_a_search_that_is_left_is_made_again():
-    driver = Interrupted()
-    driver.core.add_goal("a", "do(walk,1)")
-    driver.once()
-    assert driver.states("a") == []
-    assert driver.awaited == []
-    assert driver.run().awaited == ["_action_lib(walk,1,2)"]
-    assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."]
-    assert driver.finish().states("a")[-1] == "succeeded"
-    assert driver.journal.problems == ["the search was left: the test"]
-
-
-def test_a_search_that_is_left_is_made_again_where_nothing_else_asks_for_it():
-    driver = Interrupted().goal("a", "do(walk,1)")
-    driver.core.receive("interface", ["_return(walk,failed,1)"])
-    driver.once()
-    assert driver.core.plan.actions == ()
-    assert driver.run().awaited == ["_action_lib(walk,1,3)"]
-
-
-def test_a_cancel_that_ends_a_search_is_fed_with_the_next_update():
-    driver = Interrupted()
-    driver.core.add_goal("a", "do(walk,1)")
-    driver.once().cancel("a")
-    assert driver.states("a")[-1] == "preempted"
-    assert "_request(cancel(1),2)." in driver.journal.updates[-1]
-    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
-
-
-def test_an_update_that_was_dropped_for_what_came_comes_with_the_next_one():
-    driver = Interrupted().goal("a", "do(walk,1)")
-    driver.core.receive("interface", ["_return(walk,1,1)", "_seen(sun)"])
-    driver.core.add_goal("b", "do(run,2)")
-    driver.drops = lambda update: True
-    driver.once()
-    driver.drops = lambda update: False
-    assert len(driver.journal.updates) == 1, "what is not in force is not told"
-    driver.run()
-    assert [text.split()[1] for text in driver.journal.updates] == ["1.", "2."]
-    assert driver.journal.updates[1].split() == [
-        *["#step", "2.", ":-", "not", "_action_lib(walk,1,1).", "_request(do(run,2),3)."],
-        *["_return(walk,1,1).", "_seen(sun).", "#end", "step."],
-    ]
-    assert driver.awaited == ["_action_lib(run,2,2)"]
-    driver.finish()
-    assert driver.states("a")[-1] == driver.states("b")[-1] == "succeeded"
+#: The program and the script.
+FAULTS = {
+    "search that is left": (ERRANDS, """
+        add a do(walk,1); leave 1; once; all a; does; run; does walk,1,2; cycle 2; finish; is a succeeded
+        problems 1; problem the search was left: the test"""),
+    "search that is left, without another reason to search": (ERRANDS, """
+        goal a do(walk,1); hear interface _return(walk,failed,1); leave 1; once; does; run; does walk,1,3; finish"""),
+    "cancel during a search": (ERRANDS, """
+        add a do(walk,1); leave 1; once; cancel a; is a preempted; sends _request(cancel(1),2).; goal b do(run,2)
+        finish; is b succeeded"""),
+    "update that is dropped for an arrival": (ERRANDS, """
+        goal a do(walk,1); hear interface _return(walk,1,1) _seen(sun); add b do(run,2); fault dropped; leave 1; once
+        fault none; unsent ..._seen(sun)...; run
+        sends :- not _action_lib(walk,1,1). _request(do(run,2),3). _return(walk,1,1). _seen(sun).
+        does run,2,2; finish; is a succeeded; is b succeeded; cycle 3"""),
+    "goal that is cancelled in a dropped update": (ERRANDS, """
+        add a do(walk,1); add b do(run,2); fault dropped; leave 1; once; fault none; cancel a
+        all a recalling recalled; unsent ...walk...; finish; is b succeeded"""),
+    "recovery that is left": (RAIN, """
+        goal a do(walk,1); hear interface _return(walk,failed,1) _seen(rain); leave 2; once; problems 1
+        problem the search was left: the test; all a; run; all a active aborted"""),
+    "new goal while another one is tried again": (ERRANDS, """
+        fault dropped run; goal a do(run,1); pass 10; leave 1; once; goal b do(walk,2); does walk,2,2; finish
+        is b succeeded; fault none; wait 20; finish; is a succeeded"""),
+    "update whose look-ahead is dropped": (ERRANDS, """
+        fault dropped search..._request(do(; goal a do(walk,1); finish; is a succeeded; goal b do(never,2)
+        is b aborted; sends ..._request(cancel(2)...
+        says b do(never,2) cannot be met: there is no plan of at most 8 steps; goal c do(run,3); finish
+        is c succeeded"""),
+    "solver that drops everything": (ERRANDS, f"""
+        goal a do(walk,1); fault dropped; succeed; patience 2; fault none; wait {PAUSE - 1}; all a; wait 1
+        is a succeeded; does; goal b do(run,2); finish; is b succeeded"""),
+    "repair that is left": (DOOMED, """
+        goal a do(walk,1); succeed; hear interface _seen(end); leave 2; once; sends _seen(end).; add b do(run,2)
+        run; finish; is b succeeded; sent #withdraw _seen(end)...."""),
+    "update of which nothing was accepted": (ERRANDS, "fault refused; goal a do(walk,1); all a rejected; unsent ..."),
+    "fact that was not accepted is new when it comes again": (BATTERY, """
+        fault refused _battery; facts _battery(high,9); sends ; fault none; facts _battery(high,9)
+        facts _battery(high,9); sends _battery(high,9).; cycle 2"""),
+    "searches without an end": (ERRANDS, f"""
+        goal a do(walk,1); finish; fault undecided unless #anew; add b do(run,2); {"once;" * 10} problems 10
+        problem {GOES_ON}; fault none; run; finish; is b succeeded; goal c do(walk,3); finish; is c succeeded"""),
+    "proofs that come late": (ERRANDS, "".join(f"""
+        fault undecided; add {number} do(never,{number}); once; all {number}; fault none; run; is {number} aborted
+        says {number} do(never,{number}) cannot be met: there is no plan of at most 8 steps; problem {GOES_ON}
+        problems {number}""" for number in (1, 2, 3))),
+    "program that cannot begin again": (IMPOSSIBLE, """
+        fault refused #anew; goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2)
+        facts _battery(high,9) _return(rest,failed,2); is b aborted; is c aborted; does
+        says b do(run,2) cannot be met: there is no plan of at most 10 steps
+        problem no answer was found, whatever goals are given up: there is no plan of at most 10 steps"""),
+    **{f"{fault} whether to begin again": (IMPOSSIBLE, f"""
+        goal a do(walk,1); add c do(rest,9); succeed; fault {fault} #anew; hear interface _return(rest,failed,2); once
+        all c; problems 1; problem there is no plan of at most 9 steps, and it was not found out in time which goals...
+        fault none; run; says c do(rest,9) is given up: the program begins anew""")
+       for fault in ("undecided", "dropped")},
+}  # fmt: skip
 
 
-def test_a_goal_that_is_cancelled_in_a_dropped_update_is_forgotten():
-    driver = Interrupted()
-    driver.core.add_goal("a", "do(walk,1)")
-    driver.core.add_goal("b", "do(run,2)")
-    driver.drops = lambda update: True
-    driver.once()
-    driver.drops = lambda update: False
-    driver.cancel("a")
-    assert driver.states("a") == ["recalling", "recalled"]
-    assert "walk" not in driver.journal.updates[-1]
-    assert driver.finish().states("b")[-1] == "succeeded"
+@scripts(FAULTS)
+def test_faults_of_the_solver(row):
+    text, script = row
+    driver = play(FaultyDriver(text), script)
+    assert driver.core.live_goals == []
+    check_replay(driver.program, driver.journal)
+
+
+@pytest.mark.parametrize(
+    ("text", "script"),
+    [
+        (ALONE + "#external _request/2. #external _return/3.", "leave 1; begin; does wake,up,2"),
+        (ERRANDS, """
+            fault dropped; begin; problems 1; problem the program can't be solved before any request: no; fault none
+            goal a do(walk,1); finish; is a succeeded"""),
+    ],
+    ids=["left", "dropped"],
+)  # fmt: skip
+def test_first_search_that_is_ended(text, script):
+    play(FaultyDriver(text, start=False), script)
 
 
 def test_time_does_not_count_while_the_solver_is_made_ready():
@@ -100,90 +125,247 @@ def test_time_does_not_count_while_the_solver_is_made_ready():
 
     driver = Driver(solver=lambda program: shortest(program, Late), watch=lambda: lambda: next(looks, None))
     assert waits == [True] * 3
-    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
-    assert driver.journal.problems == []
+    play(driver, "goal a do(walk,1); finish; is a succeeded; problems 0")
 
 
-def test_the_first_search_that_was_left_is_made_again():
-    text = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
-    driver = Interrupted(text + "#external _request/2. #external _return/3.", start=False)
-    driver.halt = Halt("the test", disturbed=True)
-    driver.core.start()
-    driver.halt = None
-    assert driver.run().awaited == ["_action_lib(wake,up,2)"]
+def test_a_solver_that_accepts_nothing_any_more_ends_all_goals():
+    why = "is given up: the solver accepts no more updates"
+    driver = FaultyDriver(settings=CoreSettings(horizon_limit=8, goals_at_once=1))
+    play(
+        driver,
+        f"""
+        goal a do(walk,1); add b do(walk,2); fault refused; succeed; says a do(walk,1) {why}; says b do(walk,2) {why}
+        fault none; goal c do(run,3); sends ..._request(cancel(1),2)...""",
+    )
 
 
-def test_the_first_search_may_be_dropped():
-    driver = Interrupted(start=False)
-    driver.drops = lambda update: True
-    driver.core.start()
-    assert driver.journal.problems == ["the program can't be solved before any request: ended by the test"]
-    driver.drops = lambda update: False
-    assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
+def three_walks(text=ERRANDS):
+    """A driver with three goals, of which the first is under way, and their numbers in the order of the plan."""
+    driver = FaultyDriver(text)
+    for number in (1, 2, 3):
+        driver.core.add_goal(str(number), f"do(walk,{number})")
+    return driver, [str(action.parameter) for action in driver.run().core.plan.actions]
 
 
-def test_recovery_that_is_left_is_made_again_where_nothing_else_asks_for_it():
-    text = ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n"
-    driver = Driver(text, watch=Leaving(4))
-    driver.goal("a", "do(walk,1)").core.receive("interface", ["_return(walk,failed,1)", "_seen(rain)"])
-    assert driver.core.advance(1.0)
-    assert driver.journal.problems == ["the search was left: the test"]
-    assert driver.states("a") == [], "without a plan, but not yet given up"
-    assert driver.run().states("a") == ["active", "aborted"]
+def test_a_plan_that_is_kept_is_deferred_by_the_cycles_in_which_nothing_was_done():
+    driver, (first, one, last) = three_walks()
+    play(driver, f"leave 1; hear interface _return(walk,{first},1) _seen(ball); once; cycle 2")
+    assert driver.core.plan.actions == (), "the search was left"
+    play(driver, f"fault undecided unless #volatile; run; does walk,{one},3")
+    later = [str(action.atom) for action in driver.core.plan.remaining(3)]
+    assert later == [f"_action_lib(walk,{one},3)", f"_action_lib(walk,{last},4)"]
+    told = [type(event) for event in driver.journal.events if event.cycle == 3]
+    assert told.index(UpdateSent) < told.index(ActionsDispatched) < told.index(GoalProgress)
 
 
-def test_one_that_comes_while_such_a_goal_is_tried_again_is_served_first():
-    driver = Interrupted()
-    driver.drops = lambda update: "run" in str(update)
-    driver.goal("a", "do(run,1)")
-    driver.now += 10.0
-    driver.core.poll(driver.now)
-    driver.once()
-    assert driver.goal("b", "do(walk,2)").awaited == ["_action_lib(walk,2,2)"]
-    assert driver.finish().states("b")[-1] == "succeeded"
-    driver.drops = lambda update: False
-    driver.now += 20.0
-    assert driver.run().finish().states("a")[-1] == "succeeded"
+#: Only these requests are declared.
+DECLARED = ERRANDS.replace(
+    "#external _request/2.", "#external _request(do(walk,1..3),1..9). #external _request(cancel(1..3),1..9)."
+)
 
 
-def test_an_update_whose_look_ahead_is_dropped_is_fed_without():
-    driver = Interrupted()
-    driver.drops = lambda update: update.bound and "_request(do(" in str(update)
-    driver.goal("a", "do(walk,1)").finish()
-    assert driver.states("a")[-1] == "succeeded", "a plan needs no look ahead"
-    driver.goal("b", "do(never,2)")
-    assert driver.states("b")[-1] == "aborted"
-    assert "_request(cancel(2)" in driver.journal.updates[-1], "the request was in force"
-    assert driver.message("b") == "do(never,2) cannot be met: there is no plan of at most 8 steps", "it is proven"
-    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
+@pytest.mark.parametrize(("text", "state"), [(ERRANDS, "succeeded"), (DECLARED, "rejected")])
+def test_a_goal_that_the_solver_cannot_accept_is_no_reason_to_defer_others(text, state):
+    driver, (first, second, _) = three_walks(text)
+    slow = driver.fail_for(SolveOutcome.INTERRUPTED, unless="#volatile").fault
+    drops = text is ERRANDS
+    driver.fault = lambda update: DroppedError("no") if drops and "do(run" in str(update) else slow(update)
+    driver.core.add_goal("9", "do(run,9)")
+    play(driver, f"facts _return(walk,{first},1); does walk,{second},2")
+    assert [goal.key for goal in driver.core.queue.waiting] == (["9"] if state == "succeeded" else [])
+    assert not any("the search goes on" in problem for problem in driver.problems)
+    play(driver, f"fault none; finish; is 9 {state}")
 
 
-def test_a_solver_that_drops_everything_costs_time_only():
-    driver = Interrupted().goal("a", "do(walk,1)")
-    driver.drops = lambda update: True
-    driver.succeed()
-    assert driver.core.queue.patience == 2, "the next search has more"
-    driver.drops = lambda update: False
-    driver.now += PAUSE - 1.0
-    assert driver.run().states("a") == []
-    driver.now += 1.0
-    assert driver.run().states("a")[-1] == "succeeded"
-    assert driver.awaited == []
-    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
+def test_a_program_that_begins_again_keeps_the_new_goals_only():
+    driver = play(
+        Driver(IMPOSSIBLE),
+        """
+        goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2); facts _battery(high,9) _return(rest,failed,2)
+        says c do(rest,9) is given up: the program begins anew; all b; problem ERROR: ...; does run,2,4""",
+    )
+    updates = [" ".join(text.split()[1:-2]) for text in driver.journal.updates[2:]]
+    assert updates == ["3. #anew.", "4. _request(do(run,2),5)."]
+    assert sum(text.startswith("ERROR: ") for text in driver.problems) == 1
+    assert [event.cycle for event in driver.journal.of(PlanMade)] == [1, 1, 2, 3, 3, 4]
+    play(driver, "facts _battery(high,9) _return(run,2,4); sends ..._battery(high,9)...; is b succeeded")
 
 
-#: Nothing can follow the first of these facts.
-DOOMED = ERRANDS + ":- _seen(end).\n"
+def test_each_update_by_which_a_program_begins_again_is_reported(monkeypatch):
+    monkeypatch.setattr(stream_planner, "MANY_STEPS", 20)
+    driver = Driver(IMPOSSIBLE + "#external _tick/1.", settings=CoreSettings(horizon_limit=4))
+    for number in range(20):
+        driver.facts(f"_tick({number})")
+    play(driver, "goal a do(walk,1); succeed; add b do(run,2); succeed; does run,2,24")
+    begun = driver.journal.stream.index("#anew")
+    assert driver.journal.stream[begun:].replace("\n", " ").split("#step ")[1:] == [
+        "23 : 4. #closed 20..22. #over 13. #end step. ",
+        "24 : 4. #closed 23. _request(do(run,2),25). #end step. ",
+    ]
 
 
-def test_mending_is_left_for_what_comes():
-    watch = Leaving()
-    driver = Driver(DOOMED, watch=watch).goal("a", "do(walk,1)").succeed()
-    driver.core.receive("interface", ["_seen(end)"])
-    watch.number = 2
-    assert driver.core.advance(1.0)
-    assert "_seen(end)." in driver.journal.updates[-1], "it is in force"
-    driver.core.add_goal("b", "do(run,2)")
-    assert driver.run().finish().states("b")[-1] == "succeeded"
-    assert "#withdraw _seen(end)." in "".join(driver.journal.updates)
-    check_replay(driver.program, driver.journal)
+# -- actions and their returns, however an update is fed
+
+
+#: What is seen or loud is heeded by no plan.
+PROGRAM = ReactiveProgram.from_text(fetch(", not failed(t)", rules=FAILED + STATUS))
+
+
+class Arm:
+    """The world apart from the program: it has what was grasped with success."""
+
+    def __init__(self, driver):
+        self.driver, self.things, self.told = driver, set(), []
+
+    def answer(self, fails, *facts):
+        """The action under way ends; ``facts`` come in the same message."""
+        (action,) = self.driver.core.awaited
+        thing = str(action.parameter)
+        self.things |= set() if fails else {thing}
+        self.told.append(f"_return(arm,{'failed' if fails else thing},{action.cycle})")
+        self.driver.core.receive("arm", [*facts[:1], self.told[-1], *facts[1:]])
+        self.go_on()
+
+    def go_on(self):
+        """Advance until the core waits for an action; time passes while it does not."""
+        for _ in range(40):
+            self.driver.run()
+            if self.driver.core.awaited or not self.driver.core.live_goals:
+                return
+            self.driver.now += 11.0
+        raise AssertionError("the core waits for ever")
+
+    def finish(self):
+        """All succeeds, and the facts that rest come."""
+        while self.driver.core.awaited:
+            self.answer(False)
+        for _ in range(20):
+            self.driver.now += 1000.0
+            self.driver.run()
+
+    @property
+    def heads(self):
+        """The facts of the stream."""
+        return {str(head) for update in parse_updates(self.driver.journal.stream) for head in update.heads}
+
+    def check(self):
+        """All actions are told together with what came of them."""
+        assert self.heads.issuperset(self.told), self.driver.problems
+        for update in parse_updates(self.driver.journal.stream):
+            returns = [one for one in update.heads if one is not None and one.match("_return", 3)]
+            for action in update.committed:
+                assert returns, str(update)
+                assert all(one.arguments[2] == action.arguments[2] for one in returns)
+
+
+STEPS = st.lists(st.tuples(st.booleans(), st.integers(0, 3)), max_size=6)
+FATES = st.lists(st.sampled_from(["accepted", "dropped", "without facts", "refused"]), max_size=25)
+
+
+@settings(max_examples=settings.default.max_examples // 2)
+@example(fates=["accepted", "accepted", *["dropped"] * 2, "accepted"], steps=[(True, 1)])
+@example(fates=["accepted", "accepted", *["dropped"] * 9], steps=[(True, 1)])
+@example(fates=["accepted", "accepted", *["refused"] * 9], steps=[(True, 3)])
+@given(fates=FATES, steps=STEPS)
+def test_each_return_is_in_the_history_whatever_becomes_of_updates(fates, steps):
+    left = iter(fates)
+
+    class FatedDriver(FaultyDriver):
+        def fault(self, update):
+            fate, sees = next(left, "accepted"), "_seen" in str(update)
+            if fate == "dropped" or (fate == "without facts" and sees):
+                return DroppedError("by the test")
+            return SolverError("by the test") if fate == "refused" and sees else None
+
+    driver = FatedDriver(program=PROGRAM)
+    arm, facts = Arm(driver), []
+    for number, thing in enumerate(("cup", "mug", "jug")):
+        driver.core.add_goal(thing, f"fetch({thing},{number})")
+    arm.go_on()
+    for fails, count in steps:
+        if driver.core.awaited:
+            new = [f"_seen({len(facts) + one})" for one in range(count)]
+            facts += new
+            arm.answer(fails, *new)
+    arm.finish()
+    arm.check()
+    assert arm.things == {"cup", "mug", "jug"}
+    assert [driver.states(thing)[-1] for thing in ("cup", "mug", "jug")] == ["succeeded"] * 3
+    dropped = [text.split()[0] for text in driver.problems if "accepts no update with it" in text]
+    assert arm.heads.issuperset(set(facts) - set(dropped)), "other facts come later, or are reported as dropped"
+
+
+def test_a_failure_is_told_though_a_fact_of_its_message_is_too_costly():
+    driver = play(FaultyDriver(program=PROGRAM), "goal a fetch(cup,1); fault dropped _loud(400")
+    arm = Arm(driver)
+    arm.answer(True, "_seen(dog)", "_loud(400,now)", "_seen(cat)")
+    assert driver.awaited, "what failed is done again"
+    arm.finish()
+    arm.check()
+    assert arm.heads.issuperset({"_seen(dog)", "_seen(cat)"}), "those that cost little come later"
+    assert driver.problems[-1] == "_loud(400,now) is dropped: the solver accepts no update with it"
+    play(driver, "goal b fetch(mug,2); finish; is b succeeded")
+
+
+def test_a_return_that_the_solver_refuses_is_left_out_with_its_action():
+    driver = play(
+        FaultyDriver(program=PROGRAM),
+        """
+        goal a fetch(cup,1); fault refused _return(arm,odd,1); fail odd; is a aborted
+        goal b fetch(mug,2); finish; is b succeeded""",
+    )
+    assert "_action_lib(arm,cup,1)" not in driver.journal.stream
+
+
+class Killer:
+    """Kills the worker now and then, before it has answered an update; now and then the one after it as well."""
+
+    def __init__(self, process, draw):
+        self.process, self.draw = process, draw
+        self.left = self.kills = 0
+
+    def __call__(self):
+        self.left -= 1
+        again = False
+        if self.left in (0, -2, -3) and self.draw.random() < 0.8:
+            self.kill()
+            again = self.draw.random() < 0.5
+        killed = self.process.pid
+
+        def look():
+            nonlocal killed
+            if again and self.process.pid != killed:
+                killed = self.process.pid
+                self.kill()
+
+        return look
+
+    def kill(self):
+        if self.process.pid is not None:
+            os.kill(self.process.pid, signal.SIGKILL)
+            self.kills += 1
+
+
+@pytest.mark.slow
+def test_no_failure_is_lost_with_a_process_that_is_killed():
+    draw, goals = Random(0), [str(number) for number in range(sized(12, 36))]
+    process = WorkerPool(PROGRAM, shortest=True, standby=True)
+    process.start()
+    watch = Killer(process, draw)
+    try:
+        driver = Driver(program=PROGRAM, settings=CoreSettings(), solver=lambda _: ProcessSolver(process), watch=watch)
+        arm = Arm(driver)
+        for number in goals:
+            driver.core.add_goal(number, f"fetch(thing{number},{number})")
+            arm.go_on()
+            for fails in (True, False):
+                watch.left = draw.choice([1, 1, 2])
+                arm.answer(fails, f"_seen({number})")
+        arm.finish()
+        arm.check()
+        assert [driver.states(number)[-1] for number in goals] == ["succeeded"] * len(goals)
+        assert arm.things == {f"thing{number}" for number in goals}
+        assert watch.kills > 5
+        assert any("dropped" in text for text in driver.problems)
+    finally:
+        process.close()

@@ -3,8 +3,7 @@
 from functools import partial
 
 import pytest
-from core_driver import Driver
-from test_core_interrupted import Leaving
+from core_driver import Driver, Leaving
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import GoalProgress, PlanMade

@@ -1,116 +1,56 @@
-"""Facts that come late, early, twice or are false: none leaves the program without an answer or ends a goal."""
-
-from pathlib import Path
+"""Facts that come late, early, in turns or are false: none leaves the program without an answer or ends a goal."""
 
 import pytest
 from core_driver import ERRANDS, Driver
+from core_programs import BATTERY, DOORS
+from core_scripts import play, scripts
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from workloads import sized
 
-ROOT = Path(__file__).resolve().parents[3]
-BATTERY = (ROOT / "test" / "data" / "battery.lp").read_text() + "#program cumulative(t).\n"
+from rosoclingo.oclingo import parse_update
+from rosoclingo.reasoning import ActionsPreempted, CoreSettings, StateChanged, UpdateSent
+from rosoclingo.reasoning.input_feeder import MOST_TURNS
 
-#: A door seen shut in a cycle can't have been gone through in the next.
-DOORS = """
-#external _request/2. #external _return/3. #external _shut/2.
-#program base.
-room(hall). room(den). door(hall,den). door(den,hall). at(hall,0).
-#program cumulative(t).
-wanted(R,I,t) :- _request(go(R,I),t+1).
-wanted(R,I,t) :- wanted(R,I,t-1), not at(R,t-1), not _request(cancel(I),t).
-{ _action_lib(go,R,t) : door(Q,R), at(Q,t-1) } 1 :- wanted(_,_,t).
-at(R,t) :- _action_lib(go,R,t), not failed(t).
-at(R,t) :- at(R,t-1), not moved(t).
-moved(t) :- _action_lib(go,R,t), not failed(t).
-failed(t) :- _return(go,V,t), not room(V).
-:- _action_lib(go,R,t), _shut(R,t-1).
-#program volatile(t).
-:- wanted(R,I,t), not at(R,t).
-#program base.
-#show _action_lib/3.
-"""
+STORM = "#external _storm/1.\n#program cumulative(t).\n:- _action_lib(walk,_,t), _storm(C), C <= t.\n"
+MUST = "#external _must/1.\n:- _must(t), not _action_lib(rest,9,t).\n"
 
-
-def problems(driver, word):
-    return [text for text in driver.journal.problems if word in text]
-
-
-def test_a_fact_of_now_has_the_cycle_of_the_next_action():
-    driver = Driver(BATTERY).facts("_battery(low,now)")
-    assert driver.journal.updates == ["#step 1.\n_battery(low,1).\n#end step.\n"]
-    driver.goal("a", "do(walk,1)")
-    assert driver.awaited == ["_action_lib(walk,1,2)"]
-    driver.facts("_battery(low,now)", "_return(walk,1,2)").goal("b", "do(run,2)")
-    assert "_battery(low,3)." in driver.journal.updates[2]
-    assert driver.awaited == ["_action_lib(run,2,4)"], "cycle 3 heeded it"
-    assert driver.finish().states("b")[-1] == "succeeded"
+FACTS = {
+    "fact of now has the cycle of the next action": (BATTERY, """
+        facts _battery(low,now); sends _battery(low,1).; goal a do(walk,1); does walk,1,2
+        facts _battery(low,now) _return(walk,1,2); goal b do(run,2); sent ..._battery(low,3)....; does run,2,4; finish
+        is b succeeded"""),
+    "fact of now has the cycle before where it counts from the next one on": (DOORS, """
+        goal a go(den,1); finish; hear door _shut(hall,now); goal b go(hall,2); sent ..._shut(hall,2).
+        does go,hall,4; finish; is b succeeded"""),
+    "fact of now before the first cycle comes before the requests": (DOORS, """
+        hear door _shut(den,now); goal a go(den,1); sent _shut(den,1).; does go,den,3; finish; is a succeeded"""),
+    "late fact is redated": (DOORS, """
+        goal a go(den,1); finish; hear door _shut(den,0); goal b go(hall,2); finish; is b succeeded; problems 1
+        problem _shut(den,0) from interface door contradicts that go(den) was done in cycle 1: taken for cycle 2
+        unsent ..._shut(den,0)...; sent ..._shut(den,2)..."""),
+    "redated fact can be a reason": (ERRANDS + STORM, """
+        goal a do(walk,1); finish; facts _storm(1); problems 1
+        problem _storm(1) from interface interface contradicts what was done and told before: taken for cycle 3
+        goal b do(walk,2); says b do(walk,2) cannot be met since _storm(3) was told in cycle 2"""),
+    "fact of a later cycle counts when that has come": (BATTERY + MUST, """
+        goal r do(rest,9); facts _must(4); fail failed; fail failed; fail failed; finish; is r succeeded
+        goal b do(run,2); finish; is b succeeded"""),
+    "cancel that contradicts the past": (BATTERY + ":- _request(cancel(I),t), _action_lib(W,I,t-1).\n", """
+        goal a do(walk,1); cancel a; facts _return(walk,failed,1); finish; goal c do(run,3); finish; is c succeeded"""),
+}  # fmt: skip
 
 
-def test_a_fact_of_now_has_the_cycle_just_over_where_it_counts_from_the_next_one_on():
-    driver = Driver(DOORS).goal("a", "go(den,1)").finish()
-    driver.core.receive("door", ["_shut(hall,now)"])
-    driver.goal("b", "go(hall,2)")
-    assert "_shut(hall,2)." in driver.journal.updates[-2]
-    assert driver.awaited == ["_action_lib(go,hall,4)"], "not in cycle 3, after it was seen shut"
-    assert driver.finish().states("b")[-1] == "succeeded"
-
-
-def test_a_fact_of_now_before_the_first_cycle_comes_before_the_requests():
-    driver = Driver(DOORS)
-    driver.core.receive("door", ["_shut(den,now)"])
-    driver.goal("a", "go(den,1)")
-    assert driver.journal.updates[0] == "#step 1.\n_shut(den,1).\n#end step.\n"
-    assert driver.awaited == ["_action_lib(go,den,3)"]
-    assert driver.finish().states("a")[-1] == "succeeded"
-
-
-def test_a_late_fact_is_taken_for_the_present():
-    driver = Driver(DOORS).goal("a", "go(den,1)").finish()
-    driver.core.receive("door", ["_shut(den,0)"])
-    driver.goal("b", "go(hall,2)").finish()
-    assert driver.states("b")[-1] == "succeeded"
-    told = "_shut(den,0) from interface door contradicts that go(den) was done in cycle 1: taken for cycle 2"
-    assert driver.journal.problems == [told]
-    assert not any("_shut(den,0)" in text for text in driver.journal.updates), "what was withheld is not told"
-    assert any("_shut(den,2)" in text for text in driver.journal.updates)
-
-
-def test_a_late_fact_that_was_taken_for_the_present_may_be_a_reason():
-    rule = "#external _storm/1.\n#program cumulative(t).\n:- _action_lib(walk,_,t), _storm(C), C <= t.\n"
-    driver = Driver(ERRANDS + rule).goal("a", "do(walk,1)").finish().facts("_storm(1)")
-    assert driver.journal.problems == [
-        "_storm(1) from interface interface contradicts what was done and told before: taken for cycle 3"
-    ]
-    driver.goal("b", "do(walk,2)")
-    assert driver.message("b") == "do(walk,2) cannot be met since _storm(3) was told in cycle 2"
-
-
-def test_a_fact_of_a_cycle_to_come_that_bites_when_it_has_come():
-    text = BATTERY + "#external _must/1.\n:- _must(t), not _action_lib(rest,9,t).\n"
-    driver = Driver(text).goal("r", "do(rest,9)").facts("_must(4)")
-    for _ in range(3):
-        driver.facts(f"_return(rest,failed,{driver.core.cycle})")
-    assert driver.finish().states("r")[-1] == "succeeded"
-    assert driver.goal("b", "do(run,2)").finish().states("b")[-1] == "succeeded"
-
-
-def test_a_request_that_contradicts_the_past():
-    driver = Driver(BATTERY + ":- _request(do(jump,I),t+1), _action_lib(walk,J,t-2).\n")
-    driver.goal("a", "do(walk,1)").finish().goal("b", "do(jump,2)")
-    assert driver.states("b")[-1] == "aborted"
-    assert "#withdraw _request(do(jump,2),4)." in driver.journal.updates[-1]
-    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
-
-
-def test_a_cancel_that_contradicts_the_past():
-    driver = Driver(BATTERY + ":- _request(cancel(I),t), _action_lib(W,I,t-1).\n")
-    driver.goal("a", "do(walk,1)").cancel("a").facts("_return(walk,failed,1)").finish()
+@scripts(FACTS)
+def test_facts(row):
+    text, script = row
+    driver = play(Driver(text), script)
     assert driver.core.live_goals == []
-    assert driver.goal("c", "do(run,3)").finish().states("c")[-1] == "succeeded"
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_facts_of_cycles_long_over_are_taken_for_the_present():
+def test_facts_of_cycles_long_over_are_redated():
     goals = sized(60, 130)
     now = 2 * goals + 1
     driver = Driver(BATTERY)
@@ -120,23 +60,137 @@ def test_facts_of_cycles_long_over_are_taken_for_the_present():
     driver.goal("b", "do(run,200)")
     assert f"_battery(low,{now})." in driver.journal.updates[-2]
     assert driver.awaited == [f"_action_lib(run,200,{now + 1})"]
-    assert (
-        driver.journal.problems[0]
-        == f"_battery(low,3) from interface power comes too late: it is taken as _battery(low,{now})"
-    )
+    told = f"_battery(low,3) from interface power comes too late: it is taken as _battery(low,{now})"
+    assert driver.problems[0] == told
     assert driver.finish().states("b")[-1] == "succeeded"
 
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize("fact", ["_blocked(office1,office2,6)", "_blocked(office1,office2,7)"])
-def test_a_fact_of_a_cycle_to_come_that_leaves_nothing_to_do_ends_a_cancelled_goal(fact):
+@pytest.mark.parametrize("cycle", [6, 7])
+def test_a_fact_of_a_later_cycle_that_leaves_nothing_to_do_ends_a_cancelled_goal(cycle):
     """Nothing is done meanwhile, but the answer ends later than now: its end is waited for."""
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office3,office1,1)").until("pickup")
     driver.succeed().succeed()
     assert driver.awaited == ["_action_lib(move_base,office1,5)"]
     driver.core.cancel_goal("key")
-    driver.core.receive("door", [fact])
+    driver.core.receive("door", [f"_blocked(office1,office2,{cycle})"])
     driver.succeed().finish()
     assert driver.states("key")[-1] == "preempted"
     assert driver.core.live_goals == []
+
+
+# -- several messages of one origin during one cycle: the program knows which was the last word
+
+
+#: Goals ``visit(Room)``; where persons are; nobody drives through a door that is shut.
+VISITS = """
+#external _request/2. #external _return/3. #external _in/2. #external _gone/2. #external _shut/2. #external _open/2.
+#program base.
+room(hall). room(study). at(hall,0).
+#program cumulative(t).
+in(R,t) :- _in(R,t).
+in(R,t) :- in(R,t-1), not _gone(R,t).
+shut(R,t) :- _shut(R,t).
+shut(R,t) :- shut(R,t-1), not _open(R,t).
+wanted(R,t) :- _request(visit(R),t+1).
+wanted(R,t) :- wanted(R,t-1), not at(R,t-1), not _request(cancel(R),t).
+{ _action_lib(go,R,t) : room(R), not at(R,t-1) } 1 :- wanted(_,t).
+failed(t) :- _action_lib(go,R,t), _return(go,V,t), V != R.
+moved(t) :- _action_lib(go,R,t), not failed(t).
+at(R,t) :- _action_lib(go,R,t), not failed(t).
+at(R,t) :- at(R,t-1), not moved(t).
+:- _action_lib(go,R,t), shut(R,t-1).
+#show _action_lib/3. #show in/2.
+#program volatile(t).
+:- wanted(R,t), not at(R,t).
+"""
+
+#: Who finds a door shut may knock instead.
+KNOCK = """
+#program cumulative(t).
+{ _action_lib(knock,R,t) } :- wanted(R,t), shut(R,t-1).
+at(R,t) :- _action_lib(knock,R,t).
+"""
+
+#: The same, but with a goal open something is done in each cycle.
+RESTLESS = VISITS.replace("{ _action_lib(go", "1 { _action_lib(go").replace("not at(R,t-1) }", "R != none }")
+
+COMMIT = ":- not _action_lib(go,study,1)."
+
+#: What comes while the robot is on its way to the study.
+TURNS = {
+    "turns of one update which starts the last cycle": f"""
+        facts _in(study,now) _in(hall,now); facts _gone(study,now); succeed; cycle 3
+        sends {COMMIT} _in(study,2). _in(hall,2). _gone(study,3). _return(go,study,1).
+        goal b visit(hall); does go,hall,4""",
+    "turns of several origins run side by side": f"""
+        hear eye _in(hall,now); hear ear _in(study,now); hear ear _gone(study,now); succeed
+        sends {COMMIT} _in(study,2). _in(hall,3). _gone(study,3). _return(go,study,1).""",
+    "no turns of facts that name their cycle": f"""
+        facts _in(study,1); facts _gone(study,2); succeed; cycle 2
+        sends {COMMIT} _in(study,1). _gone(study,2). _return(go,study,1).""",
+    "repeated facts are one turn": f"""
+        {"facts _in(study,now);" * 50} succeed; cycle 2; sends {COMMIT} _in(study,2). _return(go,study,1).""",
+    "old word about a door ends no goal": """
+        hear door _shut(study,now); hear door _open(study,now); fail failed; finish; is a succeeded""",
+    "last word about a door ends the goal with the fact": """
+        hear door _open(study,now); hear door _shut(study,now); fail failed; finish; is a aborted
+        says a ..._shut(study,...""",
+}
+
+
+def driving(text=VISITS, **more):
+    """A core whose robot is on its way to the study."""
+    return play(Driver(text, CoreSettings(horizon_limit=10, **more)), "goal a visit(study); does go,study,1")
+
+
+def believed(driver):
+    """What the program believes of persons."""
+    return sorted(str(atom) for atom in driver.journal.of(StateChanged)[-1].atoms if atom.name == "in")
+
+
+@scripts(TURNS)
+def test_turns(row):
+    driver = play(driving(), row)
+    assert parse_update(driver.journal.of(UpdateSent)[-1].stream).step == driver.core.cycle
+
+
+def test_turns_before_the_first_cycle_are_cycles_of_their_own():
+    driver = Driver(VISITS, CoreSettings(horizon_limit=10), start=False)
+    play(driver, "hear door _shut(study,now); hear door _open(study,now); add a visit(study)")
+    play(driver.begin(), "finish; is a succeeded; problems 0")
+
+
+@pytest.mark.parametrize(("words", "ended"), [(["_shut", "_open"], 0), (["_open", "_shut"], 1)])
+def test_turns_decide_whether_an_action_is_still_wanted(words, ended):
+    driver = driving(VISITS + KNOCK, preempt=True)
+    for word in words:  # the core looks at what runs once both have come
+        driver.core.receive("door", [f"{word}(study,now)"])
+    assert len(driver.run().journal.of(ActionsPreempted)) == ended
+
+
+def test_turns_are_bounded_and_the_last_ones_keep_their_order():
+    driver = driving()
+    for number in range(200):
+        driver.facts(f"_in({number},now)")
+    driver.facts("_gone(199,now)").succeed()
+    assert driver.core.cycle == 1 + MOST_TURNS
+    assert "in(199,now)" not in believed(driver)
+    assert len(believed(driver)) == 199
+
+
+@settings(max_examples=40)
+@given(
+    st.lists(st.tuples(st.sampled_from(["_in", "_gone"]), st.sampled_from(["hall", "study"])), max_size=8),
+    st.booleans(),
+)
+def test_turns_leave_the_beliefs_that_one_message_a_cycle_leaves(words, restless):
+    driver, expected = driving(RESTLESS if restless else VISITS), {}
+    for name, room in words:
+        driver.facts(f"{name}({room},now)")
+        expected[room] = name == "_in"
+    driver.finish()
+    assert believed(driver) == sorted(f"in({room},now)" for room, inside in expected.items() if inside)
+    assert driver.states("a")[-1] == "succeeded"
+    assert driver.problems == []

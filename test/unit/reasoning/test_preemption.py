@@ -1,9 +1,12 @@
 """With preempt, an action under way that the new plan does not want is ended at once; any other is awaited as ever."""
 
+import pytest
 from core_driver import ERRANDS, Driver, FaultyDriver
+from core_scripts import play, preempted, scripts
+from office_world import World
+from shipped import shipped
 
-from rosoclingo.oclingo import SolverError
-from rosoclingo.reasoning import ActionsPreempted, CoreSettings, Halt
+from rosoclingo.reasoning import CoreSettings
 
 #: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
 TOGETHER = """
@@ -47,151 +50,162 @@ there(I,t) :- there(I,t-1).
 #show _action_lib/3.
 """
 
-
-def driver(text=ERRANDS, preempt=True, **others):
-    return Driver(text, CoreSettings(horizon_limit=8, preempt=preempt), **others)
-
-
-def preempted(one):
-    return [str(action.cancellation) for event in one.journal.of(ActionsPreempted) for action in event.actions]
-
-
-def test_an_action_that_nobody_wants_any_more():
-    one = driver().goal("a", "do(walk,1)").cancel("a")
-    assert preempted(one) == ["_cancel(walk,1,1)"]
-    assert one.awaited == ["_action_lib(walk,1,1)"], "its return is awaited"
-    assert len(one.journal.updates) == 1
-    one.run().facts("_seen(ball)")
-    assert len(preempted(one)) == 1, "it is told once"
-    one.facts("_return(walk,preempted,1)")
-    assert one.states("a")[-1] == "preempted"
-    assert one.awaited == []
-
-
-#: The program hears which actions are ended, and no action returns ``preempted`` otherwise.
-HEARS = (
-    ERRANDS
-    + """
-#external _cancel/3.
-#program cumulative(t).
-:- _return(W,preempted,t), not _cancel(W,_,t).
-"""
+#: As many as there are may be done at once, but not two of one kind in later cycles.
+FREE_WAYS = WAYS.replace(
+    " 1 :- asked(I,t).", " :- asked(I,t).\n:- _action_lib(X,I,t), _action_lib(Y,I,t), X != Y, t > 1."
 )
 
+#: The program hears which actions are ended, and no action returns ``preempted`` otherwise.
+HEARS = ERRANDS + "#external _cancel/3.\n#program cumulative(t).\n:- _return(W,preempted,t), not _cancel(W,_,t).\n"
 
-def test_a_program_may_hear_of_the_actions_that_are_ended():
-    one = driver(HEARS).goal("a", "do(walk,1)").cancel("a")
-    assert preempted(one) == ["_cancel(walk,1,1)"]
-    one.facts("_return(walk,preempted,1)")
-    assert one.states("a")[-1] == "preempted"
-    assert one.problems == []
-    assert one.journal.updates[-1].split()[2:-2] == [
-        ":-",
-        "not",
-        "_action_lib(walk,1,1).",
-        "_request(cancel(1),2).",
-        "_cancel(walk,1,1).",
-        "_return(walk,preempted,1).",
-    ]
-
-
-def test_a_place_named_preempted_is_not_taken_for_reached():
-    one = driver().goal("a", "do(walk,preempted)").facts("_seen(ball)")
-    assert preempted(one) == [], "were it ended now, it would have to begin again"
-    assert one.succeed().states("a")[-1] == "succeeded"
-
-
-def test_an_action_that_is_still_wanted():
-    one = driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").facts("_seen(ball)")
-    assert preempted(one) == [], "another plan is as short, but none shorter"
-    assert one.cancel("b").finish().states("a")[-1] == "succeeded"
-    assert preempted(one) == []
-
-
-def test_the_next_cycle_is_another_matter():
-    one = driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").cancel("a").facts("_return(walk,preempted,1)")
-    assert one.awaited == ["_action_lib(run,2,2)"]
-    one.cancel("b")
-    assert preempted(one) == ["_cancel(walk,1,1)", "_cancel(run,2,2)"]
-
-
-def test_one_of_two_actions():
-    one = driver(TOGETHER).goal("a", "go(1)")
-    assert one.awaited == ["_action_lib(arm,1,1)", "_action_lib(drive,1,1)"]
-    one.facts("_dark(1)")
-    assert preempted(one) == ["_cancel(arm,1,1)"]
-    one.facts("_return(arm,preempted,1)")
-    assert one.awaited == ["_action_lib(drive,1,1)"]
-    one.cancel("a")
-    assert preempted(one) == ["_cancel(arm,1,1)", "_cancel(drive,1,1)"]
+PREEMPTIONS = {
+    "action that nobody wants": (ERRANDS, """
+        goal a do(walk,1); cancel a; ends walk,1,1; does walk,1,1; cycle 1; unsent ...cancel...; run; facts _seen(ball)
+        ends walk,1,1; facts _return(walk,preempted,1); is a preempted; does"""),
+    "program that hears of the actions that are ended": (HEARS, """
+        goal a do(walk,1); cancel a; ends walk,1,1; facts _return(walk,preempted,1); is a preempted; problems 0
+        sends :- not _action_lib(walk,1,1). _request(cancel(1),2). _cancel(walk,1,1). _return(walk,preempted,1)."""),
+    "place named preempted": (ERRANDS, """
+        goal a do(walk,preempted); facts _seen(ball); ends ; succeed; is a succeeded"""),
+    "action that is still wanted, with other plans as short": (ERRANDS, """
+        goal a do(walk,1); goal b do(run,2); facts _seen(ball); ends; cancel b; finish; is a succeeded; ends"""),
+    "actions of two cycles": (ERRANDS, """
+        goal a do(walk,1); goal b do(run,2); cancel a; facts _return(walk,preempted,1); does run,2,2; cancel b
+        ends walk,1,1 run,2,2"""),
+    "one of two actions": (TOGETHER, """
+        goal a go(1); does arm,1,1 drive,1,1; facts _dark(1); ends arm,1,1; facts _return(arm,preempted,1)
+        does drive,1,1; cancel a; ends arm,1,1 drive,1,1"""),
+    "shorter way opens": (WAYS, """
+        goal a go(1); does far,1,1; facts _open(near); ends far,1,1; facts _return(far,preempted,1); does near,1,2"""),
+    "ways that are as short open": (WAYS, "goal a go(1); facts _open(side); ends; finish; done far,1,1 end,1,2"),
+    "way that is as short but better opens": (WAYS + ":~ _action_lib(far,I,C). [1,I,C]", """
+        goal a go(1); facts _open(side); ends"""),
+    "no plan begins in the past": (FREE_WAYS, "goal a go(1); does far,1,1; facts _open(side); ends"),
+    "solver that refuses the question": (ERRANDS, """
+        fault refused preempted; goal a do(walk,1); cancel a; ends; succeed; is a preempted"""),
+    "program that does not know the return": (
+        ERRANDS.replace("#external _return/3.", "#external _return(walk,(1;failed),1..9)."), """
+        goal a do(walk,1); cancel a; ends; succeed; is a preempted"""),
+    "no plan preempts nothing": (ERRANDS, "goal a do(walk,1); goal b do(never,2); ends; finish; is b aborted"),
+    "question that is left for an arrival": (ERRANDS, "goal a do(walk,1); leave 1; cancel a; ends; run; ends walk,1,1"),
+}  # fmt: skip
 
 
-def test_a_shorter_way_opens():
-    one = driver(WAYS).goal("a", "go(1)")
-    assert one.awaited == ["_action_lib(far,1,1)"]
-    one.facts("_open(near)")
-    assert preempted(one) == ["_cancel(far,1,1)"], "there is a plan with it, but not among the shortest"
-    assert one.facts("_return(far,preempted,1)").awaited == ["_action_lib(near,1,2)"]
-
-
-def test_ways_that_are_as_short_open():
-    one = driver(WAYS).goal("a", "go(1)").facts("_open(side)")
-    assert preempted(one) == []
-    one.finish()
-    assert [action.partition(",")[0] for action in one.journal.actions] == ["_action_lib(far", "_action_lib(end"]
-
-
-def test_a_way_that_is_as_short_but_better_opens():
-    one = driver(WAYS + ":~ _action_lib(far,I,C). [1,I,C]").goal("a", "go(1)").facts("_open(side)")
-    assert preempted(one) == [], "there is a plan with it among the shortest"
-
-
-def test_no_plan_begins_in_the_past():
-    text = WAYS.replace(
-        " 1 :- asked(I,t).", " :- asked(I,t).\n:- _action_lib(X,I,t), _action_lib(Y,I,t), X != Y, t > 1."
-    )
-    one = driver(text).goal("a", "go(1)")
-    assert one.awaited == ["_action_lib(far,1,1)"]
-    one.facts("_open(side)")
-    assert preempted(one) == [], "a side in cycle 1 would be half the way"
-
-
-def test_a_solver_that_refuses_the_thought():
-    one = FaultyDriver(settings=CoreSettings(horizon_limit=8, preempt=True))
-    one.fault = lambda update: SolverError("not this one") if "preempted" in str(update) else None
-    one.goal("a", "do(walk,1)").cancel("a")
-    assert preempted(one) == []
-    assert one.succeed().states("a")[-1] == "preempted"
-
-
-def test_a_program_that_does_not_know_the_return():
-    text = ERRANDS.replace("#external _return/3.", "#external _return(walk,(1;failed),1..9).")
-    one = driver(text).goal("a", "do(walk,1)").cancel("a")
-    assert preempted(one) == []
-    assert one.succeed().states("a")[-1] == "preempted"
-
-
-def test_no_plan_preempts_nothing():
-    one = driver().goal("a", "do(walk,1)").goal("b", "do(never,2)")
-    assert preempted(one) == []
-    assert one.finish().states("b")[-1] == "aborted"
-
-
-def test_thinking_of_it_may_be_left_for_what_comes():
-    halt = []
-    one = driver(watch=lambda: lambda: halt[0] if halt else None)
-    one.goal("a", "do(walk,1)")
-    halt.append(Halt("the test", disturbed=True))
-    one.cancel("a")
-    assert preempted(one) == []
-    halt.clear()
-    one.run()
-    assert preempted(one) == ["_cancel(walk,1,1)"]
+@scripts(PREEMPTIONS)
+def test_preemption(row):
+    text, script = row
+    play(FaultyDriver(text, CoreSettings(horizon_limit=8, preempt=True)), script)
 
 
 def test_the_stream_is_not_touched():
-    with_it, without = driver().goal("a", "do(walk,1)"), driver(preempt=False).goal("a", "do(walk,1)")
-    for one in (with_it, without):
-        one.cancel("a").goal("b", "do(run,2)").facts("_return(walk,preempted,1)").finish()
-    assert with_it.journal.updates == without.journal.updates
-    assert with_it.journal.actions == without.journal.actions
+    runs = [Driver(settings=CoreSettings(horizon_limit=8, preempt=preempt)) for preempt in (True, False)]
+    for one in runs:
+        play(one, "goal a do(walk,1); cancel a; goal b do(run,2); facts _return(walk,preempted,1); finish")
+    assert len({(one.journal.stream, *one.journal.actions) for one in runs}) == 1
+
+
+# -- a goal of the mailbot is cancelled in every phase of its life
+
+
+class Office(Driver):
+    """A driver whose actions change a world."""
+
+    def __init__(self, preempt=False):
+        self.world, self.preempt = World(), preempt
+        super().__init__(settings=CoreSettings(preempt=preempt), program=shipped("mailbot.lp", "office.lp"))
+
+    def ask(self, start, end, package):
+        """A goal, whose key is the package's number, and its package."""
+        self.world.places[package] = f"office{start}"
+        return self.goal(package, f"goal(office{start},office{end},{package})")
+
+    def succeed(self):
+        for action in self.core.awaited:
+            self.world.do(action)
+        return super().succeed()
+
+    def until(self, action):
+        """All succeeds until an action of this interface and parameter is under way."""
+        while not any(one.startswith(f"_action_lib({action},") for one in self.awaited):
+            assert self.awaited, f"{action} is never under way"
+            self.succeed()
+        return self
+
+    def preempts(self, *actions):
+        """Expect these actions to be ended by now, with preempt."""
+        assert preempted(self) == [f"_cancel({one})" for one in actions if self.preempt]
+
+    def obey(self):
+        """What is under way ends early with preempt."""
+        return self.fail("preempted") if self.preempt else self.succeed()
+
+    def break_off(self):
+        """The first goal is cancelled and its action fails before the core goes on."""
+        self.core.cancel_goal("1")
+        return self.fail("failed")
+
+    def lies(self, package, office):
+        """Expect a package in an office."""
+        assert self.world.places[package] == f"office{office}"
+
+
+PHASES = {
+    "before it was fed": """
+        ask 3 2 1; ask 4 1 2; cancel 2; all 2 recalling recalled; finish; lies 1 2; lies 2 4; is 1 succeeded
+        unsent ...office4...; preempts""",
+    "driving to the pickup": """
+        ask 3 2 1; until move_base,office3; cancel 1; preempts move_base,office3,2; does move_base,office3,2; obey
+        is 1 preempted; does; lies 1 3""",
+    "between pickup and delivery": """
+        ask 3 1 1; until pickup,1; succeed; cancel 1; preempts move_base,office2,4; obey; is 1 preempting; finish
+        is 1 preempted; lies 1 3""",
+    "during a delivery that fails": """
+        ask 3 2 1; until deliver,1; cancel 1; fail failed; finish; is 1 preempted; lies 1 3""",
+    "during the delivery": "ask 3 2 1; until deliver,1; cancel 1; succeed; finish; is 1 succeeded; lies 1 2",
+    "twice, and after the end": """
+        ask 3 2 1; cancel 1; cancel 1; cancel nobody; preempts move_base,office2,1; obey; is 1 preempted; cancel 1
+        is 1 preempted; sends ..._request(cancel(1),2)...; cycle 2""",
+    "one of several": """
+        ask 3 2 1; ask 3 4 2; succeed; cancel 1; finish; is 1 preempted; is 2 succeeded; lies 1 3; lies 2 4""",
+    "with an action that serves another goal": """
+        ask 3 2 1; ask 3 2 2; succeed; does move_base,office3,2; cancel 1; preempts; finish; is 2 succeeded""",
+}
+SLOW_PHASES = {
+    "fed but not begun": "ask 3 2 1; ask 4 1 2; succeed; cancel 2; finish; is 1 succeeded; lies 1 2; lies 2 4",
+    **{
+        f"during the pickup, which {answer}": f"""
+        ask 3 2 1; until pickup,1; cancel 1; preempts pickup,1,3; {answer}; finish; is 1 preempted; lies 1 3"""
+        for answer in ("succeed", "fail preempted", "fail failed")
+    },
+    **{
+        f"with a failure of {action}": f"""
+        ask 3 2 1; until {action}; break_off; finish; ends; is 1 preempted; lies 1 3"""
+        for action in ("move_base,office2", "pickup,1", "deliver,1")
+    },
+}
+
+PREEMPT = pytest.mark.parametrize("preempt", [False, True])
+
+
+@PREEMPT
+@scripts(PHASES)
+def test_cancel_in_each_phase(preempt, row):
+    play(Office(preempt), row)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@PREEMPT
+@scripts(SLOW_PHASES)
+def test_cancel_in_further_phases(preempt, row):
+    play(Office(preempt), row)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_actions_that_the_core_ends_are_no_failures():
+    office = Office(preempt=True)
+    for package in range(1, 6):
+        play(office, f"ask 3 2 {package}; cancel {package}; fail preempted; is {package} preempted")
+    play(office, "ask 3 2 6; finish; is 6 succeeded; problems 0")
+    assert len(preempted(office)) == 5

@@ -1,26 +1,36 @@
-"""Why goals are given up: smallest conflicts of goals and observations, checked against every subset; the words."""
+"""Goals without a plan: as few as can be are aborted, with smallest conflicts as reasons, against every subset."""
 
+import re
 from itertools import combinations
 
 import pytest
 from core_driver import ERRANDS, Driver
+from core_programs import BATTERY, DARK
+from core_scripts import play, scripts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import (
-    ReactiveProgram,
-    SolveOutcome,
-    StreamUpdate,
-    commitment,
-    fact,
-    parse_atom,
-    parse_term,
-)
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, fact, parse_atom, parse_term
 from rosoclingo.oclingo.progression.updates import Closed, Withdraw
+from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import Halt
+from rosoclingo.reasoning import GoalUnmet, Halt
+
+#: ``lock`` and ``open`` exclude each other.
+EXCLUSIVE = (
+    ERRANDS
+    + """
+#program volatile(t).
+:- asked(lock,I,_), asked(open,J,_), not done_or_dropped(I), not done_or_dropped(J).
+#program base.
+done_or_dropped(I) :- _request(cancel(I),_).
+"""
+)
+
+#: Cancelling is not understood.
+STUBBORN = ERRANDS.replace("done(I,t) :- _request(cancel(I),t).", "")
 
 #: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` shuts for good, lead to rooms. A room is entered once at most
 #: where that failed, and not at all after one that it clashes with.
@@ -65,57 +75,67 @@ def rooms(doors=(), clashes=(), words=""):
     )
 
 
-def test_generic_words():
-    driver = Driver(rooms()).goal("a", "reach(hall,1)").facts("_return(enter,blocked,1)")
-    assert driver.message("a") == "reach(hall,1) cannot be met since enter(hall) returned blocked in cycle 1"
-    assert driver.states("a")[-1] == "aborted"
-
-
-def test_the_programs_words():
-    driver = Driver(rooms(words=WORDS)).goal("a", "reach(hall,1)").facts("_return(enter,blocked,1)")
-    expected = "reach(hall,1) cannot be met: hall is unreachable since the way to hall was blocked in cycle 1"
-    assert driver.message("a") == expected
-
-
-def test_what_was_told_long_before():
-    driver = Driver(rooms(doors=[("hall", "d"), ("den", "e")])).facts("_shut(d)").facts("_shut(e)")
-    driver.goal("a", "reach(attic,1)").finish().goal("b", "reach(hall,2)")
-    assert driver.message("b") == "reach(hall,2) cannot be met since _shut(d) was told in cycle 1"
-    assert driver.states("a")[-1] == "succeeded"
-
-
-def test_a_malformed_explanation_is_told():
-    driver = Driver(rooms(words="_explain(I,R,soon(t)) :- asked(R,I,t)."))
-    driver.goal("a", "reach(hall,1)").facts("_return(enter,blocked,1)")
-    assert any(
-        "'_explain(1,hall,soon(1))' is no explanation: write _explain(What,Text,C)" in one
-        for one in driver.journal.problems
-    )
-    assert driver.message("a") == "reach(hall,1) cannot be met since enter(hall) returned blocked in cycle 1"
-
-
-def test_time_is_over():
-    driver = Driver(rooms(clashes=[("hall", "den")]), watch_recovery=lambda: lambda: Halt("the test"))
-    driver.goal("a", "reach(hall,1)")
-    driver.core.add_goal("b", "reach(den,2)")
-    driver.core.add_goal("c", "reach(hall,3)")
-    driver.facts("_return(enter,failed,1)").finish()
-    for key in "abc":
-        assert driver.states(key)[-1] in ("aborted", "succeeded")
-    assert driver.message("a") == "reach(hall,1) cannot be met: there is no plan of at most 8 steps"
-
-
-def test_what_was_withheld_is_no_reason_either_where_time_is_over():
-    """The time is enough to see that something that was told is the reason, not to see what of it."""
+def halting(looks):
+    """A watch that ends a search after so many looks."""
 
     def watch():
-        looks = iter([None])
-        return lambda: next(looks, Halt("the test"))
+        left = iter([None] * looks)
+        return lambda: next(left, Halt("the test"))
 
-    text = rooms(doors=[("hall", "d")]) + "#external _odd/1.\n:- _odd(X)."
-    driver = Driver(text, watch_recovery=watch).facts("_odd(1)", "_odd(2)").facts("_shut(d)").goal("a", "reach(hall,1)")
-    assert [problem.split()[-1] for problem in driver.problems] == ["withheld"] * 2
-    assert driver.message("a") == "reach(hall,1) cannot be met since _shut(d) was told in cycle 1"
+    return watch
+
+
+#: The program, what bounds the search for reasons, and the script.
+RECOVERIES = {
+    "goal that cannot be met is aborted": (ERRANDS, None, """
+        goal a do(never,1); all a active aborted; sends _request(cancel(1),2).
+        says a do(never,1) cannot be met: there is no plan of at most 8 steps
+        goal b do(walk,2); finish; is b succeeded"""),
+    "only the goal at fault ends": (ERRANDS, None, """
+        add a do(walk,1); add bad do(never,2); goal c do(run,3); finish
+        is a succeeded; is bad aborted; is c succeeded"""),
+    "newer goal gives way": (EXCLUSIVE, None, """
+        goal a do(walk,1); goal b do(open,2); goal c do(lock,3); finish
+        is a succeeded; is b succeeded; is c aborted"""),
+    "program that does not understand cancelling": (STUBBORN, None, """
+        goal a do(never,1); is a aborted; problem ...cancelling did not help...; goal b do(walk,2); finish
+        is b succeeded"""),
+    "program without any answer ends every goal": (DARK, None, """
+        goal a do(walk,1); is a aborted; problem ...has no answer, even without goals and facts...; does
+        goal b do(walk,2); is b aborted; facts _seen(sun); goal c do(walk,3); finish; is c succeeded"""),
+    "generic words": (rooms(), None, """
+        goal a reach(hall,1); facts _return(enter,blocked,1); is a aborted
+        says a reach(hall,1) cannot be met since enter(hall) returned blocked in cycle 1"""),
+    "words of the program": (rooms(words=WORDS), None, """
+        goal a reach(hall,1); facts _return(enter,blocked,1)
+        says a reach(hall,1) cannot be met: hall is unreachable since the way to hall was blocked in cycle 1"""),
+    "fact of long before": (rooms(doors=[("hall", "d"), ("den", "e")]), None, """
+        facts _shut(d); facts _shut(e); goal a reach(attic,1); finish; goal b reach(hall,2)
+        says b reach(hall,2) cannot be met since _shut(d) was told in cycle 1; is a succeeded"""),
+    "malformed explanation": (rooms(words="_explain(I,R,soon(t)) :- asked(R,I,t)."), None, """
+        goal a reach(hall,1); facts _return(enter,blocked,1)
+        problem ...'_explain(1,hall,soon(1))' is no explanation: write _explain(What,Text,C)...
+        says a reach(hall,1) cannot be met since enter(hall) returned blocked in cycle 1"""),
+    "no time for the reason": (rooms(clashes=[("hall", "den")]), halting(0), """
+        goal a reach(hall,1); add b reach(den,2); add c reach(hall,3); facts _return(enter,failed,1); finish
+        says a reach(hall,1) cannot be met: there is no plan of at most 8 steps"""),
+    "withheld fact is no reason, without time for what else is": (
+        rooms(doors=[("hall", "d")]) + "#external _odd/1.\n:- _odd(X).", halting(1), """
+        facts _odd(1) _odd(2); problems 2; problem ...withheld; facts _shut(d); goal a reach(hall,1)
+        says a reach(hall,1) cannot be met since _shut(d) was told in cycle 1"""),
+    "request that contradicts the past is withdrawn": (
+        BATTERY + ":- _request(do(jump,I),t+1), _action_lib(walk,J,t-2).\n", None, """
+        goal a do(walk,1); finish; goal b do(jump,2); is b aborted; sends #withdraw _request(do(jump,2),4).
+        goal c do(run,3); finish; is c succeeded"""),
+}  # fmt: skip
+
+
+@scripts(RECOVERIES)
+def test_recovery(row):
+    text, watch, script = row
+    driver = play(Driver(text, **({} if watch is None else {"watch_recovery": watch})), script)
+    assert driver.core.live_goals == []
+    assert not any("begins anew" in problem for problem in driver.problems)
 
 
 ROOM_NAMES = ("hall", "den", "attic", "loft")
@@ -144,7 +164,7 @@ def parts_of(things):
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 8)
 @given(INSTANCES)
-def test_against_every_subset(instance):
+def test_recovery_against_every_subset(instance):
     driver = Driver(rooms(instance["doors"], instance["clashes"]))
     program = driver.program
     goals = [(number, room) for number, room in enumerate(instance["goals"], 1)]
@@ -183,3 +203,113 @@ def test_a_state_without_a_failed_action(make):
         past = (Withdraw(action), Withdraw(answer), Closed(2, 2))
         actions = solver.update(StreamUpdate(3, 5, past)).answers[0]
     assert [str(one) for one in actions if one.name == "_action_lib"] == ["_action_lib(walk,1,3)"]
+
+
+# -- what is said of shipped programs' goals in cycles without a plan
+
+
+UNHEARD = {
+    "status of a goal in the cycle in which another cannot be met": """
+        goal a goal(office2,office2,3); facts _blocked(office1,office2,now); add bad goal(office1,7,6)
+        goal far goal(office1,office2,7); fail failed; is far aborted
+        says bad the program rejects goal(office1,7,6): there is no place 7""",
+    "rejection is not that of an older goal with its identity": """
+        goal old goal(office3,office1,6); until pickup; succeed; facts _blocked(office1,office2,now)
+        add other goal(office1,office1,1); succeed; is old aborted; facts _blocked(office1,office2,now)
+        add bad goal(office3,7,6); goal far goal(office1,office2,7); finish; is far aborted
+        says bad the program rejects goal(office3,7,6): there is no place 7""",
+}
+
+
+@pytest.mark.slow
+@scripts(UNHEARD)
+def test_statuses_of_cycles_without_a_plan_are_read(row):
+    play(Driver.of_shipped("mailbot.lp", "office.lp"), row)
+
+
+# -- the stream without a plan, and the facts that are reasons
+
+
+WALK = """
+#program base.
+way(a,b). way(b,c). at(a,0).
+#program cumulative(t).
+#external _request/2. #external _return/3. #external _shut/2.
+wanted(P,I,t) :- _request(go(P,I),t+1), not _request(cancel(I),t).
+wanted(P,I,t) :- wanted(P,I,t-1), not at(P,t-1), not _request(cancel(I),t).
+{ _action_lib(go,B,t) : way(A,B), at(A,t-1) } 1 :- wanted(P,I,t).
+at(B,t) :- _action_lib(go,B,t).
+at(A,t) :- at(A,t-1), not moved(t).
+moved(t) :- _action_lib(go,B,t).
+shut(P,t) :- _shut(P,t).
+shut(P,t) :- shut(P,t-1).
+%! {B} is shut
+:- _action_lib(go,B,t), shut(B,t), not _return(go,B,t).
+#program volatile(t).
+:- wanted(P,I,t), not at(P,t).
+"""
+
+
+@pytest.mark.slow
+def test_a_goal_that_is_given_up_comes_with_its_stream():
+    driver = Driver(WALK)
+    driver.core.receive("sensor", ["_shut(c,now)"])
+    driver.run()
+    driver.core.add_goal("a", "go(c,1)")
+    driver.core.add_goal("b", "go(d,2)")
+    driver.run()
+    unmet = {one.key: one for one in driver.journal.of(GoalUnmet)}
+    assert {key: str(one.term) for key, one in unmet.items()} == {"a": "go(c,1)", "b": "go(d,2)"}
+    why = explain(driver.program, unmet["a"].stream)
+    assert [one.words for one in why.rules] == ["c is shut", ""]
+    assert {"_shut(c,1).", "_shut(c,2)."} & {one.text for one in why.told}
+    assert not any("go(d,2)" in one.text for one in why.told), "it is given up for itself"
+    other = explain(driver.program, unmet["b"].stream)
+    assert [one.rule.text for one in other.rules] == [":- wanted(P,I,t), not at(P,t)."]
+    assert not Driver(WALK).goal("a", "go(c,1)").journal.of(GoalUnmet), "a goal that is met has no reasons"
+
+
+#: Goals ``fetch(Thing)``: things are known once they are seen, and taken off by ``_gone``; rooms may be shut.
+FETCH = """
+#external _request/2. #external _return/3. #external _thing/2. #external _gone/2. #external _shut/2.
+#program cumulative(t).
+thing(X,t) :- _thing(X,t).
+thing(X,t) :- thing(X,t-1).
+gone(X,t)  :- _gone(X,t).
+gone(X,t)  :- gone(X,t-1).
+shut(R,t)  :- _shut(R,t).
+shut(R,t)  :- shut(R,t-1).
+wanted(X,t) :- _request(fetch(X),t+1).
+wanted(X,t) :- wanted(X,t-1), not fetched(X,t-1), not _request(cancel(X),t).
+{ _action_lib(fetch,X,t) : thing(X,t), not gone(X,t) } 1 :- wanted(_,t), not shut(kitchen,t), not shut(hall,t).
+fetched(X,t) :- _action_lib(fetch,X,t), not _return(fetch,failed,t).
+#show _action_lib/3.
+#program volatile(t).
+:- wanted(X,t), not fetched(X,t).
+"""
+
+NOISE = " ".join(f"_thing(t{number},now)" for number in range(6))
+ANY = r"_(gone|shut)\(\w+,"  # of several that are each enough
+
+
+@pytest.mark.parametrize(
+    ("facts", "why"),
+    [
+        ("_thing(mug,now) _gone(mug,now)", r"_gone\(mug,"),
+        (f"{NOISE} _thing(mug,now) {NOISE} _gone(mug,now) {NOISE}", r"_gone\(mug,"),
+        (f"_gone(mug,now) {NOISE} _thing(mug,now)", r"_gone\(mug,"),
+        ("_shut(kitchen,now) _thing(mug,now)", r"_shut\(kitchen,"),
+        ("_shut(kitchen,now) _gone(mug,now) _thing(mug,now)", ANY),
+        ("_thing(mug,now) _shut(hall,now) _shut(kitchen,now) _gone(mug,now)", ANY),
+        *((facts, None) for facts in ("_gone(mug,now) _thing(cup,now)", NOISE, "")),
+    ],
+)
+def test_unmet_goal_names_the_fact_though_it_needs_others(facts, why):
+    driver = Driver(FETCH)
+    for one in facts.split():
+        driver.facts(one)
+    message = driver.goal("a", "fetch(mug)").message("a")
+    if why is None:
+        assert message == "fetch(mug) cannot be met: there is no plan of at most 8 steps"
+    else:
+        assert re.fullmatch(rf"fetch\(mug\) cannot be met since {why}[0-9]+\) was told in cycle [0-9]+", message)

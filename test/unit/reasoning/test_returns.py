@@ -4,7 +4,7 @@ import json
 
 import pytest
 from core_driver import Driver
-from test_late_facts import BATTERY
+from core_programs import BATTERY
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken

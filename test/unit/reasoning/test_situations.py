@@ -4,92 +4,38 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
-from core_driver import ERRANDS, Driver, FaultyDriver, Leaving
+from core_driver import Driver, FaultyDriver, Leaving
+from core_programs import DARK, DOOMED, IMPOSSIBLE, fetch
+from core_scripts import play
 from stream_replay import check_replay
 from test_core import Procrastinator
-from test_late_facts import BATTERY
 
 from rosoclingo.oclingo import DroppedError, SolverError
-from rosoclingo.reasoning import Core, CoreSettings, Halt
+from rosoclingo.reasoning import Core, CoreSettings
 from rosoclingo.reasoning.situations import Situation
 
 DOCUMENT = Path(__file__).resolve().parents[3] / "doc" / "statuses.md"
 
-#: An action counts as done whatever returns, so that goals rest on failed ones.
-DEAF = """
-#external _request/2. #external _return/3.
-#program cumulative(t).
-wanted(I,t) :- _request(do(W,I),t+1).
-wanted(I,t) :- wanted(I,t-1), not _action_lib(arm,I,t-1), not _request(cancel(I),t).
-{ _action_lib(arm,I,t) : wanted(I,t) } 1.
-#program volatile(t).
-:- wanted(I,t), not _action_lib(arm,I,t).
-#program base.
-#show _action_lib/3.
-"""
 
-
-def text_of(update):
-    """The update in one line, without its bound, and what it says of the past."""
-    return " ".join(str(update.plain).split()[1:-2])
-
-
-class FailingDriver(FaultyDriver):
-    """A core whose solver raises errors; ``calls`` are the updates in question."""
-
-    def __init__(self):
-        self.calls = []
-        super().__init__()
-
-    def failing(self, error, *words, search=False):
-        """From now on updates with one of the ``words`` raise an error, with ``search`` only if they look ahead."""
-
-        def fault(update):
-            text = text_of(update)
-            if (words and not any(word in text for word in words)) or (search and not update.bound):
-                return None
-            self.calls.append(f"{'search' if update.bound else 'take'} {text}")
-            return error("no")
-
-        self.fault = fault
-        return self
-
-
-def busy(driver=None):
-    """Goal a is under way; it returns success together with a new goal and a fact."""
-    driver = driver or FailingDriver()
-    driver.goal("a", "do(walk,1)")
+def busy(fault=None, *words):
+    """Goal a is under way; its failure comes with a new goal and a fact. Updates with the words have a fault."""
+    driver = FaultyDriver().goal("a", "do(walk,1)").fail_for(fault, *words)
     driver.core.add_goal("b", "do(run,2)")
-    driver.core.receive("interface", ["_return(walk,failed,1)", "_seen(sun)"])
-    return driver
+    return driver.facts("_return(walk,failed,1)", "_seen(sun)")
 
 
-def timed_out(number, ready=lambda driver: driver):
-    """Whether the search of this number, counted from when the driver is ``ready``, takes too long."""
-    watch = Leaving()
-    driver = ready(Driver(watch=lambda: ended(watch())))
-    watch.number = number
-    return driver
+def timed_out(number, *events):
+    """After these events, the search of this number takes too long; the driver goes on."""
+    driver = play(FaultyDriver(), "; ".join(events))
+    driver.end_search(number, slow=True)
+    return driver.run()
 
 
-def ended(look):
-    """End a search as one that takes too long."""
-    return lambda: None if look() is None else Halt("the test")
-
-
-def two_steps(driver):
-    """The first of two actions has succeeded, and a goal is new."""
-    driver.core.add_goal("a", "do(walk,1)")
-    driver.goal("b", "do(run,2)")
-    action = driver.core.awaited[0]
-    driver.core.receive("interface", [f"_return({action.interface},{action.parameter},1)"])
-    driver.core.add_goal("c", "do(jump,3)")
-    return driver
-
-
-def with_goal(driver):
-    driver.core.add_goal("a", "do(walk,1)")
-    return driver
+#: The first of two actions, whichever it is, has succeeded, and a goal is new.
+TWO_STEPS = (
+    *("add a do(walk,1)", "goal b do(run,2)"),
+    *("hear interface _return(walk,1,1) _return(run,2,1)", "add c do(jump,3)"),
+)
 
 
 S = Situation
@@ -98,37 +44,31 @@ S = Situation
 WAYS = {
     S.DUE: [lambda: Driver().goal("a", "do(walk,1)")],
     S.REFUSED: [
-        lambda: busy().failing(SolverError, "do(run").run(),
-        lambda: busy().failing(SolverError, "do(run", "_seen").run(),
-        lambda: busy().failing(SolverError).run(),
+        lambda: busy(SolverError, "do(run"),
+        lambda: busy(SolverError, "do(run", "_seen"),
+        lambda: busy(SolverError),
     ],
     S.DROPPED: [
-        lambda: busy().failing(DroppedError, "do(run").run(),
-        lambda: FailingDriver().failing(DroppedError, "do(run", search=True).goal("b", "do(run,2)"),
-        lambda: busy().failing(DroppedError, "do(run", "_seen").run(),
-        lambda: busy().failing(DroppedError).run(),
+        lambda: busy(DroppedError, "do(run"),
+        lambda: FaultyDriver().fail_for(DroppedError, "search...do(run").goal("b", "do(run,2)"),
+        lambda: busy(DroppedError, "do(run", "_seen"),
+        lambda: busy(DroppedError),
     ],
-    S.UNHANDLED: [lambda: Driver(DEAF).goal("a", "do(x,1)").fail("failed")],
+    S.UNHANDLED: [lambda: Driver(fetch()).goal("a", "fetch(cup,1)").fail("failed")],
     S.PLAN: [
         lambda: Driver().goal("a", "do(walk,1)"),
         lambda: Driver(solver=lambda _program: Procrastinator(), settings=CoreSettings(horizon_limit=3)),
     ],
     S.NO_PLAN: [
         lambda: Driver().goal("a", "do(never,1)"),
-        lambda: Driver(ERRANDS + ":- _seen(end).\n").goal("a", "do(walk,1)").facts("_return(walk,1,1)", "_seen(end)"),
-        lambda: (
-            Driver(BATTERY + ":- _action_lib(walk,1,t-2).\n")
-            .goal("a", "do(walk,1)")
-            .finish()
-            .goal("b", "do(run,2)")
-            .finish()
-        ),
-        lambda: Driver(ERRANDS + "#program base.\n:- not _seen(sun).\n").goal("a", "do(walk,1)"),
+        lambda: Driver(DOOMED).goal("a", "do(walk,1)").facts("_return(walk,1,1)", "_seen(end)"),
+        lambda: Driver(IMPOSSIBLE).goal("a", "do(walk,1)").finish().goal("b", "do(run,2)").finish(),
+        lambda: Driver(DARK).goal("a", "do(walk,1)"),
     ],
     S.TIMEOUT: [
-        lambda: timed_out(1, two_steps).run(),
-        lambda: timed_out(1, two_steps).run(),
-        lambda: timed_out(1, with_goal).run(),
+        lambda: timed_out(1, *TWO_STEPS),
+        lambda: timed_out(1, *TWO_STEPS),
+        lambda: timed_out(1, "add a do(walk,1)"),
     ],
     S.DISTURBED: [lambda: Driver(watch=Leaving(2)).goal("a", "do(walk,1)")],
 }
@@ -175,10 +115,8 @@ def test_each_row_of_the_table_is_reached(monkeypatch, situation, number):
     used = record(monkeypatch)
     driver = WAYS[situation][number]()
     assert (situation, number) in used
-    if isinstance(driver, FailingDriver):
-        driver.fault = lambda update: None
-        driver.now += 100.0
-        driver.run()
+    if isinstance(driver, FaultyDriver):
+        play(driver, "fault none; wait 100")
     assert driver.finish().core.live_goals == []
 
 
@@ -212,33 +150,27 @@ DONE, REQUEST, RETURN, FACT = (
 
 @pytest.mark.parametrize("word", ["do(run", "_seen"])
 def test_refused_update_is_sent_without_goals_then_without_facts(word):
-    driver = busy().failing(SolverError, word).run()
-    assert driver.calls[0] == f"search 2. {DONE} {REQUEST} {RETURN} {FACT}"
-    assert driver.states("b") == ["rejected"]
-    assert driver.message("b") == "do(run,2) is refused by the solver: no"
-    assert driver.problems[0] == "update 2 is refused by the solver: no"
-    assert driver.awaited == ["_action_lib(walk,1,2)"], "the failure was heard"
-    assert RETURN in driver.journal.updates[1]
-    assert (FACT in driver.journal.updates[1]) is (word != "_seen")
+    driver = busy(SolverError, word)
+    assert driver.failed[0] == f"search 2. {DONE} {REQUEST} {RETURN} {FACT}"
+    play(
+        driver,
+        f"""
+        all b rejected; says b do(run,2) is refused by the solver: no; problem update 2 is refused by the solver: no
+        does walk,1,2; sends {DONE} {RETURN}{"" if word == "_seen" else f" {FACT}"}""",
+    )
     check_replay(driver.program, driver.journal)
 
 
-@pytest.mark.parametrize(("word", "without"), [("do(run", [REQUEST]), ("_seen", [REQUEST, FACT])])
-def test_dropped_update_is_sent_without_goals_then_without_facts(word, without):
-    driver = busy().failing(DroppedError, word).run()
-    parts = [DONE, REQUEST, RETURN, FACT]
-    kept = [part for part in parts if part not in without]
-    assert " ".join(kept) in " ".join(driver.journal.updates[1].split())
-    assert not any(part in driver.journal.updates[1] for part in without)
-    assert driver.states("b") == [], "time is no reason to end a goal"
-    assert driver.problems[0] == "update 2 is dropped: no"
-    driver.fault = lambda update: None
-    driver.now += 10.0
-    assert driver.run().finish().states("b")[-1] == "succeeded"
-    assert FACT in driver.journal.stream
+@pytest.mark.parametrize(("word", "kept"), [("do(run", f"{DONE} {RETURN} {FACT}"), ("_seen", f"{DONE} {RETURN}")])
+def test_dropped_update_is_sent_without_goals_then_without_facts(word, kept):
+    play(
+        busy(DroppedError, word),
+        f"""
+        sends {kept}; all b; problem update 2 is dropped: no; fault none; wait 10; finish; is b succeeded
+        sent ...{FACT}...""",
+    )
 
 
 def test_dropped_update_is_sent_once_in_each_form():
-    driver = FailingDriver().goal("a", "do(walk,1)").failing(DroppedError)
-    driver.succeed()
-    assert driver.calls == [f"{how} 2. {DONE} _return(walk,1,1)." for how in ("search", "take")]
+    driver = play(FaultyDriver(), "goal a do(walk,1); fault dropped; succeed")
+    assert driver.failed == [f"{how} 2. {DONE} _return(walk,1,1)." for how in ("search", "take")]

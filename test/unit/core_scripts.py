@@ -1,0 +1,134 @@
+"""Scripts for a driven core: events and expectations, one a line or separated by semicolons.
+
+Events:
+    goal KEY GOAL, cancel KEY     the core goes on after them
+    add KEY GOAL                  it does not yet
+    facts FACT...                 a message, after which the core goes on
+    hear ORIGIN FACT...           a message, after which it does not yet
+    succeed, fail VALUE, finish, until INTERFACE, run    the methods of the driver; so are other words
+    wait SECONDS, pass SECONDS    the time passes, and the core goes on or does not
+    once                          a cycle begins, and no more
+    leave NUMBER, slow NUMBER     this search from now on is ended for an arrival, or for its time
+    succeed, fail VALUE, finish, until INTERFACE, run    methods of the driver; so are other words
+
+Expectations, in which ``...`` stands for any text:
+    is KEY STATE..., all KEY STATE...    the last states of a goal, or all
+    says KEY TEXT                 the message of its end
+    does ACTION..., done ACTION...    the awaited actions, or all that were sent, as INTERFACE,PARAMETER,CYCLE
+    ends ACTION...                the actions that were cancelled
+    sends TEXT, sent TEXT, unsent TEXT    the last update without its frame, one of all updates, none of them
+    problem TEXT, problems NUMBER    one of the problems, their number
+    cycle NUMBER, patience NUMBER    the present cycle, the factor of the time of a search
+"""
+
+import re
+
+import pytest
+
+from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError
+from rosoclingo.reasoning import ActionsPreempted
+
+FAULTS = {"refused": SolverError, "dropped": DroppedError, "undecided": SolveOutcome.INTERRUPTED}
+
+
+def scripts(rows):
+    """Parametrize a test by rows: the name of each, and its values, as ``row``."""
+    return pytest.mark.parametrize("row", [pytest.param(row, id=name) for name, row in rows.items()])
+
+
+def play(driver, script):
+    """Play a script on a driver; return the driver."""
+    for line in filter(None, (one.strip() for one in re.split(r"[;\n]", script))):
+        verb, _, rest = line.partition(" ")
+        if verb in EXPECTATIONS:
+            EXPECTATIONS[verb](driver, rest.strip(), line)
+        elif verb in EVENTS:
+            EVENTS[verb](driver, *rest.split())
+        else:
+            getattr(driver, verb)(*rest.split())
+    return driver
+
+
+def matches(text, pattern):
+    """Whether a text matches a pattern, in which ``...`` stands for any text."""
+    return re.fullmatch(".*".join(map(re.escape, pattern.split("..."))), text, re.DOTALL) is not None
+
+
+def bodies(driver):
+    """The texts of all updates, each in one line without its frame."""
+    return [" ".join(text.split()[2:-2]) for text in driver.journal.updates]
+
+
+def wait(driver, seconds):
+    let_pass(driver, seconds)
+    driver.run()
+
+
+def let_pass(driver, seconds):
+    driver.now += float(seconds)
+    driver.core.poll(driver.now)
+
+
+def once(driver):
+    assert driver.core.advance(driver.now)
+
+
+def fault(driver, kind, *words):
+    words, _, unless = " ".join(words).partition("unless ")
+    driver.fail_for(FAULTS.get(kind), *words.split(), unless=unless or "#nothing")
+
+
+def same(found, expected, line):
+    assert found == expected, line
+
+
+def states(driver, rest, line, every=False):
+    key, *expected = rest.split()
+    same(driver.states(key)[0 if every else -len(expected) :] if expected else driver.states(key), expected, line)
+
+
+def says(driver, rest, line):
+    key, _, pattern = rest.partition(" ")
+    assert matches(driver.message(key), pattern), f"{line}\n{driver.message(key)}"
+
+
+def some(texts, pattern, line):
+    assert any(matches(text, pattern) for text in texts), "\n".join((line, *texts))
+
+
+def plain(actions):
+    """Actions as texts without their predicate."""
+    return [re.sub(r"^_\w+\(|\)$", "", action) for action in actions]
+
+
+def preempted(driver):
+    """The cancellations of actions, as facts."""
+    return [str(action.cancellation) for event in driver.journal.of(ActionsPreempted) for action in event.actions]
+
+
+EVENTS = {
+    "add": lambda driver, *words: driver.core.add_goal(*words),
+    "hear": lambda driver, origin, *facts: driver.core.receive(origin, facts),
+    "wait": wait,
+    "pass": let_pass,
+    "once": once,
+    "fault": fault,
+    "leave": lambda driver, number: driver.end_search(number),
+    "slow": lambda driver, number: driver.end_search(number, slow=True),
+}
+
+EXPECTATIONS = {
+    "is": states,
+    "all": lambda driver, rest, line: states(driver, rest, line, every=True),
+    "says": says,
+    "does": lambda driver, rest, line: same(plain(driver.awaited), rest.split(), line),
+    "done": lambda driver, rest, line: same(plain(driver.journal.actions), rest.split(), line),
+    "ends": lambda driver, rest, line: same(plain(preempted(driver)), rest.split(), line),
+    "sends": lambda driver, rest, line: some(bodies(driver)[-1:], rest, line),
+    "sent": lambda driver, rest, line: some(bodies(driver), rest, line),
+    "unsent": lambda driver, rest, line: same([one for one in bodies(driver) if matches(one, rest)], [], line),
+    "problem": lambda driver, rest, line: some(driver.problems, rest, line),
+    "problems": lambda driver, rest, line: same(len(driver.problems), int(rest), "\n".join((line, *driver.problems))),
+    "cycle": lambda driver, rest, line: same(driver.core.cycle, int(rest), line),
+    "patience": lambda driver, rest, line: same(driver.core.queue.patience, int(rest), line),
+}
