@@ -16,7 +16,7 @@ Sum = Dict[str, int]
 
 def time_offset(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
     """Return c where ``term`` is ``parameter + c`` for a constant c, None where it is anything else."""
-    found = _sum(term, parameter, constants)
+    found = linear_form(term, parameter, constants)
     if found is None or set(found) - {""} != {parameter} or found[parameter] != 1:
         return None
     return found.get("", 0)
@@ -46,7 +46,7 @@ def shortest_look_back(statement: Node, parameter: str, constants: Dict[str, cli
 def _differences(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Iterator[Tuple[Sum, bool]]:
     """Yield what comparisons in the body say as sums with a bound on one side, and whether that bound is strict."""
     for left, operator, right in _comparisons(statement):
-        sums = _sum(left, parameter, constants), _sum(right, parameter, constants)
+        sums = linear_form(left, parameter, constants), linear_form(right, parameter, constants)
         if sums[0] is None or sums[1] is None:
             continue
         difference = _plus(sums[0], sums[1], -1)
@@ -90,8 +90,8 @@ def _bound(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str,
             yield name, (-difference.get("", 0) - strict) // factor
 
 
-def _sum(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[Sum]:
-    """Return ``term`` as a sum, None where it is anything else."""
+def linear_form(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[Sum]:
+    """Return ``term`` as a sum of names with factors, None if it is not linear."""
     if term.ast_type == ASTType.Variable:
         return {term.name: 1}
     if term.ast_type == ASTType.SymbolicTerm:
@@ -101,11 +101,11 @@ def _sum(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Opt
             return {name: 1}
         return {"": symbol.number} if symbol.type == clingo.SymbolType.Number else None
     if term.ast_type == ASTType.UnaryOperation and term.operator_type == UnaryOperator.Minus:
-        inner = _sum(term.argument, parameter, constants)
+        inner = linear_form(term.argument, parameter, constants)
         return None if inner is None else _plus({}, inner, -1)
     if term.ast_type != ASTType.BinaryOperation:
         return None
-    left, right = (_sum(side, parameter, constants) for side in (term.left, term.right))
+    left, right = (linear_form(side, parameter, constants) for side in (term.left, term.right))
     if left is None or right is None:
         return None
     if term.operator_type in (BinaryOperator.Plus, BinaryOperator.Minus):

@@ -55,6 +55,7 @@ def test_times_are_moved_and_numbers_are_not(atom, moved, time):
         ("on(z,t) :- on(X,t-1), 2*t > 9.", {2: (2,)}),
         ("on(z,t) :- on(X,t-1), t-3 #count { Y : on(Y,t-1) }.", {2: (2,)}),
         ("on(2*t,t) :- on(X,t-1).", {2: (2,)}),
+        ("on(z,t) :- on(X,t-1), later(t).", {2: (2,)}),
     ],
 )
 def test_rules_that_read_the_time_itself(rule, phases):
