@@ -14,7 +14,7 @@ from typing import NamedTuple, Tuple
 
 from figures import Figure, parse, write
 
-from rosoclingo.checking.verifying.scope import Limits, Wanted
+from rosoclingo.checking.verifying.scope import EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -59,10 +59,10 @@ def main():
     for name in options.programs:
         subject = SUBJECTS[name]
         depth = subject.short if options.quick else subject.depth
-        limits, wanted = Limits(events=depth), Wanted(most=subject.each)
-        verdict = verify(load(subject.files), wanted, limits, options.seconds)
+        limits, selection = VerifyLimits(events=depth), EventSelection(most=subject.each)
+        verdict = verify(load(subject.files), selection, limits, options.seconds)
         print(f"{name}:\n{verdict.text()}", flush=True)
-        if verdict.faults:
+        if verdict.defects:
             raise SystemExit(f"{name} is not clean")
         found += [
             Figure(f"{name}, depth", verdict.progress.proven, "events", "higher"),

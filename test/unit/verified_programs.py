@@ -2,6 +2,7 @@
 
 from core_driver import Driver
 
+from rosoclingo.checking.verifying.moves import CANCEL, GOAL
 from rosoclingo.oclingo import Literal, Statement, StreamUpdate, Volatile, commitment
 from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.planning.history import AcceptedUpdate, Plan
@@ -133,9 +134,9 @@ def play(program, way, steps=20):
     driver = Driver(settings=settings, program=program, solver=lambda one: SteeredSolver(one, chosen))
     for step in way:
         for one in step.move.happenings:
-            if one.kind == "ask":
+            if one.kind == GOAL:
                 driver.core.add_goal(one.text, one.text)
-            elif one.kind == "cancel":
+            elif one.kind == CANCEL:
                 driver.core.cancel_goal(one.text)
             else:
                 driver.core.receive("sensor", [one.text])

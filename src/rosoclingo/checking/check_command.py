@@ -22,7 +22,7 @@ from rosoclingo.oclingo.unread import ends_unread
 
 if TYPE_CHECKING:
     from rosoclingo.checking.trial_plans import Trial
-    from rosoclingo.checking.verifying.verification import Verdict
+    from rosoclingo.checking.verifying.verification import Verification
 
 CLEAN, FOUND, UNREADABLE = 0, 1, 2
 """The exit codes: nothing was found, something was, a file cannot be read or the command line is wrong."""
@@ -188,7 +188,7 @@ def _print_text(
     found: Sequence[Finding],
     files: Dict[str, str],
     trials: "Sequence[Trial]",
-    verdict: "Optional[Verdict]",
+    verdict: "Optional[Verification]",
     output: TextIO,
 ) -> None:
     lines = {name: text.splitlines() for name, text in files.items()}
@@ -233,7 +233,7 @@ def _print_json(
     found: Sequence[Finding],
     files: Dict[str, str],
     trials: "Sequence[Trial]",
-    verdict: "Optional[Verdict]",
+    verdict: "Optional[Verification]",
     output: TextIO,
 ) -> None:
     errors = sum(map(is_error, found))

@@ -16,7 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client, Hands, Updates
 from interface_helpers import init_node, wait_to_hear, wait_until
 
-from rosoclingo.checking.verifying.scope import Kind, Limits
+from rosoclingo.checking.verifying.moves import GOAL
+from rosoclingo.checking.verifying.scope import DefectKind, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram
 
@@ -35,15 +36,15 @@ class VerifiedStream(unittest.TestCase):
 
     def test_the_core_shows_what_was_found(self):
         verdict = verify(
-            ReactiveProgram.from_files([PROGRAM]), limits=Limits(events=2, together=1, steps=12), seconds=250
+            ReactiveProgram.from_files([PROGRAM]), limits=VerifyLimits(events=2, together=1, steps=12), seconds=250
         )
-        (fault,) = verdict.faults
-        self.assertEqual((fault.finding.kind, fault.finding.cost), (Kind.NO_ANSWER, 2))
-        for step in fault.finding.way:
+        (defect,) = verdict.defects
+        self.assertEqual((defect.kind, defect.cost), (DefectKind.NO_ANSWER, 2))
+        for step in defect.way:
             under_way = [self.hands.take() for _ in step.move.answers]
             self.assertEqual(under_way, [str(one.action.atom) for one in step.move.answers])
             for one in step.move.happenings:
-                if one.kind == "ask":
+                if one.kind == GOAL:
                     self.client.send(one.text)
                 else:
                     self.hands.tell(one.text, origin="sensor")

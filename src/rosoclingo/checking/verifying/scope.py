@@ -1,4 +1,4 @@
-"""What a verification is asked: what may come, how far to look, and which faults count."""
+"""The scope of a verification: which events can come, how far to look, and which defects count."""
 
 from enum import Enum
 from typing import Mapping, NamedTuple, Sequence, Tuple
@@ -8,11 +8,11 @@ from clingo import Symbol
 from rosoclingo.checking.more import Kinds
 
 SECONDS = 60.0
-"""Processor time that it may take."""
+"""The default limit of processor time."""
 
 
-class Kind(Enum):
-    """What can be wrong, in words."""
+class DefectKind(Enum):
+    """What can be wrong with a program, as named on the command line."""
 
     NO_ANSWER = "no-answer"
     FORBIDDEN = "forbidden"
@@ -23,16 +23,16 @@ class Kind(Enum):
     MALFORMED = "malformed"
 
 
-class Limits(NamedTuple):
-    """What is tried.
+class VerifyLimits(NamedTuple):
+    """Limits of a verification.
 
     Attributes:
-        events: of a stream.
-        together: of them between two updates.
-        steps: that a plan may have.
-        late: cycles that a fact may be late.
-        early: cycles that a fact may be early.
-        all_plans: whether all shortest plans are tried, or the one that the solver finds.
+        events: the number of events of a stream.
+        together: the number of events between two updates.
+        steps: the number of steps of a plan.
+        late: the number of cycles that a fact can be late.
+        early: the number of cycles that a fact can be early.
+        all_plans: whether to try all shortest plans, or only the one that the solver finds.
 
     """
 
@@ -44,15 +44,15 @@ class Limits(NamedTuple):
     all_plans: bool = True
 
 
-class Wanted(NamedTuple):
-    """What a user has said of what may come; what is empty is read from the program.
+class EventSelection(NamedTuple):
+    """The events that a user selects; what is empty is read from the program.
 
     Attributes:
-        goals: what may be asked for.
-        facts: predicates of the facts that may be told.
-        reasons: further reasons, by interface.
-        most: goals of each kind, and facts of each predicate, at most.
-        kinds: requests of each kind that are likely.
+        goals: the goals to send.
+        facts: the names of the facts to send.
+        reasons: further failure reasons, by interface.
+        most: the greatest number of goals of each kind, and of facts of each predicate.
+        kinds: likely requests of each kind.
 
     """
 

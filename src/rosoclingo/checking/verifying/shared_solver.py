@@ -1,7 +1,7 @@
-"""Solvers over one grounding: to take an update, to go back, or to go another way costs a search only.
+"""Solvers that share one grounding: an update, a step back or another branch costs only a search.
 
-For who looks at many streams of one program. All facts that may come are assumable, and each question says which were
-told and what was done.
+All facts that can come are assumable; each question states which facts came and which actions were executed. This is
+for the verification, which looks at many streams of one program.
 """
 
 from dataclasses import replace
@@ -19,24 +19,24 @@ from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, StoppedError
+from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedError
 from rosoclingo.planning.snapshot import Snapshot
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
-"""What to read of an answer's model, given its grounding and the step of the update."""
+"""Returns what to read from the model of an answer, given its grounding and the step of the update."""
 
 _FIRST, _GROWTH = 16, 2
-"""Steps of the first grounding, and by how much each further one is longer."""
+"""Steps of the first grounding, and the factor by which further ones are longer."""
 
 _BRIEFLY: Dict[str, Any] = {"believes": False, "blames": False, "brief": True, "conflicts": 20_000}
-"""How questions are asked: with so many conflicts between two looks at the stop."""
+"""How to ask: with a limit of conflicts between two polls of the stop."""
 
 _MOST = 16
-"""Answers of one update whose present actions differ, at most."""
+"""Greatest number of answers of one update with different present actions."""
 
 
 class SharedAnswer(NamedTuple):
-    """An answer: the actions of the present step, what is shown, its horizon, and what was read of the model."""
+    """An answer: the actions of the present step, the shown atoms, the horizon, and what was read from the model."""
 
     actions: FrozenSet[clingo.Symbol]
     shown: FrozenSet[clingo.Symbol]
@@ -45,122 +45,104 @@ class SharedAnswer(NamedTuple):
 
 
 class Choices:
-    """Which of several answers are taken, one after the other, and how many there were each time."""
+    """A branch: which of several answers to choose each time; the first one after the end of the ``script``."""
 
     def __init__(self, script: Sequence[int] = ()) -> None:
-        self._script, self.counts = script, []  # type: Sequence[int], List[int]
+        self._script, self._counts = script, []  # type: Sequence[int], List[int]
 
     def choose(self, found: Sequence[SharedAnswer]) -> SharedAnswer:
-        """Return the answer that it is the turn of."""
-        if len(found) == 1:
-            return found[0]
-        place = len(self.counts)
-        self.counts.append(len(found))
+        """Return the answer of this branch."""
+        place = len(self._counts)
+        self._counts.append(len(found))
         return found[self._script[place] if place < len(self._script) else 0]
 
     def following(self) -> Optional["Choices"]:
-        """Return the next choices that differ, None where there are no more."""
-        script = [self._script[n] if n < len(self._script) else 0 for n in range(len(self.counts))]
-        while script and script[-1] + 1 >= self.counts[len(script) - 1]:
+        """Return the next branch, None after the last one."""
+        script = [*self._script, *[0] * len(self._counts)][: len(self._counts)]
+        while script and script[-1] + 1 >= self._counts[len(script) - 1]:
             script.pop()
-        if not script:
-            return None
-        script[-1] += 1
-        return Choices(script)
+        return Choices([*script[:-1], script[-1] + 1]) if script else None
 
 
 class Streams:
-    """All streams over facts like those that are known, of which those of any cycle are taken.
-
-    Attributes:
-        choices: which of several answers solvers take.
-        searches: how many searches there were.
-
-    """
+    """The groundings for all streams of a program over some facts; ``choices`` are those of the solvers."""
 
     def __init__(
         self,
         program: ReactiveProgram,
         known: Iterable[clingo.Symbol],
         readers: Readers = lambda grounding, step: (),
-        halt: Callable[[], bool] = lambda: False,
+        halt: Stop = lambda: False,
         all_plans: bool = True,
     ) -> None:
-        """Take facts that may come, of cycle 1 where they have one. ``halt`` ends any search, by StoppedError."""
-        self.program = program
-        self.choices, self.searches = Choices(), 0
-        self._known: Set[clingo.Symbol] = {retimed(one, 1) for one in known}
-        self._readers, self._halt = readers, halt
-        self._most = _MOST if all_plans else 1
+        """Start with the ``known`` facts, of any cycle if they have one. ``halt`` ends a search by StoppedError."""
+        self.program, self.choices = program, Choices()
+        self._known: Set[clingo.Symbol] = set()
+        self._readers, self._halt, self._all_plans = readers, halt, all_plans
         self._groundings: List[Grounding] = []
-
-    @property
-    def known(self) -> FrozenSet[clingo.Symbol]:
-        """The facts that may come, of cycle 1."""
-        return frozenset(self._known)
+        self.learn(known)
 
     def actions(self) -> Set[Tuple[clingo.Symbol, clingo.Symbol]]:
-        """Return what actions may be taken: names and parameters."""
+        """Return the possible actions as names and parameters."""
         grounding = self._grounding(1)
         return {(one.arguments[0], one.arguments[1]) for one in grounding.actions(1, grounding.horizon)}
 
-    def learn(self, facts: Iterable[clingo.Symbol]) -> None:
-        """Know of further facts."""
-        new = {retimed(one, 1) for one in facts} - self._known
-        if new:
-            self._known |= new
+    def learn(self, facts: Iterable[clingo.Symbol]) -> bool:
+        """Add further facts; return whether there were any, so that the program is ground again."""
+        before = len(self._known)
+        self._known.update(retimed(one, 1) for one in facts)
+        if len(self._known) > before:
             self._groundings.clear()
+        return len(self._known) > before
 
-    def least(self, snapshot: Snapshot, bound: int, hint: int) -> Optional[Tuple[Grounding, Question, int]]:
-        """Return the least horizon, up to ``bound`` steps on, of an answer, with its grounding and question."""
-        first, last, beyond = snapshot.step, snapshot.step + bound, snapshot.step
-        told = frozenset(one.head for one in snapshot.statements if one.head is not None)
+    def least(self, snapshot: Snapshot, bound: int, hint: int) -> Optional[Tuple[Grounding, Question]]:
+        """Return the question for the least horizon with an answer, at most ``bound`` steps on, and its grounding."""
+        first, last = snapshot.step, snapshot.step + bound
+        facts = frozenset(one.head for one in snapshot.statements if one.head is not None)
         while True:
-            grounding = self._grounding(beyond, told)
-            question = self._question(grounding, snapshot, told)
+            self.learn(facts)
+            grounding = self._grounding(first)
+            question = _question(grounding, snapshot, facts)
             end = min(grounding.horizon, last)
-            found = None if question is None else self._descend(grounding, question, first, end, hint)
-            if found is not None and question is not None:
-                return grounding, question, found
-            if end >= last:
-                return None
-            first, beyond = end + 1, end + 1
+            found = None if question is None else self._descend(grounding, question, first, end, max(hint, first))
+            if found is not None or end >= last:
+                return None if found is None else (grounding, found)
+            first = end + 1
 
-    @staticmethod
-    def _question(grounding: Grounding, snapshot: Snapshot, told: FrozenSet[clingo.Symbol]) -> Optional[Question]:
-        """Return the question for an answer after a snapshot; None if something demanded is not there."""
-        demanded = [one.body[0].atom for one in snapshot.statements if one.is_commitment]
-        if not all(map(grounding.definitions.knows, demanded)):
-            return None
-        done = (
-            (atom, atom in executed)
-            for cycle, executed in snapshot.closed.items()
-            for atom in grounding.actions(cycle, cycle)
+    def answers(self, snapshot: Snapshot, bound: int, hint: int) -> List[SharedAnswer]:
+        """Return the answers of the least horizon whose present actions differ; one if a statement can lapse."""
+        least = self.least(snapshot, bound, hint)
+        if least is None:
+            return []
+        grounding, question = least
+        actions = frozenset(grounding.actions(snapshot.step, snapshot.step))
+        several = self._all_plans and not any(snapshot.lapsing)
+        reads = (lambda model: frozenset(filter(model.contains, actions)), *self._readers(grounding, snapshot.step))
+        reply = self._ask(
+            grounding,
+            question._replace(models=_MOST if several else 1, differ=tuple(actions), shows=True, reads=reads),
         )
-        disabled = grounding.assumable - told
-        return Question(0, 0, tuple(done), kept=demanded, disabled=disabled, **_BRIEFLY)
+        found = [SharedAnswer(one[0], shown, reply.horizon, one[1:]) for shown, one in zip(reply.answers, reply.read)]
+        return sorted(found, key=lambda one: sorted(one.actions))
 
-    def _descend(self, grounding: Grounding, question: Question, first: int, last: int, hint: int) -> Optional[int]:
-        ends = [one for one in (max(hint, first), max(hint, first) + 3) if one < last]
-        start, found = first, None
-        for end in [*ends, last]:
-            found = self._horizon(grounding, question, start, end)
-            if found is not None:
+    def _descend(
+        self, grounding: Grounding, question: Question, first: int, last: int, hint: int
+    ) -> Optional[Question]:
+        """Return the question for the least horizon in first..last with an answer; None if there is none."""
+        reply = Reply(None)
+        for end in (*(one for one in (hint, hint + 3) if one < last), last):
+            reply = self._ask(grounding, question._replace(first=first, last=end))
+            if reply.satisfiable:
                 break
-            start = end + 1
-        while found is not None and found > start:
-            lower = self._horizon(grounding, question, start, found - 1)
-            if lower is None:
+            first = end + 1
+        while reply.satisfiable and reply.horizon > first:
+            shorter = self._ask(grounding, question._replace(first=first, last=reply.horizon - 1))
+            if not shorter.satisfiable:
                 break
-            found = lower
-        return found
-
-    def _horizon(self, grounding: Grounding, question: Question, first: int, last: int) -> Optional[int]:
-        reply = self._ask(grounding, question._replace(first=first, last=last, shows=False))
-        return reply.horizon if reply.satisfiable else None
+            reply = shorter
+        return question._replace(first=reply.horizon, last=reply.horizon) if reply.satisfiable else None
 
     def _ask(self, grounding: Grounding, question: Question) -> Reply:
-        self.searches += 1
         while True:
             reply = grounding.ask(question, self._halt)
             if reply.satisfiable is not None:
@@ -168,63 +150,47 @@ class Streams:
             if self._halt():
                 raise StoppedError
 
-    def answers(self, snapshot: Snapshot, bound: int, hint: int, several: bool) -> List[SharedAnswer]:
-        """Return the answers of the least horizon whose present actions differ, or one of them."""
-        least = self.least(snapshot, bound, hint)
-        if least is None:
-            return []
-        grounding, question, horizon = least
-        step = snapshot.step
-        actions = frozenset(grounding.actions(step, step))
-        reply = self._ask(
-            grounding,
-            question._replace(
-                first=horizon,
-                last=horizon,
-                models=self._most if several else 1,
-                differ=tuple(actions),
-                reads=(lambda model: _true(model, actions), *self._readers(grounding, step)),
-            ),
-        )
-        found = [SharedAnswer(read[0], shown, horizon, read[1:]) for shown, read in zip(reply.answers, reply.read)]
-        return sorted(found, key=lambda one: sorted(one.actions))
-
-    def _grounding(self, last: int, told: FrozenSet[clingo.Symbol] = frozenset()) -> Grounding:
-        """Return a grounding of ``last`` steps at least that knows what was ``told``."""
-        self.learn(told)
-        fitting = [one for one in self._groundings if one.horizon >= last]
-        if fitting:
-            return fitting[0]
-        end = max(_FIRST, self._groundings[-1].horizon * _GROWTH if self._groundings else 0)
+    def _grounding(self, last: int) -> Grounding:
+        """Return a grounding of at least ``last`` steps."""
+        for one in self._groundings:
+            if one.horizon >= last:
+                return one
+        end = self._groundings[-1].horizon * _GROWTH if self._groundings else _FIRST
         while end < last:
             end *= _GROWTH
         first = self.program.first_step
-        facts = {retimed(one, cycle) for one in self._known for cycle in range(first, end + 2)}
-        entries = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
-        snapshot = Snapshot(first, end, min_horizon=first, number=1, items=entries)
-        self._groundings.append(Grounding(self.program, snapshot, end, frozenset(facts)))
+        facts = frozenset(retimed(one, cycle) for one in self._known for cycle in range(first, end + 2))
+        items = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
+        snapshot = Snapshot(first, end, min_horizon=first, number=1, items=items)
+        self._groundings.append(Grounding(self.program, snapshot, end, facts))
         return self._groundings[-1]
 
 
-def _true(model: clingo.Model, atoms: Iterable[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
-    return frozenset(filter(model.contains, atoms))
+def _question(grounding: Grounding, snapshot: Snapshot, facts: FrozenSet[clingo.Symbol]) -> Optional[Question]:
+    """Return the question for an answer to a snapshot with these ``facts``; None if a committed action is unknown."""
+    committed = [one.body[0].atom for one in snapshot.statements if one.is_commitment]
+    if not all(map(grounding.definitions.knows, committed)):
+        return None
+    given = (
+        (atom, atom in executed)
+        for cycle, executed in snapshot.closed.items()
+        for atom in grounding.actions(cycle, cycle)
+    )
+    disabled = grounding.assumable - facts
+    return Question(0, 0, tuple(given), kept=committed, disabled=disabled, shows=False, **_BRIEFLY)
 
 
 def retimed(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:
-    """Return a fact, of ``cycle`` where it has one: where its last argument is a number."""
+    """Return a fact with another ``cycle``, which is its last argument if that is a number."""
     if not fact.arguments or fact.arguments[-1].type is not clingo.SymbolType.Number:
         return fact
     return clingo.Function(fact.name, [*fact.arguments[:-1], clingo.Number(cycle)], fact.positive)
 
 
 class SharedSolver(PlanningSolver):
-    """A solver of shortest plans that asks the groundings of ``streams``.
+    """A solver of shortest plans that asks the groundings of ``streams``; ``found`` is its last answer.
 
-    It takes facts, commitments and what updates say of the past; rules with a body it does not.
-
-    Attributes:
-        found: the last answer.
-
+    It accepts facts, commitments and what updates state about the past, but no rules.
     """
 
     def __init__(self, streams: Streams) -> None:
@@ -234,22 +200,21 @@ class SharedSolver(PlanningSolver):
 
     @property
     def snapshot(self) -> Snapshot:
-        """What is in force after the whole history."""
+        """The snapshot of the history."""
         return self.log.snapshot(self._streams.program)
 
-    def _search(self, update: Optional[StreamUpdate], stopped: Callable[[], bool]) -> SolveResult:
-        """Take ``update`` and return an answer of the least horizon; raises SolverError and StoppedError."""
+    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        """Accept ``update`` and return an answer of the least horizon; raises SolverError and StoppedError."""
         update = update or StreamUpdate()
-        snapshot = self._after(update)
-        bound = 0 if update.bound is None else update.bound
-        plan, several = self.log.plan, not any(snapshot.lapsing)
-        hint = snapshot.step if plan is None else plan.horizon
-        found = self._streams.answers(snapshot, bound, hint, several)
+        snapshot, bound, plan = self._after(update), update.bound or 0, self.log.plan
+        found = self._streams.answers(snapshot, bound, snapshot.step if plan is None else plan.horizon)
         self.found = self._streams.choices.choose(found) if found else None
         horizon = snapshot.step + bound if self.found is None else self.found.horizon
         outcome = SolveOutcome.UNSATISFIABLE if self.found is None else SolveOutcome.SATISFIABLE
         answers = () if self.found is None else (self.found.shown,)
-        warnings = self._ignored(update)
+        externals = self._streams.program.external_signatures
+        heads = (one.head for _, one in update.sections() if one.head is not None)
+        warnings = tuple(NOT_EXTERNAL.format(one) for one in heads if signature_of(one) not in externals)
         spent = {"solve": 0.0, "ground": 0.0, "needed": 0.0}
         result = SolveResult(outcome, answers, horizon, snapshot.step, warnings, statistics=spent, shortest=True)
         self.log = self.log.with_entries(AcceptedUpdate(update, horizon)).adopt(Plan.from_result(result))
@@ -263,30 +228,23 @@ class SharedSolver(PlanningSolver):
             raise SolverError(f"only facts and executed actions can be fed here, not {strange}")
         return snapshot
 
-    def _ignored(self, update: StreamUpdate) -> Tuple[str, ...]:
-        """Return warnings, in the solver's words, of facts that the program declares no external for."""
-        heads = [one.head for _, one in update.sections() if one.head is not None]
-        strange = [one for one in heads if signature_of(one) not in self._streams.program.external_signatures]
-        return tuple(NOT_EXTERNAL.format(one) for one in strange)
-
     @staticmethod
-    def improve(stopped: Optional[Callable[[], bool]] = None) -> Optional[SolveResult]:
+    def improve(stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Return None, as plans are shortest."""
         return None
 
     @staticmethod
-    def compact(stopped: Optional[Callable[[], bool]] = None) -> None:
-        """Leave the history as it is, as long as it may be."""
+    def compact(stopped: Optional[Stop] = None) -> None:
+        """Leave the history as it is."""
 
     def inquire(
         self,
         update: StreamUpdate,
         assumable: FrozenSet[clingo.Symbol],
         disabled: FrozenSet[clingo.Symbol],
-        stopped: Optional[Callable[[], bool]] = None,
+        stopped: Optional[Stop] = None,
     ) -> Reply:
-        """Tell whether there would be an answer after ``update``, had the facts ``disabled`` not been told."""
+        """Return whether ``update`` would have an answer without the facts ``disabled``."""
         snapshot = self._after(replace(update, bound=None)).without_facts(disabled)
-        bound = 0 if update.bound is None else update.bound
-        found = self._streams.least(snapshot, bound, self.log.horizon)
+        found = self._streams.least(snapshot, update.bound or 0, self.log.horizon)
         return Reply(found is not None, core=frozenset() if found is not None else assumable)

@@ -2,7 +2,7 @@
 
 Most programs never read the step itself: they add numbers to times and compare times with times. A state at step 5 and
 one at step 9 are then equal if they are equal with all times counted from there. Rules that use a time in another way,
-such as ``t \\ 20 = 0`` or ``t > 100``, keep states of different steps apart.
+such as ``t > 100`` or a remainder of t, keep states of different steps apart.
 """
 
 from math import prod

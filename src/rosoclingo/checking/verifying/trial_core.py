@@ -1,13 +1,14 @@
-"""The core on trial: it can go back to where it was, and tells where a program leaves it without a way on."""
+"""A core on trial: it continues from snapshots, and reports a program that leaves it without a plan."""
 
 from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
-from rosoclingo.checking.verifying.moves import Move
+from rosoclingo.checking.verifying.moves import CANCEL, GOAL, Move
+from rosoclingo.checking.verifying.scope import DefectKind
+from rosoclingo.checking.verifying.shared_solver import SharedSolver
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
-from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.reasoning.events import Event, Problem, UpdateSent
+from rosoclingo.reasoning.events import Event, UpdateSent
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.records import Record
 from rosoclingo.reasoning.recovery import Recovery
@@ -15,52 +16,49 @@ from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Response, State
 from rosoclingo.reasoning.trials import Way
 
-NO_ANSWER, PUT_OFF = "no-answer", "put-off"
-"""What the core itself finds wrong with a program."""
-
 
 class BrokenError(Exception):
-    """The program leaves the core without a way on.
+    """The program leaves the core without a plan.
 
     Attributes:
         kind: NO_ANSWER or PUT_OFF.
-        stream: the update that has no answer, and what it followed on.
-        withheld: whether there is an answer if the goals had never been asked for.
+        stream: the update without an answer, and its history.
+        withheld: whether there would be an answer without the goals.
 
     """
 
-    def __init__(self, kind: str, stream: Stream, withheld: bool = False) -> None:
+    def __init__(self, kind: DefectKind, stream: Stream, withheld: bool = False) -> None:
         super().__init__(kind)
         self.kind, self.stream, self.withheld = kind, stream, withheld
 
 
 class CoreSnapshot(NamedTuple):
-    """The state of a core: all but the solver's log, and that."""
+    """The state of a core: that of its parts, and the history."""
 
     record: Record
     log: History
 
 
 class _NoRecorder:
-    """The log is kept as it is."""
+    """Records nothing, as snapshots hold the history itself."""
 
     @staticmethod
     def record(log: History) -> Record:
-        """Return nothing: the snapshot holds the history itself."""
+        """Return an empty record."""
         return {}
 
 
 _STOPS = {
-    KeptCore._lose_patience: PUT_OFF,
-    KeptCore._repair: NO_ANSWER,
-    KeptCore._forget_history: NO_ANSWER,
-    KeptCore._cancel_all: NO_ANSWER,
+    KeptCore._lose_patience: DefectKind.PUT_OFF,
+    KeptCore._repair: DefectKind.NO_ANSWER,
+    KeptCore._forget_history: DefectKind.NO_ANSWER,
+    KeptCore._cancel_all: DefectKind.NO_ANSWER,
 }
-"""The steps that doubt the facts, or drop all goals, and what is wrong with a program that needs them."""
+"""The responses that doubt facts or drop all goals, and the defects of programs that need them."""
 
 
 def _trusting(row: Response) -> Response:
-    """Return a row of the core's table, which stops if the program is wrong, and leaves failures to the program."""
+    """Return a row of the core's table that raises BrokenError instead, and leaves failures to the program."""
     if row.step is KeptCore._settle_failures:
         return row._replace(step=lambda core, state: core.leave_failures(state))
     if row.step not in _STOPS:
@@ -75,21 +73,21 @@ def _trusting(row: Response) -> Response:
 
 
 class TrialCore(KeptCore):
-    """A core that raises BrokenError where else it would doubt what it was told, begin anew, or lose patience.
+    """A core that raises BrokenError where the usual one doubts facts, begins again, or loses patience.
 
     Attributes:
-        events: what it has told.
+        events: the events of the last move.
 
     """
 
     def __init__(
         self,
         program: ReactiveProgram,
-        make_solver: Callable[[], PlanningSolver],
+        make_solver: Callable[[], SharedSolver],
         settings: CoreSettings,
         snapshot: Optional[CoreSnapshot] = None,
     ) -> None:
-        """Begin, or go on from a snapshot."""
+        """Begin, or continue from a ``snapshot``."""
         self.events: List[Event] = []
         record = None if snapshot is None else snapshot.record
         super().__init__(program, make_solver, self.events.append, settings, record=record)
@@ -98,7 +96,7 @@ class TrialCore(KeptCore):
             self._planner = self._planner.at(snapshot.log)
 
     def leave_failures(self, state: State) -> State:
-        """Leave failures to the program: its reaction to them is verified, so the core must not hide it."""
+        """Leave failures to the program, whose reaction is verified."""
         self._execution.unhandled.clear()
         return self._judged(state, state.result)
 
@@ -108,22 +106,24 @@ class TrialCore(KeptCore):
 
     @staticmethod
     def _record_beliefs() -> Record:
-        """Return nothing: nobody listens to what is believed."""
+        """Return an empty record, as beliefs follow from the history."""
         return {}
 
     @property
     def stream(self) -> Stream:
-        """The last update, and what it followed on."""
+        """The last update and its history."""
         return self._planner.stream
 
     @property
-    def solver(self) -> PlanningSolver:
+    def solver(self) -> SharedSolver:
         """The solver with the last answer."""
-        return self._planner.solver
+        solver = self._planner.solver
+        assert isinstance(solver, SharedSolver)
+        return solver
 
     @property
     def due(self) -> bool:
-        """Whether it goes on by itself."""
+        """Whether it continues without an event."""
         return not self.awaited and self._due()
 
     @property
@@ -132,28 +132,23 @@ class TrialCore(KeptCore):
         return self._announce.published + 1
 
     @property
-    def updates(self) -> List[UpdateSent]:
-        """The updates that the last move led to."""
-        return [one for one in self.events if isinstance(one, UpdateSent)]
-
-    @property
-    def hopeless(self) -> bool:
-        """Whether there is no answer before anything has come."""
-        return any(isinstance(one, Problem) and "has no answer" in one.message for one in self.events)
+    def updates(self) -> Tuple[str, ...]:
+        """The updates of the last move."""
+        return tuple(one.stream for one in self.events if isinstance(one, UpdateSent))
 
     @property
     def pending(self) -> Tuple[Any, ...]:
-        """What else than goals and actions decides how it goes on."""
+        """The rest of the state on which the next moves depend, apart from goals and actions."""
         requests, rejected, *_ = self._feeder.record()["feeder"]
         return str(requests), str(rejected), self._plan is None
 
     def make(self, move: Move) -> None:
-        """Let a move happen, and what follows from it up to the next answer."""
+        """Make a move up to the next answer."""
         self.events.clear()
         for one in move.happenings:
-            if one.kind == "ask":
+            if one.kind == GOAL:
                 self.add_goal(one.text, one.text)
-            elif one.kind == "cancel":
+            elif one.kind == CANCEL:
                 self.cancel_goal(one.text)
             else:
                 self.receive("sensor", [one.text])
@@ -163,8 +158,8 @@ class TrialCore(KeptCore):
 
     def _adopt(self, state: State, found: Recovery) -> State:
         if found.way is Way.WITHHELD:
-            raise BrokenError(NO_ANSWER, self._planner.stream, withheld=True)
+            raise BrokenError(DefectKind.NO_ANSWER, self._planner.stream, withheld=True)
         return super()._adopt(state, found)
 
-    #: As the core's, but it stops at each step that doubts the facts, or drops all goals.
+    #: As the core's, but the responses that doubt facts or drop all goals raise BrokenError.
     responses = tuple(map(_trusting, KeptCore.responses))

@@ -1,76 +1,59 @@
-"""Verifies a program: all ways up to a depth, what was found on them, in words, and how far it is proven."""
+"""Verifies a program: explores its streams up to a depth, explains the defects, and states what is proven."""
 
 import time
 from typing import Any, Callable, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 
-from rosoclingo.checking.verifying.findings import Finding
+from rosoclingo.checking.verifying.defects import Defect
 from rosoclingo.checking.verifying.likely_events import likely_repertory
 from rosoclingo.checking.verifying.moves import Repertory
-from rosoclingo.checking.verifying.scope import SECONDS, Kind, Limits, Wanted
-from rosoclingo.checking.verifying.stream_search import Progress, Search
+from rosoclingo.checking.verifying.scope import SECONDS, DefectKind, EventSelection, VerifyLimits
+from rosoclingo.checking.verifying.stream_search import StreamSearch, VerifyProgress
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.why_not import WhyNot
 from rosoclingo.planning.minimal_sets import UndecidedError
+from rosoclingo.planning.question import Stop
 
 
-class Fault(NamedTuple):
-    """A finding, and which rules forbid an answer, where there is none and that is known."""
-
-    finding: Finding
-    why: Optional[WhyNot] = None
-
-    def lines(self) -> List[str]:
-        """Return it for people."""
-        found = [f"{self.finding.kind.value}: {self.finding.words}", *(f"  {one}" for one in self.finding.story)]
-        if self.why is not None:
-            found += [f"  {one}" for one in self.why.text().splitlines()]
-        comments = [f"% {one}" for one in (self.finding.words, *self.finding.story)]
-        return [*found, "", *comments, *self.finding.stream.splitlines()]
-
-
-class Verdict(NamedTuple):
-    """What came of a verification.
+class Verification(NamedTuple):
+    """The result of a verification.
 
     Attributes:
-        faults: what is wrong, the shortest way first.
-        progress: how far the search came.
-        repertory: what could come.
-        limits: what was tried.
-        seconds: of processor time.
+        defects: the defects, the shortest way first.
+        progress: the progress of the search.
+        repertory: the events that could come.
+        limits: the limits of the search.
+        seconds: the processor time of the search.
 
     """
 
-    faults: Tuple[Fault, ...]
-    progress: Progress
+    defects: Tuple[Defect, ...]
+    progress: VerifyProgress
     repertory: Repertory
-    limits: Limits
+    limits: VerifyLimits
     seconds: float
 
     @property
     def clean(self) -> bool:
-        """Whether nothing was found up to the whole depth."""
-        return not self.faults and self.progress.proven >= self.limits.events
+        """Whether there is no defect up to the whole depth."""
+        return not self.defects and self.progress.proven >= self.limits.events
 
     def text(self) -> str:
-        """Return it for people: each fault with its stream, and in the end what is proven, within which bounds."""
-        lines = [line for one in self.faults for line in (*one.lines(), "")]
-        proven, told = self.progress.proven, f"{self.progress.states} states, {self.seconds:.1f} s"
+        """Return the defects with their streams, what is proven, and within which bounds."""
+        lines = [line for one in self.defects for line in (*one.lines(), "")]
+        proven, spent = self.progress.proven, f"{self.progress.states} states, {self.seconds:.1f} s"
+        so_far = f"clean to depth {proven}" if proven >= 0 else ""
         if self.clean:
-            lines.append(f"clean to depth {proven}: {told}")
-        elif self.faults:
-            rest = f"; clean to depth {proven}" if proven >= 0 else ""
-            lines.append(f"{len(self.faults)} found{rest}: {told}")
+            lines.append(f"{so_far}: {spent}")
+        elif self.defects:
+            lines.append(f"{len(self.defects)} found{so_far and '; '}{so_far}: {spent}")
         else:
-            so_far = f"clean to depth {proven}" if proven >= 0 else "nothing is proven"
-            lines.append(f"stopped in depth {proven + 1} after {told}: {so_far}")
+            lines.append(f"stopped in depth {proven + 1} after {spent}: {so_far or 'nothing is proven'}")
         return "\n".join([*lines, *self._bounds()]) + "\n"
 
     def _bounds(self) -> List[str]:
-        """Return within which bounds that is so."""
         one, limits = self.repertory, self.limits
-        facts = " ".join(map(str, one.facts)) if one.facts else "none"
+        facts = " ".join(map(str, one.facts)) or "none"
         reasons = "; ".join(f"{name}: {' '.join(map(str, values))}" for name, values in sorted(one.reasons.items()))
         plans = (
             "whichever of the shortest plans is taken" if limits.all_plans else "with the plans that the solver finds"
@@ -85,50 +68,44 @@ class Verdict(NamedTuple):
         ]
 
     def to_message(self) -> Dict[str, Any]:
-        """Return it as a plain value that JSON knows."""
+        """Return the result as a value for JSON."""
         one = self.repertory
         return {
             "clean": self.clean,
             "depth": self.limits.events,
-            "proven": self.progress.proven,
-            "states": self.progress.states,
-            "moves": self.progress.moves,
+            **self.progress._asdict(),
             "seconds": round(self.seconds, 2),
             "limits": self.limits._asdict(),
             "goals": [*map(str, one.goals)],
             "facts": [*map(str, one.facts)],
             "reasons": {name: [*map(str, values)] for name, values in one.reasons.items()},
-            "faults": [fault.finding.to_message() for fault in self.faults],
+            "faults": [defect.to_message() for defect in self.defects],
         }
 
 
 def verify(
     program: ReactiveProgram,
-    wanted: Optional[Wanted] = None,
-    limits: Optional[Limits] = None,
+    selection: Optional[EventSelection] = None,
+    limits: Optional[VerifyLimits] = None,
     seconds: float = SECONDS,
-    skipped: FrozenSet[Kind] = frozenset(),
+    skipped: FrozenSet[DefectKind] = frozenset(),
     clock: Callable[[], float] = time.process_time,
-) -> Verdict:
-    """Verify a program for ``seconds`` of the ``clock``; raises RuntimeError as clingo does, and SolverError.
+) -> Verification:
+    """Verify a program for ``seconds`` of the ``clock``, without ``skipped`` kinds of defects.
 
-    Findings of kinds that are ``skipped`` are none.
+    Raises RuntimeError as clingo does, and SolverError.
     """
-    wanted, limits = wanted or Wanted(), limits or Limits()
-    begin = clock()
-    repertory = likely_repertory(program, wanted)
-    search = Search(program, repertory, limits, lambda: clock() - begin >= seconds, skipped)
+    selection, limits, begin = selection or EventSelection(), limits or VerifyLimits(), clock()
+    repertory = likely_repertory(program, selection)
+    search = StreamSearch(program, repertory, limits, lambda: clock() - begin >= seconds, skipped)
     progress = search.run()
-    spent = clock() - begin
-    late = clock()
-    faults = [Fault(one, _why(program, one, lambda: clock() - late >= seconds)) for one in search.findings]
-    return Verdict(tuple(faults), progress, repertory, limits, spent)
+    end = clock()
+    defects = (_explained(program, one, lambda: clock() - end >= seconds) for one in search.defects)
+    return Verification(tuple(defects), progress, repertory, limits, end - begin)
 
 
-def _why(program: ReactiveProgram, finding: Finding, halt: Callable[[], bool]) -> Optional[WhyNot]:
-    if finding.broken is None:
-        return None
+def _explained(program: ReactiveProgram, defect: Defect, halt: Stop) -> Defect:
     try:
-        return explain(program, finding.broken, halt)
+        return defect if defect.broken is None else defect._replace(why=explain(program, defect.broken, halt))
     except (SolverError, UndecidedError):
-        return None
+        return defect

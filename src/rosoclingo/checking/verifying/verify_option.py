@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, List, Optional
 from clingo import Symbol
 
 from rosoclingo.checking.more import More
-from rosoclingo.checking.verifying.scope import SECONDS, Kind, Limits, Wanted
+from rosoclingo.checking.verifying.scope import SECONDS, DefectKind, EventSelection, VerifyLimits
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.service.arguments import natural, positive, seconds
 
 if TYPE_CHECKING:
-    from rosoclingo.checking.verifying.verification import Verdict
+    from rosoclingo.checking.verifying.verification import Verification
 
 _DEPTH = 2
-_LIMITS = Limits()
+_LIMITS = VerifyLimits()
 
 _VERIFY = (
     "look for a stream of at most DEPTH events (goals, cancels, facts, failures) that breaks the program "
@@ -34,19 +34,19 @@ _LATE = "cycles that facts may be late (default: %(default)s)"
 _EARLY = "cycles that facts may be early (default: %(default)s)"
 _TOGETHER = "events between two updates (default: %(default)s)"
 _NEVER = "what must never be so at a step t, as the body of a rule; may be repeated"
-_SKIP = "do not look for these faults; may be repeated: " + ", ".join(one.value for one in Kind)
+_SKIP = "do not look for these faults; may be repeated: " + ", ".join(one.value for one in DefectKind)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verification."""
     add = parser.add_argument_group("verify").add_argument
-    kinds = [one.value for one in Kind]
+    kinds = [one.value for one in DefectKind]
     for name, settings, words in (
         ("--verify", {"type": positive, "nargs": "?", "const": _DEPTH, "metavar": "DEPTH"}, _VERIFY),
         ("--verify-seconds", {"type": seconds, "default": SECONDS, "metavar": "S"}, _SECONDS),
         ("--goal", {"action": "append", "default": [], "metavar": "GOAL"}, _GOAL),
         ("--fact", {"action": "append", "default": [], "metavar": "NAME"}, _FACT),
-        ("--each", {"type": positive, "default": Wanted().most, "metavar": "N"}, _EACH),
+        ("--each", {"type": positive, "default": EventSelection().most, "metavar": "N"}, _EACH),
         ("--late", {"type": natural, "default": _LIMITS.late, "metavar": "N"}, _LATE),
         ("--early", {"type": natural, "default": _LIMITS.early, "metavar": "N"}, _EARLY),
         ("--together", {"type": positive, "default": _LIMITS.together, "metavar": "N"}, _TOGETHER),
@@ -64,7 +64,7 @@ def sources(options: argparse.Namespace) -> List[Source]:
     return [Source("--never", "#program cumulative(t).\n" + "".join(rules), Path())] if rules else []
 
 
-def run(program: ReactiveProgram, options: argparse.Namespace, more: Optional[More]) -> "Optional[Verdict]":
+def run(program: ReactiveProgram, options: argparse.Namespace, more: Optional[More]) -> "Optional[Verification]":
     """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
     if options.verify is None:
         return None
@@ -77,12 +77,12 @@ def run(program: ReactiveProgram, options: argparse.Namespace, more: Optional[Mo
     if strange:
         raise ProgramError([_fault(f"{strange[0]} is no external of the program", "give the name, as in _blocked")])
     reasons, kinds = (more.reasons(), more.requests(program)) if more is not None else ({}, ())
-    wanted = Wanted(tuple(map(_goal, options.goal)), facts, reasons, options.each, kinds)
+    selection = EventSelection(tuple(map(_goal, options.goal)), facts, reasons, options.each, kinds)
     plans = not options.one_plan
-    limits = Limits(options.verify, options.together, options.steps, options.late, options.early, plans)
-    skipped = frozenset(map(Kind, options.skip))
+    limits = VerifyLimits(options.verify, options.together, options.steps, options.late, options.early, plans)
+    skipped = frozenset(map(DefectKind, options.skip))
     try:
-        return verify(program, wanted, limits, options.verify_seconds, skipped)
+        return verify(program, selection, limits, options.verify_seconds, skipped)
     except (SolverError, RuntimeError, ProgressionError) as error:
         raise ProgramError([_fault(f"the program cannot be verified: {error}")]) from None
 

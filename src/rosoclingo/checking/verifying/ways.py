@@ -1,4 +1,4 @@
-"""The states that were reached, the ways there, and ways that go round in circles."""
+"""States that were reached, the ways there, and circular ways."""
 
 from typing import Dict, FrozenSet, Hashable, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
@@ -10,13 +10,13 @@ from rosoclingo.reasoning.keywords import Action
 
 
 class Step(NamedTuple):
-    """A move, and what the core made of it.
+    """A move and its effect.
 
     Attributes:
-        move: what came from outside.
-        updates: the updates that were sent, as the solver took them.
-        cycle: the one that it led to.
-        chosen: the actions of that cycle, for who goes the same way.
+        move: the events.
+        updates: the updates that the core sent.
+        cycle: the next cycle.
+        chosen: the actions of that cycle.
         ends: how goals ended, in words.
 
     """
@@ -28,31 +28,33 @@ class Step(NamedTuple):
     ends: Tuple[str, ...] = ()
 
 
-class Node:
+class StateNode:
     """A state of the core, with the shortest way there.
 
     Attributes:
-        cost: events on the way.
-        length: updates on the way.
-        quiet: updates since the last event.
-        awaited: the actions under way.
-        goals: the goals that have not ended, as text.
-        due: whether it goes on by itself.
-        calm: whether nothing but goals came on the way, and no action failed.
-        done: what was done on the way, and not undone.
-        state: what equal nodes share from which on all goes as planned.
-        answers: whether steps to come see how actions have ended.
-        now: what is believed, less the returns, and the goals.
-        onward: where it leads when all goes as planned, and by what.
+        cost: the number of events on the way.
+        length: the number of updates on the way.
+        quiet: the number of updates since the last event.
+        awaited: the running actions.
+        goals: the live goals, as text.
+        due: whether the core continues without an event.
+        calm: whether only goals came on the way, and no action failed.
+        done: the deeds on the way.
+        state: the key that equal states share as long as no event comes.
+        answers: whether later steps see how actions ended.
+        now: the belief without returns, and the goals.
+        onward: the successors without an event.
 
     """
 
-    def __init__(self, snapshot: CoreSnapshot, before: Optional["Node"], step: Optional[Step]) -> None:
-        self.snapshot: Optional[CoreSnapshot] = snapshot
-        self.before, self.step = before, step
-        self.cost: int = 0 if before is None or step is None else before.cost + step.move.cost
-        self.length: int = 0 if before is None or step is None else before.length + len(step.updates)
-        self.quiet: int = 0 if before is None or step is None or step.move.cost else before.quiet + len(step.updates)
+    def __init__(
+        self, snapshot: Optional[CoreSnapshot], before: Optional["StateNode"] = None, step: Optional[Step] = None
+    ) -> None:
+        self.snapshot, self.before, self.step = snapshot, before, step
+        self.cost = self.length = self.quiet = 0
+        if before is not None and step is not None:
+            self.cost, self.length = before.cost + step.move.cost, before.length + len(step.updates)
+            self.quiet = 0 if step.move.cost else before.quiet + len(step.updates)
         self.awaited: Tuple[Action, ...] = ()
         self.goals: Tuple[str, ...] = ()
         self.due, self.calm = False, True
@@ -60,62 +62,52 @@ class Node:
         self.answers = False
         self.state: Hashable = None
         self.now: Tuple[FrozenSet[Symbol], Hashable] = (frozenset(), None)
-        self.onward: List[Tuple[Step, Node]] = []
+        self.onward: List[Tuple[Step, StateNode]] = []
 
     @property
-    def way(self) -> List[Step]:
+    def way(self) -> Tuple[Step, ...]:
         """The steps from the start."""
         found: List[Step] = []
-        node: Optional[Node] = self
+        node: Optional[StateNode] = self
         while node is not None and node.step is not None:
             found.append(node.step)
             node = node.before
-        return found[::-1]
+        return tuple(found[::-1])
 
 
 class Circle(NamedTuple):
-    """A way that leads back to where it begins: ``steps`` from ``node`` on, all of which go as planned."""
+    """A way without events that ends in the state in which it begins: ``steps`` from ``node`` on."""
 
-    node: Node
+    node: StateNode
     steps: Tuple[Step, ...]
 
     @property
     def acts(self) -> bool:
-        """Whether something is done on the way."""
+        """Whether actions are executed on the way."""
         return any(step.move.answers for step in self.steps)
 
-    @property
-    def length(self) -> int:
-        """Updates to its beginning, and once round."""
-        return self.node.length + sum(len(step.updates) for step in self.steps)
 
-
-def circles(nodes: Iterable[Node]) -> Iterator[Circle]:
-    """Yield circles on which goals are open, one at least where there is any from ``nodes``."""
+def circles(nodes: Iterable[StateNode]) -> Iterator[Circle]:
+    """Yield circles on which goals are live, at least one if there is any from ``nodes``."""
     known: Set[Hashable] = set()
     for start in nodes:
         if start.state not in known and start.goals:
-            yield from _from(start, known)
+            yield from _circles_from(start, known)
 
 
-def _from(start: Node, known: Set[Hashable]) -> Iterator[Circle]:
-    """Yield circles that are met on the ways from a node; a search in depth, without recursion."""
-    path: Dict[Hashable, int] = {start.state: 0}
-    steps: List[Step] = []
-    branches = [iter(start.onward)]
-    nodes = [start]
+def _circles_from(start: StateNode, known: Set[Hashable]) -> Iterator[Circle]:
+    """Yield the circles that a depth-first search from ``start`` meets."""
     known.add(start.state)
+    path: Dict[Hashable, int] = {start.state: 0}
+    nodes, steps, branches = [start], [], [iter(start.onward)]  # type: List[StateNode], List[Step], List[Iterator]
     while branches:
-        following = next(branches[-1], None)
-        if following is None:
+        step, node = next(branches[-1], (None, None))
+        if step is None or node is None:
             branches.pop()
             path.pop(nodes.pop().state)
-            if steps:
-                steps.pop()
-            continue
-        step, node = following
-        place = path.get(node.state)
-        if place is not None:
+            del steps[-1:]
+        elif node.state in path:
+            place = path[node.state]
             yield Circle(nodes[place], (*steps[place:], step))
         elif node.state not in known and node.goals:
             known.add(node.state)

@@ -6,11 +6,11 @@ import pytest
 from foreign_programs import GRIPPER, LIFT, PATROL, SOUND, VACUUM
 from verified_programs import edited, more, play
 
-from rosoclingo.checking.verifying.scope import Kind, Limits, Wanted
+from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 
-NO_ANSWER, TAKEN, REPEATED = Kind.NO_ANSWER, Kind.FAILURE_AS_SUCCESS, Kind.REPEATED
+NO_ANSWER, TAKEN, REPEATED = DefectKind.NO_ANSWER, DefectKind.FAILURE_AS_SUCCESS, DefectKind.REPEATED
 
 #: Where it is seeded, the program, what is found, its events, its updates.
 SEEDS = {
@@ -44,8 +44,10 @@ def found(name):
     text, kind, cost, _ = SEEDS[name]
     goals = SOUND[name.partition(":")[0]][1][:1]
     program = ReactiveProgram.from_text(text)
-    wanted = Wanted(tuple(map(parse_term, goals)), () if kind is NO_ANSWER else ("none",), most=3 if cost < 2 else 1)
-    return program, verify(program, wanted, Limits(events=cost, steps=8), seconds=300)
+    wanted = EventSelection(
+        tuple(map(parse_term, goals)), () if kind is NO_ANSWER else ("none",), most=3 if cost < 2 else 1
+    )
+    return program, verify(program, wanted, VerifyLimits(events=cost, steps=8), seconds=300)
 
 
 @pytest.mark.slow
@@ -54,8 +56,8 @@ def found(name):
 def test_a_fault_is_found_and_shows_on_the_real_core(name):
     _, kind, cost, updates = SEEDS[name]
     program, verdict = found(name)
-    fault = next(one for one in verdict.faults if one.finding.kind is kind)
-    finding = fault.finding
+    fault = next(one for one in verdict.defects if one.kind is kind)
+    finding = fault
     assert (finding.cost, finding.length) == (cost, updates)
     assert verdict.progress.proven == cost - 1, "and with fewer events there is none"
     driver = play(program, finding.way, 8)
@@ -73,7 +75,7 @@ def test_a_fault_is_found_and_shows_on_the_real_core(name):
 @pytest.mark.parametrize("name", SOUND)
 def test_nothing_is_found_where_nothing_is_wrong(name):
     text, goals = SOUND[name]
-    wanted = Wanted(tuple(map(parse_term, goals)), (), most=1)
-    verdict = verify(ReactiveProgram.from_text(text), wanted, Limits(events=2, steps=8), seconds=300)
+    wanted = EventSelection(tuple(map(parse_term, goals)), (), most=1)
+    verdict = verify(ReactiveProgram.from_text(text), wanted, VerifyLimits(events=2, steps=8), seconds=300)
     assert verdict.clean, verdict.text()
     assert verdict.progress.proven == 2

@@ -7,13 +7,13 @@ from clingo import Function
 from verified_programs import CARRIES, ECHO, VISITS, edited, more, play
 
 from rosoclingo.checking.verifying.moves import Moves, Repertory
-from rosoclingo.checking.verifying.scope import Kind, Limits, Wanted
+from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.reasoning.keywords import Action
 
 FAILED = "failed(P,t) :- _action_lib(go,P,t), _return(go,V,t), V != P."
-NO_ANSWER, NEVER_ENDED, TAKEN = Kind.NO_ANSWER, Kind.NEVER_ENDED, Kind.FAILURE_AS_SUCCESS
+NO_ANSWER, NEVER_ENDED, TAKEN = DefectKind.NO_ANSWER, DefectKind.NEVER_ENDED, DefectKind.FAILURE_AS_SUCCESS
 
 #: The program, what is found, its events, its updates.
 SEEDS = {
@@ -56,14 +56,15 @@ SEEDS = {
                         "stopped(P,t) :- stopped(P,t-1). _status(P,accepted,t) :- stopped(P,t).")),
         NEVER_ENDED, 3, 2),
     "a place that must not be gone to": (
-        more(VISITS, '_never("nobody goes to the den",t) :- _action_lib(go,den,t).'), Kind.FORBIDDEN, 1, 1),
+        more(VISITS, '_never("nobody goes to the den",t) :- _action_lib(go,den,t).'), DefectKind.FORBIDDEN, 1, 1),
     "two places one after the other": (
-        more(VISITS, "_never(hurry,t) :- _action_lib(go,P,t), _action_lib(go,Q,t-1), P != Q."), Kind.FORBIDDEN, 2, 2),
+        more(VISITS, "_never(hurry,t) :- _action_lib(go,P,t), _action_lib(go,Q,t-1), P != Q."),
+        DefectKind.FORBIDDEN, 2, 2),
     "a plan with what is no action": (
-        VISITS.replace("at(home,0).", "at(home,0). _action_lib(beep,home,0)."), Kind.MALFORMED, 1, 1),
+        VISITS.replace("at(home,0).", "at(home,0). _action_lib(beep,home,0)."), DefectKind.MALFORMED, 1, 1),
     "what is held is forgotten, and grabbed again": (
         edited(CARRIES, ("held(X,t-1), not dropped(X,t).", "held(X,t-1), not dropped(X,t), wanted(X,t).")),
-        Kind.REPEATED, 3, 3),
+        DefectKind.REPEATED, 3, 3),
 }  # fmt: skip
 
 
@@ -75,7 +76,9 @@ def found(name):
     asked = {"visit(P)": ["visit(hall)", "visit(den)"], "bring(X)": ["bring(cup)"], "do(J)": ["do(wash)", "do(iron)"]}
     goals = next(tuple(map(parse_term, terms)) for word, terms in asked.items() if word in text)
     facts = () if text.count("_closed") + text.count("seen") > 4 else ("none",)
-    return program, verify(program, Wanted(goals, facts, most=1), Limits(events=max(cost, 1), steps=8), seconds=300)
+    return program, verify(
+        program, EventSelection(goals, facts, most=1), VerifyLimits(events=max(cost, 1), steps=8), seconds=300
+    )
 
 
 @pytest.mark.mostly_slow
@@ -83,7 +86,7 @@ def found(name):
 def test_a_fault_is_found_on_the_shortest_way(name):
     _, kind, cost, updates = SEEDS[name]
     _, verdict = found(name)
-    first = next(one.finding for one in verdict.faults if one.finding.kind is kind)
+    first = next(one for one in verdict.defects if one.kind is kind)
     assert (first.cost, first.length) == (cost, updates)
     assert verdict.progress.proven == cost - 1, "and with fewer events there is none"
 
@@ -95,11 +98,11 @@ def shows(kind, driver, finding):
         return any(one in problems for one in ("contradict", "withheld", "begins anew", "no answer"))
     if kind is NEVER_ENDED:
         return bool(core.live_goals) and (finding.circular or not core.awaited)
-    if kind is Kind.MALFORMED:
+    if kind is DefectKind.MALFORMED:
         return finding.subject in problems
-    if kind is Kind.REPEATED:
+    if kind is DefectKind.REPEATED:
         return finding.subject in driver.awaited and finding.subject[:-2] in " ".join(driver.journal.actions[:-1])
-    if kind is Kind.FORBIDDEN:
+    if kind is DefectKind.FORBIDDEN:
         return bool(driver.awaited)
     return not core.live_goals or bool(core.plan.remaining(core.cycle))
 
@@ -108,12 +111,12 @@ def shows(kind, driver, finding):
 @pytest.mark.parametrize("name", SEEDS)
 def test_what_is_found_shows_on_the_real_core(name):
     program, verdict = found(name)
-    for one in verdict.faults:
-        assert shows(one.finding.kind, play(program, one.finding.way, 8), one.finding)
+    for one in verdict.defects:
+        assert shows(one.kind, play(program, one.way, 8), one)
 
 
 def test_an_action_that_is_named_like_its_reason_can_fail():
-    moves = Moves(ReactiveProgram.from_text("#external _return/3."), Repertory((), (), {}), Limits())
+    moves = Moves(ReactiveProgram.from_text("#external _return/3."), Repertory((), (), {}), VerifyLimits())
     actions = [Action(Function("go"), Function(place), 1) for place in ("failed", "den")]
     for under_way, values in ((actions[:1], {"failed(failed)"}), (actions, {"failed(failed)", "failed(failed,den)"})):
         tried = [answer for move in moves.of(under_way, [], 2, True, 1) for answer in move.failures]
@@ -123,6 +126,6 @@ def test_an_action_that_is_named_like_its_reason_can_fail():
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO], ids=["visits", "carries", "echo"])
 def test_sound_programs_are_clean(text):
-    verdict = verify(ReactiveProgram.from_text(text), limits=Limits(events=2, steps=8), seconds=300)
+    verdict = verify(ReactiveProgram.from_text(text), limits=VerifyLimits(events=2, steps=8), seconds=300)
     assert verdict.clean, verdict.text()
     assert verdict.progress.proven == 2

@@ -9,7 +9,7 @@ from verified_programs import play
 from workloads import sized
 
 from rosoclingo.checking.verifying import verification
-from rosoclingo.checking.verifying.scope import Kind, Limits, Wanted
+from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.sources import Source
@@ -42,7 +42,7 @@ PROGRAMS = {"paper": lambda: shipped("paper.lp"), "tutorial": tutorial, "templat
 @pytest.mark.once
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_small_programs_are_clean(name):
-    verdict = verify(PROGRAMS[name](), Wanted(most=1), Limits(events=2, steps=12), seconds=300)
+    verdict = verify(PROGRAMS[name](), EventSelection(most=1), VerifyLimits(events=2, steps=12), seconds=300)
     assert verdict.clean, verdict.text()
 
 
@@ -50,7 +50,7 @@ def test_small_programs_are_clean(name):
 @pytest.mark.once
 @pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")], ids=["office", "house"])
 def test_programs_on_the_rules_of_delivery_are_clean(files):
-    verdict = verify(shipped(*files), Wanted(most=1), Limits(events=1, steps=20), seconds=300)
+    verdict = verify(shipped(*files), EventSelection(most=1), VerifyLimits(events=1, steps=20), seconds=300)
     assert verdict.clean, verdict.text()
 
 
@@ -59,8 +59,8 @@ def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFF
     sources = [Source.from_file(folder / "mailbot.lp"), Source("floor", floor)]
     program = ReactiveProgram(sources, {} if folder == FIRST else {"_told": "1"})
     goal = parse_term(f"goal(office{2 if floor == TWO_OFFICES else 3},office1,1)")
-    limits = Limits(events=events, together=1, steps=steps, early=0)
-    return program, verify(program, Wanted((goal,), facts, most=1), limits, 300, skipped)
+    limits = VerifyLimits(events=events, together=1, steps=steps, early=0)
+    return program, verify(program, EventSelection((goal,), facts, most=1), limits, 300, skipped)
 
 
 @pytest.mark.slow
@@ -77,9 +77,9 @@ def test_a_late_correction_leaves_the_mailbot_an_answer(fact):
 @pytest.mark.parametrize(
     ("kind", "facts", "events", "word", "floor"),
     [
-        (Kind.NO_ANSWER, ("_blocked",), 2, "_blocked(office1,office2,", TWO_OFFICES),
-        (Kind.FAILURE_AS_SUCCESS, ("none",), 2, "_return(", TWO_OFFICES),
-        (Kind.REPEATED, ("none",), 3, "_action_lib(pickup,1,", sized(NEAR, THREE_OFFICES)),
+        (DefectKind.NO_ANSWER, ("_blocked",), 2, "_blocked(office1,office2,", TWO_OFFICES),
+        (DefectKind.FAILURE_AS_SUCCESS, ("none",), 2, "_return(", TWO_OFFICES),
+        (DefectKind.REPEATED, ("none",), 3, "_action_lib(pickup,1,", sized(NEAR, THREE_OFFICES)),
     ],
     ids=["late_blocked", "failure_taken_for_success", "sent_again"],
 )
@@ -87,15 +87,15 @@ def test_what_was_wrong_with_the_first_rules_of_delivery(kind, facts, events, wo
     if floor == NEAR:  # three events: of the reasons for which an action fails, the one that matters
         likely, reasons = verification.likely_repertory, {"move_base": (parse_term("blocked"),)}
         monkeypatch.setattr(verification, "likely_repertory", lambda *one: likely(*one)._replace(reasons=reasons))
-    program, verdict = on_a_small_floor(FIRST, facts, events, frozenset(Kind) - {kind}, floor, steps=8)
-    (fault,) = verdict.faults
-    assert fault.finding.kind is kind
-    assert fault.finding.cost == events
-    assert word in fault.finding.stream + fault.finding.subject
-    driver = play(program, fault.finding.way)
-    if kind is Kind.NO_ANSWER:
+    program, verdict = on_a_small_floor(FIRST, facts, events, frozenset(DefectKind) - {kind}, floor, steps=8)
+    (fault,) = verdict.defects
+    assert fault.kind is kind
+    assert fault.cost == events
+    assert word in fault.stream + fault.subject
+    driver = play(program, fault.way)
+    if kind is DefectKind.NO_ANSWER:
         assert any("contradicts that move_base" in problem for problem in driver.problems)
-    elif kind is Kind.REPEATED:
+    elif kind is DefectKind.REPEATED:
         assert sum("pickup,1," in action for action in driver.journal.actions) == 2
     else:
         assert driver.awaited, "the robot goes on as if it were there"
