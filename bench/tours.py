@@ -30,7 +30,15 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
 from navigation_worlds import ERRATIC, LONG, Drive
 from tour_floors import Floor, office_floor, rough, small_floor, turned
 
-from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, Outcome, PlanOutcome, Pose2D
+from rosoclingo.robot.navigation import (
+    Costmap,
+    CostmapLimits,
+    GridPlanner,
+    NavigationOutcome,
+    OccupancyGrid,
+    PlanOutcome,
+    Pose2D,
+)
 from rosoclingo.robot.navigation.local_planner import inscribed_radius
 from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
@@ -212,7 +220,7 @@ class Tour:
         except AssertionError:
             return f"NO END within {LIMIT} s: {tuple(here)} -> {tuple(goal)}"
         took = self.drive.world.time - since
-        if result.outcome is Outcome.REACHED:
+        if result.outcome is NavigationOutcome.REACHED:
             if not eventful and way.length > 2.0:
                 self.slowness.append(took / (way.length / SPEED))
             return "reached"

@@ -7,9 +7,9 @@ import numpy as np
 import rospy
 
 from rosoclingo.robot.navigation import (
+    GlobalPlan,
     GridPlanner,
     LocalPlanner,
-    Plan,
     PlanOutcome,
     RecoveryBehavior,
     RolloutFollower,
@@ -36,14 +36,14 @@ class Surveyor(GridPlanner):
         if goal.x > 14.0:
             raise RuntimeError("the surveyor has lost his chart")
         if goal.x > 13.0:
-            return Plan(PlanOutcome.BLOCKED, np.empty((0, 2)))
+            return GlobalPlan(PlanOutcome.BLOCKED, np.empty((0, 2)))
         half = start._replace(x=self.waypoint[0], y=self.waypoint[1])
         if start.x > half.x - 0.3 or goal.x < half.x:
             return super().plan(costmap, start, goal, tolerance)
         parts = [super(Surveyor, self).plan(costmap, *ends) for ends in ((start, half), (half, goal))]
         if any(part.outcome is not PlanOutcome.FOUND for part in parts):
             return super().plan(costmap, start, goal, tolerance)
-        return Plan(PlanOutcome.FOUND, np.concatenate([part.points for part in parts]))
+        return GlobalPlan(PlanOutcome.FOUND, np.concatenate([part.points for part in parts]))
 
 
 class Stroller(LocalPlanner):

@@ -1,63 +1,29 @@
-"""The robot's body, as the compiled trials take it, and what it is tried in."""
+"""The robot's body, and the trial of its movements on a costmap."""
 
 import math
-from typing import NamedTuple, Sequence, Tuple
+from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import Around, around, body_clearance
-from rosoclingo.robot.navigation.compiled.rollout import spare_after, turn_spare
+from rosoclingo.robot.navigation.compiled.footprints import around, body_clearance
+from rosoclingo.robot.navigation.compiled.path import point_clearance
+from rosoclingo.robot.navigation.compiled.rollout import best_arc, best_command, spare_after
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
 
-__all__ = ["Body", "Situation", "Trial"]
+__all__ = ["Body", "BodyState", "Point"]
+
+Point = Union[Sequence[float], np.ndarray]  # x, y (m)
 
 CLEAR = 0.005  # m that corners keep free in a turn, as commands come late
-FINEST = 0.0125  # m: the shortest pieces of an edge
-# In a tight place a movement has to be clear for AHEAD (s), in which STEPS places are looked at.
-AHEAD, STEPS = 0.8, 8
-
-
-class Situation(NamedTuple):
-    """What a command is found for: the map, the robot's pose and velocity, and for how long (s); what it touches."""
-
-    costmap: Costmap
-    pose: Pose2D
-    velocity: Velocity
-    period: float
-    around: Around
-
-    def bearing(self, point: Sequence[float]) -> float:
-        """Return the angle (rad) by which the robot would have to turn to face a point."""
-        return normalize_angle(math.atan2(point[1] - self.pose.y, point[0] - self.pose.x) - self.pose.yaw)
-
-    def eased(self, rate: float, acceleration: float) -> float:
-        """Return a turn (rad/s), but no faster than an acceleration (rad/s2) allows; slower it may be at once."""
-        before = self.velocity.angular if self.velocity.angular * rate > 0.0 else 0.0
-        return math.copysign(min(abs(rate), abs(before) + acceleration * self.period), rate)
-
-    def distance(self, point: Sequence[float]) -> float:
-        """Return the distance (m) to a point."""
-        return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
-
-    @property
-    def cells(self) -> Tuple[float, float, float]:
-        """The pose (x, y in cells, yaw in rad)."""
-        return (*self.costmap.to_cells(self.pose.x, self.pose.y), self.pose.yaw)
-
-
-class Trial(NamedTuple):
-    """Which commands to try: speeds (m/s), the room (m) each needs, the fastest turn (rad/s).
-
-    ``weights``, ``comfort``: see :func:`~rosoclingo.robot.navigation.compiled.rollout.best_command`.
-    """
-
-    speeds: np.ndarray
-    needs: np.ndarray
-    comfort: float
-    weights: Tuple[float, float, float]
-    rate: float
+FINEST = 0.0125  # m: the shortest distance between discs that cover an edge
+CURVATURES = np.array(
+    [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
+)  # 1/m, of the arcs to where the robot can turn
+LONGEST = 3.0  # m of such an arc
+FLOORS = (0.005, 0.002, 0.0005)  # m that it keeps free: the first with which there is one
+TIME, SLOWEST = 0.8, 0.02  # s in which the rest of it is driven at least; m/s
 
 
 class Body:
@@ -70,52 +36,84 @@ class Body:
         self.radius, self.footprint = radius, tuple(footprint)
         self.inner = inscribed_radius(radius, self.footprint)
         self.outer = max((math.hypot(*corner) for corner in self.footprint), default=radius)
-        self._pieces: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
+        self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
 
-    def pieces(self, resolution: float) -> np.ndarray:
-        """Return what stands for the body on a grid, see :mod:`~rosoclingo.robot.navigation.compiled.footprints`."""
-        if self._pieces[0] != resolution:
-            self._pieces = (resolution, self._made(resolution))
-        return self._pieces[1]
+    def discs(self, resolution: float) -> np.ndarray:
+        """Return the body on a grid, see :mod:`~rosoclingo.robot.navigation.compiled.footprints`."""
+        if self._discs[0] != resolution:
+            found = [(0.0, 0.0, self.outer, 0.0, 0.0)]
+            corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
+            for a, b in zip(corners, corners[1:] + corners[:1]):
+                count = max(1, math.ceil(math.hypot(*(b - a)) / max(0.25 * resolution, FINEST)))
+                half = 0.5 / count * (b - a)
+                found += [(*(a + (2 * i + 1) * half), math.hypot(*half), *half) for i in range(count)]
+            self._discs = (resolution, np.array(found) / resolution)
+        return self._discs[1]
 
-    def _made(self, resolution: float) -> np.ndarray:
-        pieces = [(0.0, 0.0, self.outer, 0.0, 0.0)]
-        corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
-        for a, b in zip(corners, corners[1:] + corners[:1]):
-            length = math.hypot(*(b - a))
-            count = max(1, math.ceil(length / max(0.25 * resolution, FINEST)))
-            ahead = (b - a) / length if length > 0.0 else np.zeros(2)
-            pieces += [(*(a + (b - a) * ((i + 0.5) / count)), 0.5 * length / count, *ahead) for i in range(count)]
-        return np.array(pieces) / (resolution, resolution, resolution, 1.0, 1.0)
 
-    def slow_turn(self, speed: float, most: float) -> float:
-        """Return the turn (rad/s; ``most`` at most) that moves no corner faster than a speed (m/s); a disc has none."""
-        return min(most, speed / self.outer) if self.footprint else most
+class BodyState:
+    """A body on a costmap at a pose (m) and a velocity, for the next ``period`` s."""
 
-    def situation(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Situation:
-        """Return what a command is found for, with what the body touches there."""
-        pieces, cells = self.pieces(costmap.resolution), (*costmap.to_cells(pose.x, pose.y), pose.yaw)
-        return Situation(costmap, pose, velocity, period, around(costmap.clearance, costmap.occupied, pieces, *cells))
+    def __init__(self, body: Body, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> None:
+        self.body, self.costmap, self.pose, self.velocity, self.period = body, costmap, pose, velocity, period
+        self._scale = 1.0 / costmap.resolution
+        self._discs = body.discs(costmap.resolution)
+        self._cells = np.array([*costmap.to_cells(pose.x, pose.y), pose.yaw])
+        self._near = around(costmap.clearance, costmap.occupied, self._discs, *self._cells)
 
-    def spare(self, now: Situation, enough: float) -> float:
-        """Return how far (m) the body is from what is nearest; may be less where more than ``enough`` is certain."""
-        scale = now.costmap.resolution
-        return float(body_clearance(now.around, self.pieces(scale), *now.cells, enough / scale)) * scale
+    def bearing(self, point: Point) -> float:
+        """Return the angle (rad) by which the robot would have to turn to face a point."""
+        return normalize_angle(math.atan2(point[1] - self.pose.y, point[0] - self.pose.x) - self.pose.yaw)
 
-    def is_clear(self, now: Situation, velocity: Velocity, least: float) -> bool:
-        """Tell whether the body keeps ``least`` m for a moment in which it is driven in a tight place."""
-        scale = 1.0 / now.costmap.resolution
-        found = spare_after(
-            now.around, self.pieces(now.costmap.resolution), *now.cells,
-            velocity.linear * scale, velocity.angular, AHEAD, STEPS, least * scale, least * scale,
-        )  # fmt: skip
-        return bool(found >= least * scale)
+    def distance(self, point: Point) -> float:
+        """Return the distance (m) to a point."""
+        return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
 
-    def may_turn(self, now: Situation, angle: float) -> bool:
-        """Tell whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""
-        if not self.footprint:
+    def has_room(self, points: Sequence[Point], spare: float = 0.0) -> bool:
+        """Return whether the body can turn at all of some points (m) with ``spare`` m to its outermost corner."""
+        cells = self.costmap.all_to_cells(np.array(points)).tolist()
+        least = min(point_clearance(self.costmap.clearance, x, y) for x, y in cells)
+        return bool(least >= (self.body.outer + spare) * self._scale)
+
+    def may_turn(self, angle: float) -> bool:
+        """Return whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""
+        if not self.body.footprint:
             return True
-        pieces, cells = self.pieces(now.costmap.resolution), now.cells
-        close = CLEAR / now.costmap.resolution
-        least = min(close, body_clearance(now.around, pieces, *cells, close) - 1e-3)
-        return bool(turn_spare(now.around, pieces, *cells, angle, least) >= least)
+        close = CLEAR * self._scale
+        least = min(close, body_clearance(self._near, self._discs, *self._cells, close) - 1e-3)
+        steps = int(abs(angle) / 0.05) + 1
+        found = spare_after(self._near, self._discs, self._cells, 0.0, angle, 1.0, steps, least, max(0.0, least))
+        return bool(found >= least)
+
+    def best_command(
+        self,
+        speeds: np.ndarray,
+        needs: np.ndarray,
+        turns: np.ndarray,
+        carrot: Point,
+        comfort: float,
+        horizon: float,
+    ) -> Optional[Velocity]:
+        """Return the command of ``speeds`` (m/s) and ``turns`` (rad/s) that leads best to a point; None for none.
+
+        See :func:`~rosoclingo.robot.navigation.compiled.rollout.best_command`; lengths in m.
+        """  # fmt: skip
+        scale, cells = self._scale, np.array(self.costmap.to_cells(*carrot))
+        i, j = best_command(
+            self._near, self._discs, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale, horizon,
+            self.costmap.resolution,
+        )  # fmt: skip
+        return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
+
+    def arc_to_room(self, spare: float, speed: float) -> Optional[Velocity]:
+        """Return the command, ``speed`` m/s at most, along the arc that leads soonest to where the body can turn."""
+        scale = self._scale
+        for floor in FLOORS:
+            i, length = best_arc(
+                self._near, self._discs, self._cells, CURVATURES / scale, LONGEST * scale,
+                (self.body.outer + spare) * scale, floor * scale,
+            )  # fmt: skip
+            if length != 0.0:
+                linear = math.copysign(min(speed, max(SLOWEST, abs(length) / scale / TIME)), length)
+                return Velocity(linear, linear * float(CURVATURES[i]))
+        return None

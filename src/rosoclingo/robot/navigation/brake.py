@@ -13,58 +13,45 @@ from rosoclingo.robot.navigation.local_planner import Velocity
 
 __all__ = ["braked"]
 
-MARGIN, BESIDE = 0.05, 0.02  # m kept free ahead, and beside a robot that turns on the spot
-TIMES = np.linspace(0.2, 1.0, 5)  # s ahead; that what is seen may come nearer by itself is in it
-SOON = np.linspace(0.05, 0.4, 8)  # s ahead that corners are looked after: a turn stops at once
-PARTS = (1.0, 0.6, 0.3)  # of the speed, tried in turn
+AHEAD, MARGIN = np.linspace(0.2, 1.0, 5), 0.05  # s, m: of a robot that drives; that a thing may come nearer is in it
+SOON, CORNERS = np.linspace(0.05, 0.4, 8), 0.02  # s, m: of one that turns on the spot, which stops at once
+PARTS = (1.0, 0.6, 0.3, 0.0)  # of the speed, tried in turn
 
 
 def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence = ()) -> Velocity:
-    """Return a velocity, or a slower one that leads a robot (m) no nearer to points (n, 2; m) than it may.
+    """Return a velocity, or a slower one that leads a robot (m) no nearer to points (n, 2; m) than a margin.
 
-    Where there is none, a disc may turn on the spot; any other footprint stands still, as it does before it sweeps over
-    a point.
+    A robot that is nearer to one comes no nearer still; where no velocity does that it stands still.
     """
     if not len(points):
         return velocity
-    slow = velocity if velocity.linear == 0.0 else _slowed(velocity, pose, points, radius, footprint)
-    return Velocity() if len(footprint) and _sweeps(slow, pose, points, footprint) else slow
-
-
-def _slowed(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence) -> Velocity:
-    reach = max((math.hypot(*corner) for corner in footprint), default=radius) + MARGIN
-    now = _nearest(pose, points)
+    now = _gaps(pose, points, radius, footprint)
     for part in PARTS:
-        ahead = (pose.moved(part * velocity.linear, velocity.angular, float(time)) for time in TIMES)
-        if all(distance >= min(reach, now + 1e-6) for distance in (_nearest(place, points) for place in ahead)):
-            return Velocity(part * velocity.linear, velocity.angular)
-    return Velocity(0.0, 0.0 if len(footprint) else velocity.angular)
+        slower = Velocity(part * velocity.linear, velocity.angular)
+        looks = [(SOON, CORNERS), (AHEAD, MARGIN)] if slower.linear else [(SOON, CORNERS)]
+        if all(
+            (_gaps(pose.moved(*slower, float(time)), points, radius, footprint) >= np.minimum(margin, now) - 1e-6).all()
+            for times, margin in looks
+            for time in times
+        ):
+            return slower
+    return Velocity()
 
 
-def _nearest(pose: Pose2D, points: np.ndarray) -> float:
-    return float(np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y).min())
-
-
-def _sweeps(velocity: Velocity, pose: Pose2D, points: np.ndarray, footprint: Sequence) -> bool:
-    """Tell whether a movement leads a footprint (m) over or next to a point (n, 2; m) that it is not over."""
-    now = _depths(pose, points, footprint)
-    most = np.where(now < 0.0, np.maximum(now, -BESIDE), np.inf) + 1e-6
-    ahead = (pose.moved(*velocity, float(time)) for time in SOON)
-    return any((_depths(place, points, footprint) > most).any() for place in ahead)
-
-
-def _depths(pose: Pose2D, points: np.ndarray, footprint: Sequence) -> np.ndarray:
-    """Return how deep (m), seen from its origin, points are in a footprint; less than 0 outside."""
-    dx, dy = (points - (pose.x, pose.y)).T
-    return _extent(footprint, np.arctan2(dy, dx) - pose.yaw) - np.hypot(dx, dy)
-
-
-def _extent(footprint: Sequence, bearings: np.ndarray) -> np.ndarray:
-    """Return how far (m) a footprint reaches from its origin in each of the directions (rad) in its frame."""
-    x, y = np.array(footprint).T
-    ex, ey = np.roll(x, -1) - x, np.roll(y, -1) - y
-    dx, dy = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
+def _gaps(pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence) -> np.ndarray:
+    """Return the distances (m) of points from a robot at a pose, less than 0 within it."""
+    x, y = (points - pose[:2]).T
+    if not len(footprint):
+        return np.hypot(x, y) - radius
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    at = np.stack((c * x + s * y, c * y - s * x), axis=1)[:, None]
+    corners = np.array(footprint, dtype=np.float64)
+    ends = np.roll(corners, -1, axis=0)
+    edges, away = ends - corners, at - corners
+    part = np.clip((away * edges).sum(axis=2) / (edges**2).sum(axis=1), 0.0, 1.0)
+    gaps = np.hypot(*np.moveaxis(away - part[..., None] * edges, 2, 0)).min(axis=1)
+    between = (corners[:, 1] > at[..., 1]) != (ends[:, 1] > at[..., 1])
     with np.errstate(divide="ignore", invalid="ignore"):
-        across = dx * ey - dy * ex
-        away, part = (x * ey - y * ex) / across, (x * dy - y * dx) / across
-    return np.where((part >= 0.0) & (part <= 1.0) & (away > 0.0), away, 0.0).max(axis=1)
+        left = away[..., 0] < away[..., 1] * edges[:, 0] / edges[:, 1]
+    inside = (between & left).sum(axis=1) % 2 == 1
+    return np.where(inside, -gaps, gaps)

@@ -12,7 +12,7 @@ from rosoclingo.robot.navigation.compiled.path import least_along
 from rosoclingo.robot.navigation.costmap import SPARE, Costmap, Ground
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-__all__ = ["GlobalPlanner", "GridPlanner", "GridPlannerLimits", "Plan", "PlanOutcome"]
+__all__ = ["GlobalPlan", "GlobalPlanner", "GridPlanner", "GridPlannerLimits", "PlanOutcome"]
 
 STRAIGHT = 5.0  # weight of room on ways that are narrower than the robot's turning circle
 JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is an open cell
@@ -46,7 +46,7 @@ class PlanOutcome(enum.Enum):
         )
 
 
-class Plan(NamedTuple):
+class GlobalPlan(NamedTuple):
     """What a planner found: ``points`` (float64 n, 2; x, y in m in the map's frame), empty unless FOUND.
 
     ``radius`` (m): what the way keeps free, but at its ends; 0 for the robot's own.
@@ -95,7 +95,7 @@ class GlobalPlanner:
         """Return whether anybody still waits for the plan."""
         return not self.dropped[0]
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> GlobalPlan:
         """Return a path, or why there is none. ``tolerance`` (m) is default_tolerance unless given."""
         raise NotImplementedError
 
@@ -110,7 +110,7 @@ class GridPlanner(GlobalPlanner):
         super().__init__(parameters)
         self.limits = GridPlannerLimits(**self.parameters)
 
-    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> Plan:
+    def plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float] = None) -> GlobalPlan:
         """Return the path; see :class:`GlobalPlanner`."""
         reach = self.limits.default_tolerance if tolerance is None else max(0.0, tolerance)
         found = self._plan(costmap, start, goal, reach)
@@ -120,14 +120,14 @@ class GridPlanner(GlobalPlanner):
         alone = self._plan(costmap.alone(), start, goal, reach)
         return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
 
-    def _plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, reach: float) -> Plan:
+    def _plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, reach: float) -> GlobalPlan:
         for ground in costmap.grounds:
             found = self._plan_on(costmap, ground, start, goal, reach)
             if found.outcome is PlanOutcome.FOUND:
                 break
         return found
 
-    def _plan_on(self, costmap: Costmap, ground: Ground, start: Pose2D, goal: Pose2D, reach: float) -> Plan:
+    def _plan_on(self, costmap: Costmap, ground: Ground, start: Pose2D, goal: Pose2D, reach: float) -> GlobalPlan:
         if not costmap.grid.contains(start.x, start.y):
             return _failed(PlanOutcome.START_OFF_MAP)
         if not costmap.grid.contains(goal.x, goal.y):
@@ -145,7 +145,7 @@ class GridPlanner(GlobalPlanner):
         ease(way, costmap.occupied, ground.radius + EASE / costmap.resolution)
         points = thin(np.concatenate([first.points, way, last.points]), self.limits.spacing / costmap.resolution, BENT)
         metres = points * costmap.resolution + (costmap.grid.origin_x, costmap.grid.origin_y)
-        return Plan(PlanOutcome.FOUND, metres, ground.radius * costmap.resolution - SPARE)
+        return GlobalPlan(PlanOutcome.FOUND, metres, ground.radius * costmap.resolution - SPARE)
 
     def _fault_of_goal(self, costmap: Costmap, goal: Pose2D, reach: float) -> PlanOutcome:
         alone = costmap.alone()
@@ -205,5 +205,5 @@ def _open_cells(ground: Ground, x: float, y: float, reach: float) -> Iterator[Tu
             yield int(cells[i, 0]), int(cells[i, 1])
 
 
-def _failed(outcome: PlanOutcome) -> Plan:
-    return Plan(outcome, np.empty((0, 2)))
+def _failed(outcome: PlanOutcome) -> GlobalPlan:
+    return GlobalPlan(outcome, np.empty((0, 2)))

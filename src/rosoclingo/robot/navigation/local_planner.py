@@ -9,7 +9,7 @@ import numpy as np
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-__all__ = ["STOP", "Command", "FollowOutcome", "LocalPlanner", "Velocity", "inscribed_radius", "way_radii"]
+__all__ = ["STOP", "FollowOutcome", "LocalPlanner", "Velocity", "VelocityCommand", "inscribed_radius", "way_radii"]
 
 
 class Velocity(NamedTuple):
@@ -31,21 +31,21 @@ class FollowOutcome(enum.Enum):
     OFF_PATH = "the robot cannot get back to its path in a straight line"
 
 
-class Command(NamedTuple):
-    """What a local planner answers; ``at``: a point (m) of the path that it has given up, to be gone round."""
+class VelocityCommand(NamedTuple):
+    """The answer of a local planner; ``at``: a point (m) of the path that is blocked, to be avoided."""
 
     outcome: FollowOutcome
     velocity: Velocity = STOP
     at: Optional[Tuple[float, float]] = None
 
-    def stopping_first(self, before: Velocity) -> "Command":
-        """Return it, but a stop where the robot still drives the other way: no turn is to begin before."""
+    def stopping_first(self, before: Velocity) -> "VelocityCommand":
+        """Return this, or a stop while the robot still drives the other way: no turn is to begin before."""
         turns_round = self.velocity.linear * before.linear < 0.0 and abs(before.linear) > STILL
         return self._replace(velocity=STOP) if turns_round else self
 
 
 STILL = 0.02  # m/s
-SHOWN = np.linspace(0.0, 1.0, 8)  # s ahead
+SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s ahead
 
 
 class LocalPlanner:
@@ -64,7 +64,7 @@ class LocalPlanner:
         """Take a new path: points (n, 2) in m in the map's frame, and the pose to end in."""
         raise NotImplementedError
 
-    def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> Command:
+    def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> VelocityCommand:
         """Return the command for the next ``period`` s."""
         raise NotImplementedError
 
@@ -74,13 +74,7 @@ class LocalPlanner:
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the points (n, 2; m) that a command leads through, for display."""
-        linear, angular = velocity
-        half = 0.5 * angular * SHOWN
-        chords = linear * SHOWN if abs(angular) < 1e-9 else 2.0 * linear / angular * np.sin(half)
-        points = np.empty((len(SHOWN), 2))
-        points[:, 0], points[:, 1] = chords * np.cos(pose.yaw + half), chords * np.sin(pose.yaw + half)
-        points += pose[:2]
-        return points
+        return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])
 
 
 def inscribed_radius(radius: float, footprint: Sequence) -> float:

@@ -9,10 +9,10 @@ __all__ = [
     "TRANSITIONS",
     "FollowerLimits",
     "NavigationError",
+    "NavigationOutcome",
     "NavigatorLimits",
-    "Outcome",
+    "NavigatorState",
     "Result",
-    "State",
     "Tick",
     "Trigger",
 ]
@@ -22,7 +22,7 @@ class NavigationError(RuntimeError):
     """A call that the navigator's state does not allow."""
 
 
-class State(enum.Enum):
+class NavigatorState(enum.Enum):
     """move_base's states, and idle."""
 
     IDLE = "idle"
@@ -31,7 +31,7 @@ class State(enum.Enum):
     CLEARING = "clearing"
 
 
-class Outcome(enum.Enum):
+class NavigationOutcome(enum.Enum):
     """How a goal ended; the message of the result says why."""
 
     REACHED = 0
@@ -46,17 +46,25 @@ class Outcome(enum.Enum):
 class Trigger(enum.Enum):
     """Why the robot recovers: the outcome if it cannot, and the words of move_base."""
 
-    PLANNING = (Outcome.NO_PLAN, "Failed to find a valid plan. Even after executing recovery behaviors")
-    CONTROLLING = (Outcome.NO_CONTROL, "Failed to find a valid control. Even after executing recovery behaviors")
-    OSCILLATION = (Outcome.OSCILLATING, "Robot is oscillating. Even after executing recovery behaviors")
-    STUCK = (Outcome.NO_PROGRESS, "Robot makes no progress. Even after executing recovery behaviors")
+    PLANNING = (NavigationOutcome.NO_PLAN, "Failed to find a valid plan. Even after executing recovery behaviors")
+    CONTROLLING = (
+        NavigationOutcome.NO_CONTROL,
+        "Failed to find a valid control. Even after executing recovery behaviors",
+    )
+    OSCILLATION = (NavigationOutcome.OSCILLATING, "Robot is oscillating. Even after executing recovery behaviors")
+    STUCK = (NavigationOutcome.NO_PROGRESS, "Robot makes no progress. Even after executing recovery behaviors")
 
 
 TRANSITIONS = {
-    State.IDLE: (State.PLANNING,),
-    State.PLANNING: (State.CONTROLLING, State.CLEARING, State.IDLE, State.PLANNING),
-    State.CONTROLLING: (State.PLANNING, State.CLEARING, State.IDLE),
-    State.CLEARING: (State.PLANNING, State.IDLE),
+    NavigatorState.IDLE: (NavigatorState.PLANNING,),
+    NavigatorState.PLANNING: (
+        NavigatorState.CONTROLLING,
+        NavigatorState.CLEARING,
+        NavigatorState.IDLE,
+        NavigatorState.PLANNING,
+    ),
+    NavigatorState.CONTROLLING: (NavigatorState.PLANNING, NavigatorState.CLEARING, NavigatorState.IDLE),
+    NavigatorState.CLEARING: (NavigatorState.PLANNING, NavigatorState.IDLE),
 }
 
 
@@ -80,7 +88,7 @@ class NavigatorLimits(NamedTuple):
 class Result(NamedTuple):
     """The end of a goal."""
 
-    outcome: Outcome
+    outcome: NavigationOutcome
     message: str
 
 

@@ -9,20 +9,20 @@ from rosoclingo.robot.navigation.brake import braked
 from rosoclingo.robot.navigation.compiled.path import first_block
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.navigation.grid_planner import GlobalPlanner, Plan, PlanOutcome
+from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner, PlanOutcome
 from rosoclingo.robot.navigation.local_planner import FollowOutcome, LocalPlanner, Velocity
 from rosoclingo.robot.navigation.navigation_types import (
     TRANSITIONS,
     NavigationError,
+    NavigationOutcome,
     NavigatorLimits,
-    Outcome,
+    NavigatorState,
     Result,
-    State,
     Tick,
     Trigger,
 )
 from rosoclingo.robot.navigation.planning import Planning, from_here
-from rosoclingo.robot.navigation.progress import Progress
+from rosoclingo.robot.navigation.progress import WayProgress
 from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
 __all__ = ["Navigator"]
@@ -70,9 +70,9 @@ class Navigator:
         self._asked: Optional[Asked] = None
         self.recoveries = recoveries
         self.limits = limits or NavigatorLimits()
-        self.state = State.IDLE
+        self.state = NavigatorState.IDLE
         self.goal = Pose2D(0.0, 0.0)
-        self.plan: Plan = Plan(PlanOutcome.NO_PATH, np.empty((0, 2)))
+        self.plan = GlobalPlan(PlanOutcome.NO_PATH, np.empty((0, 2)))
         self.on_plan: Callable[[np.ndarray], None] = lambda points: None
         self.on_recovery: Callable[[RecoveryBehavior, int, int, Pose2D], None] = lambda *event: None
         self.on_log: Callable[[str], None] = lambda text: None
@@ -80,28 +80,32 @@ class Navigator:
         self._changed = False
         self._blind_since: Optional[float] = None
         self._start(0.0)
-        self._handlers: Dict[State, Callable[[float, Pose2D, Velocity, float], Tick]] = {
-            State.PLANNING: self._planning,
-            State.CONTROLLING: self._controlling,
-            State.CLEARING: self._clearing,
+        self._handlers: Dict[NavigatorState, Callable[[float, Pose2D, Velocity, float], Tick]] = {
+            NavigatorState.PLANNING: self._planning,
+            NavigatorState.CONTROLLING: self._controlling,
+            NavigatorState.CLEARING: self._clearing,
         }
 
     @property
     def active(self) -> bool:
         """Whether there is a goal to drive to."""
-        return self.state is not State.IDLE
+        return self.state is not NavigatorState.IDLE
 
     def set_goal(self, now: float, goal: Pose2D) -> None:
         """Drive to a pose (m, rad; the map's frame) from now (s) on, instead of to any other."""
         self.goal = goal
         self._start(now)
-        if self.state is State.CONTROLLING or self.state is State.CLEARING or self.state is State.IDLE:
-            self._go(State.PLANNING)
+        if (
+            self.state is NavigatorState.CONTROLLING
+            or self.state is NavigatorState.CLEARING
+            or self.state is NavigatorState.IDLE
+        ):
+            self._go(NavigatorState.PLANNING)
 
     def cancel(self) -> None:
         """Give the goal up."""
         if self.active:
-            self._go(State.IDLE)
+            self._go(NavigatorState.IDLE)
 
     def take_map(self, costmap: Costmap) -> None:
         """Go on with another map."""
@@ -122,12 +126,12 @@ class Navigator:
         self._now, self._blind_since = now, None
         tick = self._handlers[self.state](now, pose, velocity, period)
         if tick.result is not None:
-            self._go(State.IDLE)
+            self._go(NavigatorState.IDLE)
         follower = self.follower
         slow = braked(tick.velocity, pose, self.costmap.unmarked, follower.radius, follower.footprint)
         return tick._replace(velocity=slow)
 
-    def blind(self, now: float, outcome: Outcome, reason: str) -> Tick:
+    def blind(self, now: float, outcome: NavigationOutcome, reason: str) -> Tick:
         """Stand still for a control period in which pose or obstacles are not known; give up after some patience."""
         if now < self._now:
             self._start(now)
@@ -136,14 +140,14 @@ class Navigator:
         self._now = now
         if now - self._blind_since <= self.limits.controller_patience:
             return Tick()
-        self._go(State.IDLE)
+        self._go(NavigatorState.IDLE)
         return Tick(result=Result(outcome, reason))
 
     def _start(self, now: float) -> None:
         """Set the clocks and counts of a fresh goal."""
         self._drop()
         self._now = self._last_plan = self._last_control = now
-        self._progress = Progress(self.limits, now)
+        self._progress = WayProgress(self.limits, now)
         self._block: Optional[Tuple[float, float]] = None
         self.costmap.unbar()
         self._planned_at = self._good_until = -math.inf
@@ -152,10 +156,10 @@ class Navigator:
         self._reason = ""
         self._blind_since = None
 
-    def _go(self, state: State) -> None:
+    def _go(self, state: NavigatorState) -> None:
         if state not in TRANSITIONS[self.state]:
             raise NavigationError(f"no transition from {self.state.value} to {state.value}")
-        if state in (State.IDLE, State.CLEARING):
+        if state in (NavigatorState.IDLE, NavigatorState.CLEARING):
             self._drop()
         self.state = state
 
@@ -166,12 +170,12 @@ class Navigator:
             return Tick()
         if found:
             self._last_control = now
-            self._go(State.CONTROLLING)
+            self._go(NavigatorState.CONTROLLING)
             return self._controlling(now, pose, velocity, period)
         self._tries += 1
         self._reason = self.plan.outcome.value
         if self.plan.outcome.on_map:
-            return Tick(result=Result(Outcome.NO_PLAN, f"Failed to find a valid plan: {self._reason}."))
+            return Tick(result=Result(NavigationOutcome.NO_PLAN, f"Failed to find a valid plan: {self._reason}."))
         patient = now - self._last_plan <= self.limits.planner_patience
         if patient and not 0 <= self.limits.max_planning_retries < self._tries:
             return Tick()
@@ -181,7 +185,7 @@ class Navigator:
         """Follow the path; plan again in time and when it is blocked."""
         if not self._replan(now, pose):
             self._last_plan = max(self._last_plan, now)
-            self._go(State.PLANNING)
+            self._go(NavigatorState.PLANNING)
             return Tick()
         if self._progress.see(now, self.follower.length_left(pose)):
             self._left, self._recovery = 0, 0
@@ -195,7 +199,7 @@ class Navigator:
                 return self._recover(now, pose, trigger)
         command = self.follower.compute(self.costmap, pose, velocity, period)
         if command.outcome is FollowOutcome.REACHED:
-            return Tick(result=Result(Outcome.REACHED, "Goal reached."))
+            return Tick(result=Result(NavigationOutcome.REACHED, "Goal reached."))
         if command.outcome is FollowOutcome.DRIVING:
             self._last_control = now
             return Tick(command.velocity)
@@ -218,7 +222,7 @@ class Navigator:
         self._progress.renew(now)
         self.costmap.unbar()
         self._tries = 0
-        self._go(State.PLANNING)
+        self._go(NavigatorState.PLANNING)
         return Tick()
 
     def _recover(self, now: float, pose: Pose2D, trigger: Trigger) -> Tick:
@@ -231,10 +235,10 @@ class Navigator:
         self.on_log(f"{self._reason or trigger.name.lower()}: recovery behavior {self._running.name}")
         self.on_recovery(self._running, self._recovery - 1, len(self.recoveries), pose)
         self._running.start(now, pose)
-        self._go(State.CLEARING)
+        self._go(NavigatorState.CLEARING)
         return Tick()
 
-    def _ask(self, pose: Pose2D, keep: bool) -> Optional[Plan]:
+    def _ask(self, pose: Pose2D, keep: bool) -> Optional[GlobalPlan]:
         """Have a plan looked for; return it if it is there already."""
         self._asked, self._changed = Asked(pose, keep), False
         self.planning.ask(self.costmap, pose, self.goal)
@@ -257,7 +261,7 @@ class Navigator:
             plan = self._ask(pose, keep)
         return None if plan is None else self._take_plan(now, pose, plan)
 
-    def _take_plan(self, now: float, pose: Pose2D, plan: Plan) -> bool:
+    def _take_plan(self, now: float, pose: Pose2D, plan: GlobalPlan) -> bool:
         """Follow a plan that has come, unless the old one is as good; tell whether there is one to follow."""
         assert self._asked is not None
         (start, keep), self._asked = self._asked, None

@@ -6,7 +6,7 @@ import numpy as np
 
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.navigation.grid_planner import GlobalPlanner, Plan
+from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner
 
 __all__ = ["Planning", "from_here"]
 
@@ -16,13 +16,13 @@ class Planning:
 
     def __init__(self, planner: GlobalPlanner) -> None:
         self.planner = planner
-        self._plan: Optional[Plan] = None
+        self._plan: Optional[GlobalPlan] = None
 
     def ask(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
         """Ask for a plan; what was asked for before is not wanted any more."""
         self._plan = self.planner.plan(costmap, start, goal)
 
-    def answer(self) -> Optional[Plan]:
+    def answer(self) -> Optional[GlobalPlan]:
         """Return the plan that was asked for, None while it is not there; raises what the planner has raised."""
         plan, self._plan = self._plan, None
         return plan

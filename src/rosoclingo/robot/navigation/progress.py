@@ -6,13 +6,13 @@ from typing import Optional, Tuple
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 
-__all__ = ["Progress"]
+__all__ = ["WayProgress"]
 
 # A new way is a detour when it is that much (m) longer; a bound keeps a hopeless goal from lasting for ever.
 DETOUR, MOST_DETOURS = 1.0, 20
 
 
-class Progress:
+class WayProgress:
     """Keeps how much of the way was left at least, and since when the robot has come no further; times in s.
 
     ``detours``: how often a way was left for a longer one.

@@ -1,63 +1,42 @@
-"""Compiles everything once, before anybody waits for it: ``python3 -m rosoclingo.robot.nodes.compiling FOLDER...``.
+"""Compiles all loops before their first use: ``python3 -m rosoclingo.robot.nodes.compiling FOLDER...``.
 
-The build does that, and has a copy put into each folder.
+The build runs this, with a folder that gets a copy.
 """
 
 import contextlib
-import fcntl
 import os
 import shutil
 import sys
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import Callable
 
 import numpy as np
 
-from rosoclingo.robot.navigation import (
-    Costmap,
-    CostmapLimits,
-    GridPlanner,
-    Navigator,
-    OccupancyGrid,
-    Pose2D,
-    RolloutFollower,
-    Velocity,
-)
-from rosoclingo.robot.navigation.body import Body
+from rosoclingo.robot.navigation.body import Body, BodyState
 from rosoclingo.robot.navigation.compiled.jit import FOLDER
-from rosoclingo.robot.navigation.local_planner import way_radii
-from rosoclingo.robot.navigation.way_out import WayOut
-from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec, RobotSpec, Simulation, WorldSpec
+from rosoclingo.robot.navigation.costmap import Costmap, CostmapLimits
+from rosoclingo.robot.navigation.follower import RolloutFollower
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.navigation.grid import OccupancyGrid
+from rosoclingo.robot.navigation.grid_planner import GridPlanner
+from rosoclingo.robot.navigation.local_planner import Velocity, way_radii
+from rosoclingo.robot.navigation.navigator import Navigator
+from rosoclingo.robot.simulation.simulation import Simulation
+from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, RobotSpec, WorldSpec
 
 __all__ = ["PARTS", "compile_once"]
 
 FOOTPRINT = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))  # m
 
 
-def compile_once(part: str, say: Callable[[str], None]) -> None:
-    """Have all functions of one of PARTS ready to be called; ``say`` so first where they have to be compiled.
-
-    Another process that compiles the same is waited for.
-    """
+def compile_once(part: str, log: Callable[[str], None]) -> None:
+    """Compile the functions of one of PARTS that are not compiled yet, and ``log`` that before."""
     mark = Path(FOLDER, f"{part}.compiled")
-    with _alone(part):
-        known = mark.exists()
-        if not known:
-            say(f"compiling {part} once, which takes up to a minute; what was compiled is kept in {FOLDER}")
-        PARTS[part]()
-        if not known:
-            with contextlib.suppress(OSError):  # without a folder it is compiled every time
-                mark.touch()
-
-
-@contextlib.contextmanager
-def _alone(part: str) -> Iterator[None]:
-    """Be the only process that compiles a part; without a folder there is nothing to share."""
-    with contextlib.ExitStack() as stack:
-        with contextlib.suppress(OSError):
-            file = stack.enter_context(Path(FOLDER, f"{part}.lock").open("w"))
-            fcntl.flock(file, fcntl.LOCK_EX)
-        yield
+    if not mark.exists():
+        log(f"compiling {part} once, which takes up to a minute; the compiled code is kept in {FOLDER}")
+    PARTS[part]()
+    with contextlib.suppress(OSError):  # without a folder it is compiled every time
+        mark.touch()
 
 
 def _room() -> OccupancyGrid:
@@ -69,7 +48,7 @@ def _room() -> OccupancyGrid:
 
 
 def _navigate() -> None:
-    """Drive a disc and a robot with corners, in thought, with scans that show something."""
+    """Call each compiled function for a disc and for a robot with corners."""
     angles, pose = np.linspace(-1.0, 1.0, 20), Pose2D(1.0, 1.5, 0.0)
     for footprint in ((), FOOTPRINT):
         costmap = Costmap(_room(), CostmapLimits(way_radii=way_radii(0.2, footprint)))
@@ -79,17 +58,15 @@ def _navigate() -> None:
             navigator.set_goal(0.0, Pose2D(x, 1.5, 1.0))
             navigator.tick(0.0, pose, Velocity(), 0.1)
             follower.may_turn(costmap, pose, 1.0)
-        costmap.bar(2.0, 2.5)
         for _ in range(5):
             costmap.observe(pose, angles, np.full(20, 0.5), 5.0)
-            follower.compute(costmap, pose, Velocity(), 4.0)  # so long that it tries to creep
-        body = Body(0.2, footprint)
-        WayOut(0.1).begin(body, body.situation(costmap, pose, Velocity(), 0.1))
+            follower.compute(costmap, pose, Velocity(), 4.0)  # a period after which it creeps
+        BodyState(Body(0.2, footprint), costmap, pose, Velocity(), 0.1).arc_to_room(0.0, 0.1)
         costmap.costs()
 
 
 def _simulate() -> None:
-    """Let a disc and a robot with corners see, move and stand among a door, a box and a post."""
+    """Step and scan a world with a disc, a robot with corners, a door, a box and a post."""
     robots = (RobotSpec("disc", Pose2D(1.0, 1.0)), RobotSpec("corners", Pose2D(1.7, 1.0), footprint=FOOTPRINT))
     things = (ObstacleSpec("box", (1.0, 2.0), box=Box(0.2, 0.2)), ObstacleSpec("post", (1.7, 2.0), radius=0.1))
     door = DoorSpec("door", (1.4, 0.0), (1.4, 0.5), open=False)

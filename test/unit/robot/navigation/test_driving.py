@@ -13,14 +13,14 @@ from rosoclingo.robot.navigation import (
     CostmapLimits,
     GridPlanner,
     NavigationError,
+    NavigationOutcome,
     Navigator,
     NavigatorLimits,
+    NavigatorState,
     OccupancyGrid,
-    Outcome,
     PlanOutcome,
     Pose2D,
     RolloutFollower,
-    State,
     Velocity,
     default_recoveries,
 )
@@ -39,7 +39,7 @@ def test_the_labels_of_the_office():
     drive = Drive(world)
     for name in ("office4", "office2"):
         goal = Pose2D(**labels[name])
-        assert drive.to(goal).outcome is Outcome.REACHED
+        assert drive.to(goal).outcome is NavigationOutcome.REACHED
         assert drive.robot.pose.distance(goal) < 0.15
         assert abs(drive.robot.pose.yaw - goal.yaw) < 0.15
     assert drive.collisions == []
@@ -75,8 +75,8 @@ def test_tours_of_random_goals_among_unmapped_obstacles(seed):
         possible = GridPlanner().plan(known, drive.robot.pose, goal).outcome is PlanOutcome.FOUND
         result = drive.to(goal)
         if possible:
-            assert result.outcome is Outcome.REACHED, result
-        if result.outcome is Outcome.REACHED:
+            assert result.outcome is NavigationOutcome.REACHED, result
+        if result.outcome is NavigationOutcome.REACHED:
             assert drive.robot.pose.distance(goal) < 0.2
     assert drive.collisions == []
 
@@ -84,7 +84,7 @@ def test_tours_of_random_goals_among_unmapped_obstacles(seed):
 def test_a_goal_in_a_wall_ends_at_once():
     drive = Drive(simulation(room(walls=[WALL]), Pose2D(1.0, 1.0)))
     result = drive.to(Pose2D(3.0, 2.0))
-    assert result.outcome is Outcome.NO_PLAN
+    assert result.outcome is NavigationOutcome.NO_PLAN
     assert "in an obstacle of the map" in result.message
     assert drive.world.time < 1.0
 
@@ -104,7 +104,7 @@ def test_a_goal_that_something_unmapped_stands_on():
     crate = ObstacleSpec("crate", (5.0, 1.0), radius=0.3)
     drive = Drive(simulation(room(), Pose2D(1.0, 1.0), obstacles=(crate,)))
     result = drive.to(Pose2D(4.8, 1.0))
-    assert result.outcome is Outcome.NO_PLAN
+    assert result.outcome is NavigationOutcome.NO_PLAN
     assert "something that is not on the map" in result.message
     assert drive.recoveries == ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
     assert drive.collisions == []
@@ -125,7 +125,7 @@ def test_a_door_that_closes_on_the_way_is_gone_round():
         if drive.robot.pose.x > 1.8 and drive.world.doors["door"].open:
             drive.world.set_door("door", False)
 
-    assert drive.to(Pose2D(5.0, 1.0), each=close).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(5.0, 1.0), each=close).outcome is NavigationOutcome.REACHED
     assert not drive.world.doors["door"].open
     assert drive.collisions == []
 
@@ -136,7 +136,7 @@ def test_a_door_closed_for_good_ends_with_the_reason():
     drive = Drive(door_world((2.9, 4.9, 3.1, 6.0)))
     drive.world.set_door("door", False)
     result = drive.to(Pose2D(5.0, 1.0), limit=300.0)
-    assert result.outcome is Outcome.NO_PLAN
+    assert result.outcome is NavigationOutcome.NO_PLAN
     assert "blocked by something that is not on the map" in result.message
     assert drive.collisions == []
 
@@ -150,7 +150,7 @@ def test_a_door_that_opens_again_lets_the_robot_through():
         if drive.recoveries:
             drive.world.set_door("door", True)
 
-    assert drive.to(Pose2D(5.0, 1.0), each=reopen).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(5.0, 1.0), each=reopen).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
 
 
@@ -163,7 +163,7 @@ def test_a_robot_that_is_carried_away_drives_on_from_there():
             drive.world.place("robot_0", Pose2D(1.0, 5.0, 0.0))
 
     carried = []
-    assert drive.to(Pose2D(5.0, 1.0), each=carry).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(5.0, 1.0), each=carry).outcome is NavigationOutcome.REACHED
     assert carried
 
 
@@ -176,7 +176,7 @@ def test_a_rectangular_robot():
     )
     drive = Drive(world)
     for goal in (Pose2D(6.5, 6.5, 0.0), Pose2D(1.5, 6.5, 1.5), Pose2D(6.0, 2.0, -1.5)):
-        assert drive.to(goal).outcome is Outcome.REACHED
+        assert drive.to(goal).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
 
 
@@ -189,7 +189,7 @@ def test_past_a_patch_that_the_map_does_not_know(footprint):
     grid.cells[np.hypot(rows - 60, columns - 60) < 30] = -1
     drive = Drive(simulation(grid, Pose2D(0.6, 2.9), footprint=footprint))
     for goal in (Pose2D(5.4, 3.1, 1.5), Pose2D(3.1, 0.6, 0.0), Pose2D(2.9, 5.4, 0.0)):
-        assert drive.to(goal, limit=120.0).outcome is Outcome.REACHED
+        assert drive.to(goal, limit=120.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
 
 
@@ -200,7 +200,7 @@ def test_the_robot_gives_up_when_it_cannot_move():
         simulation(room(), Pose2D(1.0, 1.0), max_speed=0.0, max_turn=0.0), NavigatorLimits(progress_timeout=5.0)
     )
     result = drive.to(Pose2D(5.0, 1.0), limit=300.0)
-    assert result.outcome is Outcome.NO_PROGRESS
+    assert result.outcome is NavigationOutcome.NO_PROGRESS
     assert "has not become shorter" in result.message
 
 
@@ -208,7 +208,7 @@ def test_oscillation_is_told():
     limits = NavigatorLimits(oscillation_timeout=5.0, recovery_behavior_enabled=False)
     drive = Drive(simulation(room(), Pose2D(1.0, 1.0), max_speed=0.0), limits)
     result = drive.to(Pose2D(5.0, 1.0))
-    assert result.outcome is Outcome.OSCILLATING
+    assert result.outcome is NavigationOutcome.OSCILLATING
     assert "moved less than 0.5 m" in result.message
 
 
@@ -233,18 +233,21 @@ def test_blindness_stops_the_robot_and_ends_the_goal_after_patience():
     fixed.navigator.set_goal(0.0, Pose2D(5.0, 1.0))
     assert fixed.tick(0.1).velocity != Velocity()
     for now in (1.0, 2.0, 4.0):
-        tick = fixed.navigator.blind(now, Outcome.LASER_LOST, "no scan")
+        tick = fixed.navigator.blind(now, NavigationOutcome.LASER_LOST, "no scan")
         assert tick == (Velocity(), None)
-    assert fixed.navigator.blind(4.1, Outcome.LASER_LOST, "no scan").result == (Outcome.LASER_LOST, "no scan")
-    assert fixed.navigator.state is State.IDLE
+    assert fixed.navigator.blind(4.1, NavigationOutcome.LASER_LOST, "no scan").result == (
+        NavigationOutcome.LASER_LOST,
+        "no scan",
+    )
+    assert fixed.navigator.state is NavigatorState.IDLE
 
 
 def test_sight_again_renews_patience():
     fixed = Fixed(NavigatorLimits(controller_patience=3.0))
     fixed.navigator.set_goal(0.0, Pose2D(5.0, 1.0))
-    fixed.navigator.blind(1.0, Outcome.LASER_LOST, "no scan")
+    fixed.navigator.blind(1.0, NavigationOutcome.LASER_LOST, "no scan")
     fixed.tick(3.0)
-    assert fixed.navigator.blind(5.0, Outcome.LASER_LOST, "no scan").result is None
+    assert fixed.navigator.blind(5.0, NavigationOutcome.LASER_LOST, "no scan").result is None
 
 
 def test_time_that_goes_back_costs_no_patience():
@@ -263,9 +266,9 @@ def test_cancelling_and_a_new_goal():
     fixed.navigator.cancel()
     fixed.navigator.set_goal(0.0, Pose2D(5.0, 1.0))
     fixed.tick(0.1)
-    assert fixed.navigator.state is State.CONTROLLING
+    assert fixed.navigator.state is NavigatorState.CONTROLLING
     fixed.navigator.set_goal(0.2, Pose2D(1.0, 5.0))
-    assert fixed.navigator.state is State.PLANNING
+    assert fixed.navigator.state is NavigatorState.PLANNING
     fixed.navigator.cancel()
     assert not fixed.navigator.active
 
@@ -297,7 +300,7 @@ def test_two_robots_pass_each_other_in_a_corridor():
                 if tick.result:
                     results[name] = tick.result.outcome
         collisions += world.step()
-    assert results == {"a": Outcome.REACHED, "b": Outcome.REACHED}
+    assert results == {"a": NavigationOutcome.REACHED, "b": NavigationOutcome.REACHED}
     assert collisions == []
 
 
@@ -311,5 +314,5 @@ def test_a_tight_door_is_not_touched(seed):
     drive = Drive(simulation(room(6.0, 5.0, walls=[(2.9, 0.0, 3.1, gap), (2.9, gap + 0.45, 3.1, 5.0)]), START))
     for i in range(4):
         goal = Pose2D((4.8, 1.2)[i % 2], random.uniform(0.6, 4.4), random.uniform(-3.0, 3.0))
-        assert drive.to(goal).outcome is Outcome.REACHED
+        assert drive.to(goal).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []

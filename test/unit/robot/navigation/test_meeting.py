@@ -42,8 +42,9 @@ def test_braking_of_a_disc(velocity, point, expected):
     assert braked(Velocity(*velocity), HERE, np.array([point]), 0.2) == pytest.approx(expected)
 
 
-def test_other_footprints_stand_still():
-    assert braked(Velocity(0.6, 0.5), HERE, np.array([(0.3, 0.0)]), 0.2, SQUARE) == Velocity()
+def test_other_footprints_turn_only_where_no_corner_comes_near():
+    assert braked(Velocity(0.6, 0.5), HERE, np.array([(0.3, 0.0)]), 0.2, SQUARE) == Velocity(0.0, 0.5)
+    assert braked(Velocity(0.6, 0.5), HERE, np.array([(0.22, -0.15)]), 0.2, SQUARE) == Velocity()
     assert braked(Velocity(0.6, 0.5), HERE, np.empty((0, 2)), 0.2, SQUARE) == Velocity(0.6, 0.5)
 
 

@@ -10,21 +10,21 @@ from rosoclingo.robot.navigation import (
     ClearCostmap,
     Costmap,
     CostmapLimits,
+    GlobalPlan,
     GlobalPlanner,
     GridPlanner,
     LocalPlanner,
+    NavigationOutcome,
     Navigator,
     NavigatorLimits,
     OccupancyGrid,
-    Outcome,
-    Plan,
     PlanOutcome,
     Pose2D,
     RolloutFollower,
     RotateRecovery,
     Velocity,
 )
-from rosoclingo.robot.navigation.local_planner import Command, FollowOutcome
+from rosoclingo.robot.navigation.local_planner import FollowOutcome, VelocityCommand
 
 START, GOAL = Pose2D(1.0, 1.0), Pose2D(5.0, 1.0)
 
@@ -39,7 +39,7 @@ class Counting(GlobalPlanner):
     def plan(self, costmap, start, goal, tolerance=None):
         self.asked.append((start, goal))
         found = self.outcome is PlanOutcome.FOUND
-        return Plan(self.outcome, np.array([start[:2], goal[:2]]) if found else np.empty((0, 2)))
+        return GlobalPlan(self.outcome, np.array([start[:2], goal[:2]]) if found else np.empty((0, 2)))
 
 
 class Stubborn(LocalPlanner):
@@ -53,7 +53,7 @@ class Stubborn(LocalPlanner):
         pass
 
     def compute(self, costmap, pose, velocity, period):
-        return Command(self.outcome)
+        return VelocityCommand(self.outcome)
 
     def length_left(self, pose):
         return 4.0
@@ -87,7 +87,7 @@ def run(planner, follower, seconds, changing=False, recoveries=(), **limits):
 def test_planner_patience(patience):
     end, result = run(Counting(PlanOutcome.BLOCKED), Stubborn(FollowOutcome.DRIVING), 60, planner_patience=patience)
     assert end == pytest.approx(patience + 0.1)
-    assert result.outcome is Outcome.NO_PLAN
+    assert result.outcome is NavigationOutcome.NO_PLAN
 
 
 @pytest.mark.parametrize("retries", [0, 3])
@@ -108,7 +108,7 @@ def test_planner_frequency(frequency, least, most):
 def test_controller_patience(patience):
     end, result = run(Counting(), Stubborn(FollowOutcome.BLOCKED), 60, controller_patience=patience)
     assert patience < end < patience + 0.5
-    assert result.outcome is Outcome.NO_CONTROL
+    assert result.outcome is NavigationOutcome.NO_CONTROL
 
 
 def test_recovery_comes_when_patience_is_over_and_then_patience_begins_anew():
@@ -132,7 +132,7 @@ def test_progress_timeout(timeout):
     """The rest of the way counts: 4 m."""
     end, result = run(Counting(), Stubborn(FollowOutcome.DRIVING), 60, progress_timeout=timeout)
     assert timeout + 4.0 < end < timeout + 4.5
-    assert result.outcome is Outcome.NO_PROGRESS
+    assert result.outcome is NavigationOutcome.NO_PROGRESS
     assert run(Counting(), Stubborn(FollowOutcome.DRIVING), 60, progress_timeout=0.0) == (None, None)
 
 
@@ -140,7 +140,7 @@ def test_progress_timeout(timeout):
 def test_oscillation_timeout(timeout):
     end, result = run(Counting(), Stubborn(FollowOutcome.DRIVING), 60, oscillation_timeout=timeout)
     assert timeout < end < timeout + 0.5
-    assert result.outcome is Outcome.OSCILLATING
+    assert result.outcome is NavigationOutcome.OSCILLATING
 
 
 @pytest.mark.parametrize(("distance", "ends"), [(0.3, False), (0.7, True)])
@@ -268,7 +268,7 @@ def drive(goal=GOAL, **parameters):
     driver = Drive(simulation(room(), START, max_turn=9.0, acceleration=9.0, turn_acceleration=90.0))
     driver.navigator.follower = RolloutFollower(parameters)
     speeds = []
-    assert driver.to(goal, each=lambda d: speeds.append((d.robot.v, d.robot.w))).outcome is Outcome.REACHED
+    assert driver.to(goal, each=lambda d: speeds.append((d.robot.v, d.robot.w))).outcome is NavigationOutcome.REACHED
     pose = driver.robot.pose
     return np.array(speeds), pose.distance(goal), abs(math.remainder(pose.yaw - goal.yaw, 2 * math.pi))
 

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from navigation_worlds import Drive, room, simulation
 
-from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D, State
+from rosoclingo.robot.navigation import (
+    Costmap,
+    CostmapLimits,
+    GridPlanner,
+    NavigatorState,
+    OccupancyGrid,
+    PlanOutcome,
+    Pose2D,
+)
 from rosoclingo.robot.navigation.planning import Planning, from_here
 from rosoclingo.robot.simulation import ObstacleSpec
 
@@ -85,7 +93,7 @@ def test_what_is_not_wanted_any_more_is_dropped(end):
     navigator, planning = drive.navigator, drive.navigator.planning
     navigator.set_goal(0.0, GOAL)
     drive.step()
-    assert navigator.state is State.PLANNING
+    assert navigator.state is NavigatorState.PLANNING
     assert (planning.asked, planning.dropped) == (1, 0)
     if end == "cancel":
         navigator.cancel()
@@ -104,7 +112,7 @@ def test_what_is_not_wanted_any_more_is_dropped(end):
     planning.late = 0
     assert drive.step() is None
     assert planning.asked == 2
-    assert navigator.state is State.CONTROLLING
+    assert navigator.state is NavigatorState.CONTROLLING
 
 
 @pytest.mark.slow

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from navigation_worlds import ERRATIC, LONG, Drive, room, simulation
 
-from rosoclingo.robot.navigation import Outcome, Pose2D, Velocity
-from rosoclingo.robot.navigation.local_planner import STOP, Command, FollowOutcome
+from rosoclingo.robot.navigation import NavigationOutcome, Pose2D, Velocity
+from rosoclingo.robot.navigation.local_planner import STOP, FollowOutcome, VelocityCommand
 from rosoclingo.robot.simulation import DoorSpec
 
 
@@ -27,7 +27,7 @@ def test_gaps_with_two_centimetres_to_spare(resolution, gap, radius, late):
     drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), radius=radius), late=late)
     for i in range(4):
         goal = Pose2D((5.0, 1.0)[i % 2], random.uniform(0.5, 3.5), random.uniform(-3.0, 3.0))
-        assert drive.to(goal, 120.0).outcome is Outcome.REACHED
+        assert drive.to(goal, 120.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
 
@@ -48,7 +48,7 @@ def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
             drive.navigator.obstacles_changed()
 
     result = drive.to(Pose2D(5.0, 0.7), 400.0, blink)
-    assert result.outcome is Outcome.REACHED
+    assert result.outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
 
 
@@ -58,7 +58,7 @@ def test_a_footprint_goes_round_what_it_does_not_fit_through():
     walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.3, 3.1, 4.0), (2.9, 4.7, 3.1, 6.0)]
     drive = Drive(simulation(room(walls=walls), Pose2D(1.5, 1.2), footprint=ERRATIC))
     for goal in (Pose2D(4.5, 1.2, 1.0), Pose2D(1.5, 1.2, 3.0)):
-        assert drive.to(goal, 90.0).outcome is Outcome.REACHED
+        assert drive.to(goal, 90.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
 
@@ -71,7 +71,7 @@ def test_a_long_footprint_gets_straight_into_a_gap(resolution):
     grid = room(6.0, 4.0, resolution, walls)
     drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), footprint=LONG))
     for goal in (Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)):
-        assert drive.to(goal, 120.0).outcome is Outcome.REACHED
+        assert drive.to(goal, 120.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
 
 
@@ -80,8 +80,8 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
     """A dead end hardly wider than the robot, into which it has driven."""
     walls = [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]
     drive = Drive(simulation(room(5.0, 5.0, 0.05, walls), Pose2D(1.0, 2.45, 0.0), footprint=LONG))
-    assert drive.to(Pose2D(4.0, 2.45, 0.0), 60.0).outcome is Outcome.REACHED
-    assert drive.to(Pose2D(1.0, 4.0, 2.0), 120.0).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(4.0, 2.45, 0.0), 60.0).outcome is NavigationOutcome.REACHED
+    assert drive.to(Pose2D(1.0, 4.0, 2.0), 120.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
 
 
@@ -93,7 +93,7 @@ def test_a_footprint_backs_out_of_where_it_cannot_turn():
 def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side, yaw, gap):
     """There it cannot turn: a corner would touch the wall."""
     drive = Drive(simulation(room(), Pose2D(3.0, 0.1 + side + gap, yaw), footprint=footprint))
-    assert drive.to(Pose2D(1.0, 4.0, 0.0), 120.0).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(1.0, 4.0, 0.0), 120.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
 
@@ -104,7 +104,7 @@ def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_g
     """The goal is 0.3 m behind a gap of 0.5 m; a tolerance of 0.1 m before it, corners of the robot touch the gap's."""
     walls = [(2.5, 0.0, 2.7, 1.75), (2.5, 2.25, 2.7, 4.0)]
     drive = Drive(simulation(room(6.0, 4.0, 0.05, walls), Pose2D(1.0, 2.0, 0.0), footprint=LONG))
-    assert drive.to(Pose2D(3.0, 2.0, yaw), 60.0).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(3.0, 2.0, yaw), 60.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
 
@@ -115,8 +115,8 @@ def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_g
 )
 def test_who_turns_round_stops_first(command, before, stops):
     """Else a turn would begin while the robot still drives the other way, into what it was to get away from."""
-    found = Command(FollowOutcome.DRIVING, Velocity(*command)).stopping_first(Velocity(before, 0.0))
-    assert found == Command(FollowOutcome.DRIVING, STOP if stops else Velocity(*command))
+    found = VelocityCommand(FollowOutcome.DRIVING, Velocity(*command)).stopping_first(Velocity(before, 0.0))
+    assert found == VelocityCommand(FollowOutcome.DRIVING, STOP if stops else Velocity(*command))
 
 
 @pytest.mark.slow
@@ -124,5 +124,5 @@ def test_what_could_not_be_got_through_is_gone_round():
     """Behind the near door is a corner that a long robot cannot take; it backs out and takes the far one."""
     walls = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.5, 3.1, 4.6), (3.55, 0.0, 3.65, 2.6), (2.9, 5.1, 3.1, 6.0)]
     drive = Drive(simulation(room(walls=walls), Pose2D(1.5, 1.2), footprint=LONG))
-    assert drive.to(Pose2D(4.6, 1.2, 0.0), 300.0).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(4.6, 1.2, 0.0), 300.0).outcome is NavigationOutcome.REACHED
     assert drive.collisions == []

@@ -9,60 +9,49 @@ from hypothesis import strategies as st
 from navigation_worlds import Drive, room, simulation
 from occupied_grids import GRIDS, clearance_of
 
-from rosoclingo.robot.navigation import Costmap, GridPlanner, Outcome, PlanOutcome, Pose2D
+from rosoclingo.robot.navigation import Costmap, GridPlanner, NavigationOutcome, PlanOutcome, Pose2D
 from rosoclingo.robot.navigation.body import Body
-from rosoclingo.robot.navigation.compiled.footprints import around, body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import PARTS, around, body_clearance
 
 BODIES = [Body(2.3), Body(0.0, ((3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (3.0, -2.0)))]
 
 
-def distances(body, occupied, x, y, yaw, graze=0.0):
-    """How far a body (cells) is from the squares of all occupied cells; less than 0 where its edge is in one.
-
-    ``graze``: how deep it has to be.
-    """
-    c, s = math.cos(yaw), math.sin(yaw)
-    rows, columns = np.nonzero(occupied)
+def small_discs(body, resolution):
+    """The discs that stand for a body close to things (x, y, radius; cells)."""
+    discs = body.discs(resolution)
     if not body.footprint:
-        found = gaps(np.array([[x, y]]), rows, columns).min(axis=0) - body.radius
-        return np.where(found > -graze, np.maximum(found, 0.0), found)
-    corners = np.array(body.footprint) @ np.array([[c, s], [-s, c]]) + (x, y)
-    edges = list(zip(corners, np.roll(corners, -1, axis=0)))
-    found = np.minimum.reduce([edge_gaps(a, b, rows, columns) for a, b in edges])
-    # In a square it is as deep as the deepest of the pieces of its edge.
-    meets = [any(edge_meets(a, b, row, column, graze) for a, b in edges) for row, column in zip(rows, columns)]
-    pieces = body.pieces(1.0)[1:]
-    middles = pieces[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
-    depths = (gaps(middles, rows, columns) - pieces[:, 2:3]).min(axis=0)
-    return np.where(np.array(meets, dtype=bool), depths, found)
+        return discs[:, :3]
+    parts = (2.0 * np.arange(PARTS) + 1.0) / PARTS - 1.0
+    middles = discs[1:, None, :2] + parts[:, None] * discs[1:, None, 3:]
+    radii = np.repeat(discs[1:, 2] / PARTS, PARTS)
+    return np.column_stack((middles.reshape(-1, 2), radii))
 
 
-def gaps(points, rows, columns):
-    """The distances (points, squares) of points (x, y) from the squares of cells."""
-    x, y = points[:, :1], points[:, 1:2]
-    dx = np.maximum(np.maximum(columns - x, x - columns - 1), 0)
-    dy = np.maximum(np.maximum(rows - y, y - rows - 1), 0)
-    return np.hypot(dx, dy)
+def distances(body, occupied, x, y, yaw):
+    """The distances (cells) of a body's edge, by small discs, or of the disc itself, from the squares of cells."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    discs = small_discs(body, 1.0)
+    middles = discs[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
+    rows, columns = np.nonzero(occupied)
+    dx = np.maximum(np.maximum(columns - middles[:, :1], middles[:, :1] - columns - 1), 0)
+    dy = np.maximum(np.maximum(rows - middles[:, 1:], middles[:, 1:] - rows - 1), 0)
+    return (np.hypot(dx, dy) - discs[:, 2:]).min(axis=0)
 
 
-def edge_gaps(a, b, rows, columns):
-    """The distances of an edge that meets none of the squares from them: ends from squares, corners from the edge."""
-    found = gaps(np.array([a, b]), rows, columns).min(axis=0)
-    for right, up in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        corners = np.stack([columns + right, rows + up], axis=1)
-        part = np.clip((corners - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
-        found = np.minimum(found, np.hypot(*(a + part[:, None] * (b - a) - corners).T))
-    return found
-
-
-def edge_meets(a, b, row, column, graze):
-    """Whether an edge has a part in a square, the square on both sides of it and it on both of each of its sides'."""
-    low, high = np.minimum(a, b) + graze, np.maximum(a, b) - graze
-    if high[0] <= column or low[0] >= column + 1 or high[1] <= row or low[1] >= row + 1:
-        return False
-    along = (b - a) / np.hypot(*(b - a))
-    sides = [along[0] * (row + j - a[1]) - along[1] * (column + i - a[0]) for i in (0, 1) for j in (0, 1)]
-    return min(sides) < -graze and max(sides) > graze
+def edge_meets(body, occupied, x, y, yaw):
+    """Whether points of a footprint's edge, or of a disc, are in the squares of occupied cells."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    if body.footprint:
+        corners = np.array(body.footprint)
+        parts = np.linspace(0.0, 1.0, 101)[:, None, None]
+        points = (corners + parts * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 2)
+    else:
+        turns = np.linspace(0.0, 2.0 * math.pi, 401)
+        points = (body.radius - 1e-9) * np.stack((np.cos(turns), np.sin(turns)), axis=1)
+    points = points @ np.array([[c, s], [-s, c]]) + (x, y)
+    rows, columns = np.nonzero(occupied)
+    inside = (points[:, :1] > columns) & (points[:, :1] < columns + 1)
+    return (inside & (points[:, 1:] > rows) & (points[:, 1:] < rows + 1)).any(axis=0)
 
 
 @given(
@@ -75,23 +64,31 @@ def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body,
     height, width = occupied.shape
     pose = (min(pose[0], width - 0.1), min(pose[1], height - 0.1), pose[2])
     there = tuple(a + b for a, b in zip(pose, step))
-    near = around(clearance_of(occupied, 9.0), occupied, body.pieces(1.0), *pose)
-    before, after = (distances(body, occupied, *at, graze=1e-6) for at in (pose, there))
-    inside = (before >= 0.0) & (near.occupied[np.nonzero(occupied)] == 0)  # the body's edge is to pass them freely
-    if body_clearance(near, body.pieces(1.0), *there, 0.0) >= 0.0:
+    near = around(clearance_of(occupied, 9.0), occupied, body.discs(1.0), *pose)
+    before, after = (distances(body, occupied, *at) for at in (pose, there))
+    inside = (before >= 1e-6) & (near.occupied[np.nonzero(occupied)] == 0)  # the edge is to pass them freely
+    if body_clearance(near, body.discs(1.0), *there, 0.0) >= 0.0:
         assert (after >= np.minimum(before, 0.0) - 1e-6)[~inside].all()
-    touched = len(near.touched)
-    assert (before < 0.0).sum() <= touched <= (distances(body, occupied, *pose, graze=-1e-6) < 0.0).sum()
+        assert not edge_meets(body, occupied, *there)[(before >= 1e-6) & ~inside].any()
+    assert (before < -1e-6).sum() <= len(near.touched) <= (before < 1e-6).sum()
     if body.footprint:
         assert not inside.any() or np.hypot(*(np.argwhere(occupied)[inside] - (pose[1], pose[0])).T).max() < 4.0
     else:
         assert not inside.any()
 
 
+def test_discs_cover_the_edge_of_a_footprint_and_little_more():
+    body = Body(0.0, ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.1, -0.3)))
+    discs, corners = small_discs(body, 0.05) * 0.05, np.array(body.footprint)
+    edge = (corners + np.linspace(0, 1, 500)[:, None, None] * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 2)
+    assert ((np.hypot(*(edge[:, None] - discs[:, :2]).transpose(2, 0, 1)) - discs[:, 2]).min(axis=1) < 1e-9).all()
+    assert discs[:, 2].max() <= 0.0004
+
+
 def test_where_nothing_is_touched_the_body_is_tried_against_the_map_itself():
     occupied = np.zeros((20, 20), dtype=np.uint8)
     occupied[3, 3] = 1
-    near = around(clearance_of(occupied), occupied, BODIES[0].pieces(1.0), 12.0, 12.0, 0.0)
+    near = around(clearance_of(occupied), occupied, BODIES[0].discs(1.0), 12.0, 12.0, 0.0)
     assert near.occupied is occupied
     assert not len(near.touched)
 
@@ -110,7 +107,7 @@ def test_a_ghost_beside_it_does_not_push_the_robot_into_a_wall(side):
             seen.append(any(drive.costmap.observe(pose, angles, np.full(12, 0.12), 6.0) for _ in range(3)))
             drive.navigator.obstacles_changed()
 
-    assert drive.to(Pose2D(5.0, 2.0), 300.0, haunt).outcome is Outcome.REACHED
+    assert drive.to(Pose2D(5.0, 2.0), 300.0, haunt).outcome is NavigationOutcome.REACHED
     assert seen == [True]
     assert drive.collisions == []
 

@@ -11,7 +11,7 @@ pytest.importorskip("geometry_msgs")
 from geometry_msgs.msg import Twist  # noqa: E402
 from navigation_worlds import room  # noqa: E402
 
-from rosoclingo.robot.navigation import Costmap, GlobalPlanner, Plan, PlanOutcome, Pose2D  # noqa: E402
+from rosoclingo.robot.navigation import Costmap, GlobalPlan, GlobalPlanner, PlanOutcome, Pose2D  # noqa: E402
 from rosoclingo.robot.nodes.move_base import command_watch, planning_thread  # noqa: E402
 
 PATIENCE = 60.0  # s
@@ -37,10 +37,10 @@ class Gated(GlobalPlanner):
         self.costmaps.append(costmap)
         while not self.gate.wait(0.005):
             if not self.wanted():
-                return Plan(PlanOutcome.GIVEN_UP, np.empty((0, 2)))
+                return GlobalPlan(PlanOutcome.GIVEN_UP, np.empty((0, 2)))
         if self.fails:
             raise {"value": ValueError, "exit": SystemExit}[self.fails]("lost")
-        return Plan(PlanOutcome.FOUND, np.array([start[:2], goal[:2]]))
+        return GlobalPlan(PlanOutcome.FOUND, np.array([start[:2], goal[:2]]))
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The compiled look at a path: where the robot is on it, whether it is clear, how far ahead a straight line leads."""
+"""The compiled look at a path: where the robot is on it, and whether it is clear."""
 
 import math
 
@@ -6,15 +6,7 @@ import numpy as np
 
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = [
-    "first_block",
-    "furthest_clear",
-    "least_along",
-    "least_at",
-    "place_on",
-    "point_clearance",
-    "points_at",
-]
+__all__ = ["first_block", "least_along", "place_on", "point_clearance"]
 
 
 @jit
@@ -65,11 +57,11 @@ def first_block(clearance, closed, points, x, y, radius):
 
 @jit
 def place_on(points, along, start, reach, x, y):
-    """Return (index, place) of the path's place nearest to (x, y): the segment it is on, and how far along it is.
+    """Return (index, place, distance) of the path's place nearest to (x, y): its segment, how far along the path it is.
 
     Looks from ``points[start]`` (float64 n, 2; at ``along``) to ``reach`` further on.
     """
-    best, best_i, best_place = np.inf, start, along[start]
+    best, best_i, best_place = (points[start, 0] - x) ** 2 + (points[start, 1] - y) ** 2, start, along[start]
     for i in range(start, points.shape[0] - 1):
         if along[i] > along[start] + reach:
             break
@@ -81,48 +73,4 @@ def place_on(points, along, start, reach, x, y):
         away = (points[i, 0] + t * dx - x) ** 2 + (points[i, 1] + t * dy - y) ** 2
         if away < best:
             best, best_i, best_place = away, i, along[i] + t * math.sqrt(square)
-    return best_i, best_place
-
-
-@jit
-def points_at(points, along, start, places):
-    """Return the points (n, 2) at ``places``, ascending, from ``points[start]`` on; ``along``: where each point is."""
-    found = np.empty((places.shape[0], 2))
-    i, last = start, points.shape[0] - 1
-    for k in range(places.shape[0]):
-        place = min(places[k], along[last])
-        while i < last and along[i + 1] < place:
-            i += 1
-        step = along[min(i + 1, last)] - along[i]
-        part = (place - along[i]) / step if step > 0.0 else 0.0
-        for axis in range(2):
-            found[k, axis] = points[i, axis] + part * (points[min(i + 1, last), axis] - points[i, axis])
-    return found
-
-
-@jit
-def furthest_clear(clearance, x, y, points, least_away, floors):
-    """Return the index of the last of ``points`` (cells) that a straight line from (x, y) leads to; -1 for none.
-
-    The line keeps the first of ``floors`` (cells of clearance) that is possible at all; points nearer than
-    ``least_away`` are left out.
-    """
-    spare = np.empty(points.shape[0])
-    for i in range(points.shape[0]):
-        spare[i] = least_along(clearance, x, y, points[i, 0], points[i, 1])
-        if math.hypot(points[i, 0] - x, points[i, 1] - y) < least_away:
-            spare[i] = -np.inf
-    for floor in floors:
-        for i in range(points.shape[0] - 1, -1, -1):
-            if spare[i] >= floor:
-                return i
-    return -1
-
-
-@jit
-def least_at(clearance, points):
-    """Return the least clearance (cells) at points (float64 n, 2; cells)."""
-    least = np.inf
-    for i in range(points.shape[0]):
-        least = min(least, point_clearance(clearance, points[i, 0], points[i, 1]))
-    return least
+    return best_i, best_place, math.sqrt(best)

@@ -1,4 +1,4 @@
-"""The compiled trial of commands: which of them stays clear, and which leads best to a point."""
+"""The compiled trial of movements: which of them stay clear, and which leads best to a point."""
 
 import math
 
@@ -8,10 +8,12 @@ from rosoclingo.robot.navigation.compiled.footprints import body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-__all__ = ["best_arc", "best_command", "spare_after", "turn_spare"]
+__all__ = ["best_arc", "best_command", "spare_after"]
 
-FINE = 0.1  # cells: the least step along an arc
-GAIN = 0.05  # part of the room looked for by which an arc that leads to less has to gain
+STEPS = 12  # poses checked along a command
+ANGLE, NEARNESS = 0.25, 0.6  # m by which a rad off the point, and a m that lacks to the comfort, make a command worse
+FINE = 0.1  # cells: the shortest step along an arc
+GAIN = 0.05  # part of the room by which an arc that leads to less of it has to gain
 
 
 @jit
@@ -22,9 +24,10 @@ def _arc(v, w, time):
 
 
 @jit
-def spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
-    """Return the least body clearance along an arc of ``horizon`` s; stops looking where that is below ``least``."""
+def spare_after(near, body, pose, v, w, horizon, steps, least, enough):
+    """Return the least body clearance along an arc of ``horizon`` s; stops where that is below ``least``."""
     dt = horizon / steps
+    x, y, yaw = pose[0], pose[1], pose[2]
     found = np.inf
     half, chord = _arc(v, w, dt)
     for _ in range(steps):
@@ -38,27 +41,12 @@ def spare_after(near, body, x, y, yaw, v, w, horizon, steps, least, enough):
 
 
 @jit
-def turn_spare(near, body, x, y, yaw, turn, least):
-    """Return the least body clearance while turning on the spot; stops looking where that is below ``least``."""
-    found = body_clearance(near, body, x, y, yaw, max(0.0, least))
-    if body.shape[0] == 1 or point_clearance(near.clearance, x, y) - body[0, 2] > least:
-        return found  # it needs no more room than it has
-    steps = int(abs(turn) / 0.05) + 1
-    for i in range(1, steps + 1):
-        if found < least:
-            break
-        found = min(found, body_clearance(near, body, x, y, yaw + turn * i / steps, max(0.0, least)))
-    return found
-
-
-@jit
-def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizon, steps, weights):
+def best_command(near, body, pose, speeds, needs, turns, carrot, comfort, horizon, resolution):
     """Return (index of speed, index of turn) of the best command, -1 where none is safe.
 
-    ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells). A command is
-    safe when the body keeps what its speed needs (``needs``, cells) for the whole horizon or, where that is negative
-    and its amount is not there now, does not come closer.
-    ``weights``: of the distance to the carrot (1/cell), the angle to it (1/rad), nearness to obstacles (1/cell).
+    ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells), ``resolution``
+    (m). A command is safe when the body keeps what its speed needs (``needs``, cells) for the ``horizon`` (s) or, where
+    that is negative and its amount is not there now, does not come closer. Clearance up to ``comfort`` counts.
     """
     now = body_clearance(near, body, pose[0], pose[1], pose[2], comfort)
     best, best_i, best_j = np.inf, -1, -1
@@ -73,23 +61,11 @@ def best_command(near, body, pose, speeds, turns, carrot, needs, comfort, horizo
             bearing = math.atan2(carrot[1] - y, carrot[0] - x) - pose[2] - 2.0 * half
             angle = abs(math.atan2(math.sin(bearing), math.cos(bearing)))
             # Next to the carrot its direction says little.
-            score = weights[0] * away + weights[1] * angle * min(1.0, 0.5 * away)
+            score = resolution * away + ANGLE * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
-            spare = spare_after(
-                near,
-                body,
-                pose[0],
-                pose[1],
-                pose[2],
-                speeds[i],
-                turns[j],
-                horizon,
-                steps,
-                least,
-                comfort,
-            )
-            score += weights[2] * max(0.0, comfort - spare)
+            spare = spare_after(near, body, pose, speeds[i], turns[j], horizon, STEPS, least, comfort)
+            score += NEARNESS * resolution * max(0.0, comfort - spare)
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
     return best_i, best_j

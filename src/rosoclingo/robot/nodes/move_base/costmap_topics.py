@@ -11,7 +11,8 @@ from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
-from rosoclingo.robot.navigation import Costmap, Pose2D
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.sendable import sendable
 
 

@@ -8,7 +8,8 @@ from nav_msgs.msg import Path
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation import Costmap, Pose2D
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.move_base.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
 from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace, local_planner_namespace
@@ -17,7 +18,7 @@ from rosoclingo.robot.nodes.move_base.reports import path_message
 GLOBAL, LOCAL = 0, 1
 
 
-class View(NamedTuple):
+class CostmapView(NamedTuple):
     """What there is to show: the costmap, the robot's pose (m) in the map, and the local frame with its pose there."""
 
     costmap: Costmap
@@ -48,7 +49,7 @@ class Display:
         ring = settings.costmap.robot_radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
         self._corners = np.array(settings.footprint) if settings.footprint else ring
         self._costmap: Optional[Costmap] = None
-        self._view: Optional[View] = None
+        self._view: Optional[CostmapView] = None
 
     def plan(self, points: np.ndarray, final_yaw: float) -> None:
         """Show a new path (m; in the map)."""
@@ -67,7 +68,7 @@ class Display:
         self._costmap, self._view = costmap, None
         self._costmaps[GLOBAL].show(whole_map(costmap, self._frame))
 
-    def see(self, view: View) -> None:
+    def see(self, view: CostmapView) -> None:
         """Take what there is to show from now on."""
         self._view = view
 
@@ -96,13 +97,13 @@ class Display:
         elif which == GLOBAL and self._costmap is not None:
             send(whole_message(whole_map(self._costmap, self._frame)))
 
-    def _picture(self, which: int, view: View) -> Picture:
+    def _picture(self, which: int, view: CostmapView) -> Picture:
         if which == GLOBAL:
             return whole_map(view.costmap, self._frame)
         in_frame = view.local_in_map.inverse().compose(view.pose)
         return window(view.costmap, view.local_frame, in_frame, view.local_in_map, self._settings.local_size)
 
-    def _outline(self, which: int, view: View) -> Tuple[str, Pose2D, Any]:
+    def _outline(self, which: int, view: CostmapView) -> Tuple[str, Pose2D, Any]:
         if which == GLOBAL:
             return self._frame, view.pose, self._corners
         return view.local_frame, view.local_in_map.inverse().compose(view.pose), self._corners

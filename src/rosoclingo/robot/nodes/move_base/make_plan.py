@@ -9,7 +9,9 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.srv import GetPlan, GetPlanResponse
 
 from rosoclingo.common.worker import Worker, ending
-from rosoclingo.robot.navigation import Costmap, PlanOutcome, Pose2D
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.navigation.grid_planner import PlanOutcome
 from rosoclingo.robot.nodes.localization import to_pose2d
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
@@ -17,7 +19,7 @@ from rosoclingo.robot.nodes.move_base.reports import path_message
 from rosoclingo.robot.nodes.move_base.sensing import Sensing
 
 
-class Wanted(NamedTuple):
+class PendingPlan(NamedTuple):
     """A plan that is being looked for, and the yaw (rad) to end with."""
 
     plan: futures.Future
@@ -68,14 +70,14 @@ class PlanService:
         rospy.logwarn("make_plan: %s", plan.outcome.value)
         return response
 
-    def _ask(self, request: Any) -> Optional[Wanted]:
+    def _ask(self, request: Any) -> Optional[PendingPlan]:
         """Ask for a plan, in the worker's thread; return None where there is no map, start or goal."""
         costmap, pose = self._place()
         goal = self._in_map(request.goal)
         start = self._in_map(request.start) if request.start.header.frame_id else pose
         if costmap is None or goal is None or start is None:
             return None
-        return Wanted(self._planning.also(costmap, start, goal, request.tolerance), goal.yaw)
+        return PendingPlan(self._planning.also(costmap, start, goal, request.tolerance), goal.yaw)
 
     def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
         """Return a pose in the map; a missing orientation is fine, only a position is asked for."""

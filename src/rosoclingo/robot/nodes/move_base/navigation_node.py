@@ -22,12 +22,18 @@ from rosoclingo.common.action_servers import announce_server, forget_goal_times,
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation import Costmap, MapError, Navigator, Outcome, PatienceClock, Pose2D, Result, Velocity
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.navigation.grid import MapError
+from rosoclingo.robot.navigation.local_planner import Velocity
+from rosoclingo.robot.navigation.navigation_types import NavigationOutcome, Result
+from rosoclingo.robot.navigation.navigator import Navigator
+from rosoclingo.robot.navigation.patience import PatienceClock
 from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.localization import to_pose2d
 from rosoclingo.robot.nodes.map_server import grid_from_message
 from rosoclingo.robot.nodes.move_base.command_watch import CommandWatch
-from rosoclingo.robot.nodes.move_base.display import Display, View
+from rosoclingo.robot.nodes.move_base.display import CostmapView, Display
 from rosoclingo.robot.nodes.move_base.make_plan import PlanService
 from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
@@ -234,7 +240,7 @@ class MoveBaseNode:
                 start_server(self._server.action_server)
             if self._watchful(self._navigator):
                 frame = self._sensing.local_frame(self._settings.local_frame)
-                self._display.see(View(self._navigator.costmap, located.pose, *frame))
+                self._display.see(CostmapView(self._navigator.costmap, located.pose, *frame))
         if self._navigator.active:
             fault = self._guarded(lambda: self._control(now, located))
             if fault:
@@ -265,10 +271,12 @@ class MoveBaseNode:
         period, patience = self._settings.controller_period, self._patience.now
         laser_age = self._sensing.laser_age(now)
         if located.pose is None or located.fault:
-            tick = navigator.blind(patience, Outcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault)
+            tick = navigator.blind(
+                patience, NavigationOutcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault
+            )
         elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
             text = f"The laser is lost: no scan on {self._settings.frames.scan_topic} for {laser_age:.1f} s"
-            tick = navigator.blind(patience, Outcome.LASER_LOST, text)
+            tick = navigator.blind(patience, NavigationOutcome.LASER_LOST, text)
         else:
             tick = navigator.tick(patience, located.pose, self._sensing.velocity, max(period, 0.05))
         self._drive(tick.velocity)
@@ -289,7 +297,7 @@ class MoveBaseNode:
         self._display.trajectory(lambda: self._follower.trajectory(pose, velocity))
 
     def _end(self, result: Result) -> None:
-        if result.outcome is Outcome.REACHED:
+        if result.outcome is NavigationOutcome.REACHED:
             self._server.set_succeeded(MoveBaseResult(), result.message)
         else:
             self._abort(result.message)

@@ -9,8 +9,9 @@ import yaml
 
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.reading import Reader
-from rosoclingo.robot.navigation import CostmapLimits, NavigatorLimits
+from rosoclingo.robot.navigation.costmap import CostmapLimits
 from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radii
+from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
 
 # The layers' usual names, and what the type of each ends with where ``plugins`` lists layers of other names.

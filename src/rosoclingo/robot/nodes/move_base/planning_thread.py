@@ -8,7 +8,9 @@ from typing import Callable, Optional
 
 import rospy
 
-from rosoclingo.robot.navigation import Costmap, GlobalPlanner, Plan, Pose2D
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner
 from rosoclingo.robot.navigation.planning import Planning
 
 # s of wall time that the worker waits for a plan: most are there by then, and the robot drives by the newest
@@ -19,9 +21,9 @@ LONG = 2.0  # s: a plan that takes longer is logged
 class Job:
     """One call of the planner for ``what``, in words; ``dropped``: nobody waits for its plan any more."""
 
-    def __init__(self, work: Callable[[], Plan], what: str) -> None:
+    def __init__(self, work: Callable[[], GlobalPlan], what: str) -> None:
         self.work, self.what = work, what
-        self.future: futures.Future[Plan] = futures.Future()
+        self.future: futures.Future[GlobalPlan] = futures.Future()
         self.dropped = False
         self.begun = 0.0  # wall time
         self.logged = 0
@@ -44,7 +46,7 @@ class PlanningThread(Planning):
         self._asked = self._put(lambda: self.planner.plan(snapshot, start, goal), "the robot's way")
         futures.wait([self._asked.future], GRACE)
 
-    def answer(self) -> Optional[Plan]:
+    def answer(self) -> Optional[GlobalPlan]:
         """Return the plan, None while it is not there; see :class:`Planning`."""
         job = self._asked
         if job is None or not job.future.done():
@@ -59,7 +61,7 @@ class PlanningThread(Planning):
             self.planner.dropped[0] |= self._running is self._asked
             self._asked = None
 
-    def also(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: float) -> "futures.Future[Plan]":
+    def also(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: float) -> "futures.Future[GlobalPlan]":
         """Return the future of another plan, which does not drive the robot."""
         snapshot = costmap.snapshot()
         return self._put(lambda: self.planner.plan(snapshot, start, goal, tolerance), "a requested plan").future
@@ -72,7 +74,7 @@ class PlanningThread(Planning):
             seconds = time.monotonic() - job.begun
             rospy.logwarn("planning takes long: %s is looked for since %.1f s", job.what, seconds)
 
-    def _put(self, work: Callable[[], Plan], what: str) -> Job:
+    def _put(self, work: Callable[[], GlobalPlan], what: str) -> Job:
         job = Job(work, what)
         self._jobs.put(job)
         return job

@@ -7,15 +7,13 @@ import rospy
 
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
-from rosoclingo.robot.navigation import (
+from rosoclingo.robot.navigation.follower import RolloutFollower
+from rosoclingo.robot.navigation.grid_planner import GlobalPlanner, GridPlanner, GridPlannerLimits
+from rosoclingo.robot.navigation.local_planner import LocalPlanner
+from rosoclingo.robot.navigation.navigation_types import FollowerLimits
+from rosoclingo.robot.navigation.recovery_behaviors import (
     ClearCostmap,
-    FollowerLimits,
-    GlobalPlanner,
-    GridPlanner,
-    GridPlannerLimits,
-    LocalPlanner,
     RecoveryBehavior,
-    RolloutFollower,
     RotateRecovery,
     default_recoveries,
 )

@@ -9,7 +9,7 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import RecoveryStatus
 from nav_msgs.msg import Path
 
-from rosoclingo.robot.navigation import Pose2D
+from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.localization import fill_pose
 
 

@@ -11,7 +11,9 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation import Costmap, Pose2D, Velocity, normalize_angle
+from rosoclingo.robot.navigation.costmap import Costmap
+from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
+from rosoclingo.robot.navigation.local_planner import Velocity
 from rosoclingo.robot.nodes.localization import from_transform
 from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
 

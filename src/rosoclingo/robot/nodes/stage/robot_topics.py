@@ -15,7 +15,7 @@ from rosoclingo.common.parameters import ParameterError
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.robot.navigation.geometry import Pose2D, yaw_to_quaternion
 from rosoclingo.robot.nodes.sendable import sendable
-from rosoclingo.robot.simulation import Laser, Robot
+from rosoclingo.robot.simulation.simulated_robot import Laser, Robot
 
 # stage_ros mounts the laser there; a planar world has no use for it.
 LASER_HEIGHT = 0.25

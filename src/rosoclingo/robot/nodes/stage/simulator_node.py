@@ -19,7 +19,8 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.stage.robot_topics import RobotTopics, prefixes
-from rosoclingo.robot.simulation import Box, ObstacleSpec, Simulation, WorldError, load_simulation
+from rosoclingo.robot.simulation.simulation import Simulation, load_simulation
+from rosoclingo.robot.simulation.spec import Box, ObstacleSpec, WorldError
 from rosoclingo.robot.simulation.world_file import MOST_DELAY
 from rosoclingo.robot.simulation.world_state import resume_world, world_state
 from rosoclingo.srv import (
