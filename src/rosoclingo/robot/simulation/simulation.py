@@ -11,19 +11,17 @@ from rosoclingo.robot.simulation.compiled.shapes import (
     HIT_DISC,
     HIT_SEGMENT,
     HIT_WALL,
+    Surroundings,
     body_hits,
-    covers_wall,
     inside,
 )
-from rosoclingo.robot.simulation.simulated_robot import Robot, Surroundings
-from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, RobotSpec, WorldError, WorldSpec
+from rosoclingo.robot.simulation.simulated_robot import Robot
+from rosoclingo.robot.simulation.spec import DoorSpec, ObstacleSpec, Point, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
 __all__ = ["Collision", "Simulation", "load_simulation"]
 
-Segment = Tuple[float, float, float, float]
-
-# Who touches something stands free of it: a pose that was reached by driving must not be refused by rounding.
+# A robot that touches something stands free of it: a pose that was reached by driving must not be refused by rounding.
 TOUCH = 1e-9
 HITS = {HIT_WALL: "a wall", HIT_SEGMENT: "a door, a box or a robot's side", HIT_DISC: "an obstacle or a robot"}
 
@@ -47,21 +45,14 @@ class Simulation:
         self.spec = spec
         self.watchdog = watchdog
         self.steps = 0
-        self._occupied = spec.grid.occupied()
-        self._scale = spec.grid.resolution
-        self._origin = (spec.grid.origin_x, spec.grid.origin_y)
-        self.doors: Dict[str, DoorSpec] = {door.name: door for door in spec.doors}
-        self.obstacles: Dict[str, ObstacleSpec] = {obstacle.name: obstacle for obstacle in spec.obstacles}
-        self.robots: Dict[str, Robot] = {
-            robot.name: Robot(robot, spec.seed + 1000 * i) for i, robot in enumerate(spec.robots)
-        }
+        self._occupied, self._scale = spec.grid.occupied(), spec.grid.resolution
+        self.robots = {robot.name: Robot(robot, spec.seed + 1000 * i) for i, robot in enumerate(spec.robots)}
         self._outlines = {
             name: np.array(robot.outline, dtype=np.float64).reshape(-1, 2) / self._scale
             for name, robot in self.robots.items()
         }
-        self._build()
-        for name in self.robots:
-            self._check_place(name, self.robots[name].pose)
+        self._build({door.name: door for door in spec.doors}, {one.name: one for one in spec.obstacles})
+        self._check_places()
 
     @property
     def time(self) -> float:
@@ -80,7 +71,7 @@ class Simulation:
         for name, robot in self.robots.items():
             robot.accelerate(now, dt, self.watchdog)
             stalled = robot.stalled
-            hit = robot.move(dt, self._around(name), self._outlines[name], self._origin, self._scale)
+            hit = robot.move(dt, self._around(name), self._outlines[name], self._in_cells(robot.pose), self._scale)
             if hit != CLEAR and not stalled:
                 collisions.append(Collision(name, self.time, robot.pose, HITS[hit]))
         return collisions
@@ -102,8 +93,7 @@ class Simulation:
         for robot in self.robots.values():
             robot.pose = robot.spec.pose
         try:
-            for name, robot in self.robots.items():
-                self._check_place(name, robot.pose)
+            self._check_places()
         except WorldError:
             for name, robot in self.robots.items():
                 robot.pose = before[name]
@@ -125,22 +115,18 @@ class Simulation:
         """
         for obstacle in obstacles.values():
             self._check_obstacle(obstacle)
-        self.doors = {name: door._replace(open=doors[name]) for name, door in self.doors.items()}
-        self.obstacles = dict(obstacles)
         for name, (pose, odometry) in robots.items():
             self.robots[name].place(pose)
             self.robots[name].odometry = odometry
-        self._build()
-        for name, robot in self.robots.items():
-            self._check_place(name, robot.pose)
+        self._build({name: door._replace(open=doors[name]) for name, door in self.doors.items()}, dict(obstacles))
+        self._check_places()
 
     def set_door(self, door: str, opened: bool) -> None:
         """Open or close a door. Raises WorldError for an unknown one, and where a robot stands in it."""
         if door not in self.doors:
             raise WorldError("door {!r} is unknown; doors: {}".format(door, ", ".join(self.doors) or "none"))
-        before = dict(self.doors)
-        self.doors[door] = self.doors[door]._replace(open=opened)
-        self._build_or_undo("doors", before, f"the door {door!r}")
+        doors = {**self.doors, door: self.doors[door]._replace(open=opened)}
+        self._change(doors, self.obstacles, f"the door {door!r}")
 
     def put_obstacle(self, obstacle: ObstacleSpec) -> None:
         """Put an obstacle into the world, or move the one of that name.
@@ -148,17 +134,67 @@ class Simulation:
         Raises WorldError where a robot stands, and for one that has no place or no size.
         """
         self._check_obstacle(obstacle)
-        before = dict(self.obstacles)
-        self.obstacles[obstacle.name] = obstacle
-        self._build_or_undo("obstacles", before, f"the obstacle {obstacle.name!r}")
+        self._change(self.doors, {**self.obstacles, obstacle.name: obstacle}, f"the obstacle {obstacle.name!r}")
 
     def remove_obstacle(self, name: str) -> None:
         """Take an obstacle away. Raises WorldError for an unknown one."""
         if name not in self.obstacles:
             known = ", ".join(self.obstacles) or "none"
             raise WorldError(f"obstacle {name!r} is unknown; obstacles: {known}")
-        del self.obstacles[name]
-        self._build()
+        self._build(self.doors, {other: spec for other, spec in self.obstacles.items() if other != name})
+
+    def _change(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec], what: str) -> None:
+        """Put doors and obstacles in place of those before, unless a robot stands in the way: WorldError."""
+        before = self.doors, self.obstacles
+        self._build(doors, obstacles)
+        for name, robot in self.robots.items():
+            if self._hits(name, robot.pose) != CLEAR:
+                self._build(*before)
+                raise WorldError(f"{what} would stand where robot {name!r} is")
+
+    def _build(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec]) -> None:
+        """Take over doors and obstacles, and gather their segments and discs, in cells."""
+        self.doors, self.obstacles = doors, obstacles
+        self._solids = [obstacle.corners() for obstacle in obstacles.values() if obstacle.box]
+        segments = [(door.start, door.end) for door in doors.values() if not door.open]
+        self._segments = self._points([*segments, *(edge for solid in self._solids for edge in _edges(solid))], 4)
+        self._discs = self._with_radii([(one.at, one.radius) for one in obstacles.values() if not one.box])
+
+    def _around(self, robot: str) -> Surroundings:
+        """Return what one robot can hit: the world and the other robots."""
+        others = [other for name, other in self.robots.items() if name != robot]
+        if not others:
+            return Surroundings(self._occupied, self._segments, self._discs)
+        edges = self._points([edge for other in others if other.outline for edge in _edges(other.corners())], 4)
+        discs = self._with_radii([(other.pose[:2], other.spec.radius) for other in others if not other.outline])
+        segments = np.concatenate((self._segments, edges))
+        return Surroundings(self._occupied, segments, np.concatenate((self._discs, discs)))
+
+    def _hits(self, robot: str, pose: Pose2D) -> int:
+        """Return what a robot would stand in; one that is swallowed whole touches no edge."""
+        body, outline = self.robots[robot], self._outlines[robot] * (1.0 - TOUCH)
+        radius = body.spec.radius / self._scale * (1.0 - TOUCH)
+        hit = int(body_hits(self._around(robot), outline, radius, *self._in_cells(pose), True))
+        point = pose.compose(Pose2D(*body.outline[0])) if body.outline else pose
+        solids = self._solids + [other.corners() for other in self.robots.values() if other is not body]
+        if hit == CLEAR and any(inside(np.array(solid), point.x, point.y) for solid in solids if solid):
+            return HIT_SEGMENT
+        return hit
+
+    def _check_places(self) -> None:
+        for name, robot in self.robots.items():
+            self._check_place(name, robot.pose)
+
+    def _check_place(self, robot: str, pose: Pose2D) -> None:
+        if not all(map(math.isfinite, pose)):
+            raise WorldError(f"robot {robot!r}: a pose must be finite, is {tuple(pose)}")
+        self._robot(robot)
+        beyond = self.spec.grid.beyond(pose.x, pose.y)
+        if beyond:
+            raise WorldError(f"robot {robot!r}: {beyond}")
+        hit = self._hits(robot, pose)
+        if hit != CLEAR:
+            raise WorldError(f"robot {robot!r} would stand in {HITS[hit]} at ({pose.x:.2f}, {pose.y:.2f})")
 
     def _check_obstacle(self, obstacle: ObstacleSpec) -> None:
         problem = obstacle.problem() or self.spec.grid.beyond(*obstacle.at)
@@ -170,83 +206,18 @@ class Simulation:
             raise WorldError("robot {!r} is unknown; robots: {}".format(name, ", ".join(self.robots)))
         return self.robots[name]
 
-    def _build_or_undo(self, attribute: str, before: Dict, what: str) -> None:
-        """Rebuild the world after a change; take it back and raise WorldError when a robot stands in the way."""
-        self._build()
-        for name, robot in self.robots.items():
-            if self._hits(name, robot.pose) != CLEAR:
-                setattr(self, attribute, before)
-                self._build()
-                raise WorldError(f"{what} would stand where robot {name!r} is")
+    def _points(self, points: Sequence, columns: int) -> np.ndarray:
+        """Return points (m), or pairs of them, as rows of an array in cells."""
+        origin = (self.spec.grid.origin_x, self.spec.grid.origin_y)
+        return ((np.array(points, dtype=np.float64).reshape(-1, 2) - origin) / self._scale).reshape(-1, columns)
 
-    def _build(self) -> None:
-        """Gather segments and discs of closed doors and obstacles, in cells."""
-        segments = [(*door.start, *door.end) for door in self.doors.values() if not door.open]
-        discs = []
-        for obstacle in self.obstacles.values():
-            if obstacle.box is None:
-                discs.append((*obstacle.at, obstacle.radius))
-            else:
-                segments.extend(_edges(_corners(obstacle.at, obstacle.box)))
-        self._segments = self._segments_in_cells(segments)
-        self._discs = np.array(
-            [(*self._point(x, y), radius / self._scale) for x, y, radius in discs], dtype=np.float64
-        ).reshape(-1, 3)
-
-    def _around(self, robot: str) -> Surroundings:
-        """Return what one robot can hit: the world and the other robots."""
-        segments, discs = self._segments, self._discs
-        if len(self.robots) > 1:
-            others = [other for name, other in self.robots.items() if name != robot]
-            round_ones = [other for other in others if not other.outline]
-            edges = [edge for other in others if other.outline for edge in _edges(_outline(other))]
-            bodies = [
-                (*self._point(other.pose.x, other.pose.y), other.spec.radius / self._scale) for other in round_ones
-            ]
-            discs = np.concatenate((discs, np.array(bodies, dtype=np.float64).reshape(-1, 3)))
-            segments = np.concatenate((segments, self._segments_in_cells(edges)))
-        return Surroundings(self._occupied, segments, discs)
-
-    def _hits(self, robot: str, pose: Pose2D) -> int:
-        """Tell what a robot would stand in; who is swallowed whole touches no edge, and is in it nevertheless."""
-        around, cells, outline = self._around(robot), self._in_cells(pose), self._outlines[robot] * (1.0 - TOUCH)
-        hit = body_hits(
-            around.occupied, around.segments, around.discs, outline,
-            self._robot(robot).spec.radius / self._scale * (1.0 - TOUCH), cells.x, cells.y, cells.yaw,
-        )  # fmt: skip
-        if hit == CLEAR and len(outline) and covers_wall(self._occupied, outline, *cells):
-            return HIT_WALL
-        point = pose.compose(Pose2D(*self._robot(robot).outline[0])) if len(outline) else pose
-        if hit == CLEAR and any(inside(np.array(solid), point.x, point.y) for solid in self._solids(robot)):
-            return HIT_SEGMENT
-        return int(hit)
-
-    def _solids(self, robot: str) -> List[List[Tuple[float, float]]]:
-        """Return the corners (m) of all that has sides and an inside: boxes, and other robots' footprints."""
-        boxes = [_corners(obstacle.at, obstacle.box) for obstacle in self.obstacles.values() if obstacle.box]
-        return boxes + [_outline(other) for name, other in self.robots.items() if name != robot and other.outline]
-
-    def _check_place(self, robot: str, pose: Pose2D) -> None:
-        if not all(map(math.isfinite, pose)):
-            raise WorldError(f"robot {robot!r}: a pose must be finite, is {tuple(pose)}")
-        self._robot(robot)
-        beyond = self.spec.grid.beyond(pose.x, pose.y)
-        if beyond:
-            raise WorldError(f"robot {robot!r}: {beyond}")
-        hit = self._hits(robot, pose)
-        if hit != CLEAR:
-            place = f"({pose.x:.2f}, {pose.y:.2f})"
-            raise WorldError(f"robot {robot!r} would stand in {HITS[hit]} at {place}")
-
-    def _point(self, x: float, y: float) -> Tuple[float, float]:
-        return (x - self._origin[0]) / self._scale, (y - self._origin[1]) / self._scale
+    def _with_radii(self, discs: Sequence[Tuple[Point, float]]) -> np.ndarray:
+        radii = np.array([radius for _, radius in discs], dtype=np.float64) / self._scale
+        return np.column_stack((self._points([at for at, _ in discs], 2), radii))
 
     def _in_cells(self, pose: Pose2D) -> Pose2D:
-        return Pose2D(*self._point(pose.x, pose.y), pose.yaw)
-
-    def _segments_in_cells(self, segments: Sequence[Segment]) -> np.ndarray:
-        cells = [self._point(s[0], s[1]) + self._point(s[2], s[3]) for s in segments]
-        return np.array(cells, dtype=np.float64).reshape(-1, 4)
+        grid = self.spec.grid
+        return Pose2D((pose.x - grid.origin_x) / self._scale, (pose.y - grid.origin_y) / self._scale, pose.yaw)
 
 
 def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2, delay: Optional[float] = None) -> Simulation:
@@ -256,28 +227,15 @@ def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2, delay:
     """
     spec = load_world(path, map_file)
     if delay is not None:
-        spec = spec._replace(robots=tuple(_late(robot, delay) for robot in spec.robots))
+        robots = (
+            robot._replace(lasers=tuple(laser._replace(delay=delay) for laser in robot.lasers)) for robot in spec.robots
+        )
+        spec = spec._replace(robots=tuple(robots))
     try:
         return Simulation(spec, watchdog)
     except WorldError as error:
         raise WorldError(f"world {path}: robots: {error}; change its pose, or what is there") from error
 
 
-def _late(robot: RobotSpec, delay: float) -> RobotSpec:
-    return robot._replace(lasers=tuple(laser._replace(delay=delay) for laser in robot.lasers))
-
-
-def _corners(at: Tuple[float, float], box: Box) -> List[Tuple[float, float]]:
-    """Return the corners (m) of a rectangle around a point."""
-    centre = Pose2D(at[0], at[1], box.yaw)
-    x, y = box.width / 2.0, box.depth / 2.0
-    return [centre.compose(Pose2D(sx * x, sy * y))[:2] for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-
-
-def _outline(robot: Robot) -> List[Tuple[float, float]]:
-    """Return the corners (m) of a robot's footprint where it stands."""
-    return [robot.pose.compose(Pose2D(x, y))[:2] for x, y in robot.outline]
-
-
-def _edges(corners: List[Tuple[float, float]]) -> List[Segment]:
-    return [(*a, *b) for a, b in zip(corners, corners[1:] + corners[:1])]
+def _edges(corners: List[Point]) -> List[Tuple[Point, Point]]:
+    return list(zip(corners, corners[1:] + corners[:1]))

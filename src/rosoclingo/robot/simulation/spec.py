@@ -1,7 +1,7 @@
 """What a simulated world is made of."""
 
 import math
-from typing import NamedTuple, Optional, Tuple, Union
+from typing import List, NamedTuple, Optional, Tuple, Union
 
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OccupancyGrid
@@ -83,6 +83,13 @@ class ObstacleSpec(NamedTuple):
     at: Point
     radius: float = 0.0
     box: Optional[Box] = None
+
+    def corners(self) -> List[Point]:
+        """Return the corners (m) of its box, none of a disc."""
+        if self.box is None:
+            return []
+        centre, x, y = Pose2D(*self.at, self.box.yaw), self.box.width / 2.0, self.box.depth / 2.0
+        return [centre.compose(Pose2D(sx * x, sy * y))[:2] for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
 
     def problem(self) -> str:
         """Return in words why there can be no such thing; empty if there can."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["cast_rays", "inflate", "square_distance", "update_clearance", "update_open"]
+__all__ = ["inflate", "ray_length", "square_distance", "update_clearance", "update_open"]
 
 HALF_DIAGONAL = math.sqrt(0.5)
 
@@ -69,39 +69,36 @@ def _row_gaps(row, reach, span, column0, column1, out) -> None:
 
 
 @jit
-def cast_rays(occupied, x, y, angles, reach, out) -> None:
-    """Write into ``out`` (float64, n) how far each ray from (x, y) runs before it enters an occupied cell.
+def ray_length(occupied, x, y, dx, dy, reach):
+    """Return how far a ray from (x, y) in a direction (of length 1) runs before it enters an occupied cell.
 
-    ``angles`` in rad; a ray that meets nothing, or leaves the grid for good, has ``reach``; one that starts in an
-    occupied cell has 0. Walks every cell that the ray crosses (Amanatides and Woo 1987), so the ranges are exact.
+    One that meets nothing, or leaves the grid for good, has ``reach``; one that starts in an occupied cell has 0.
+    Walks every cell that the ray crosses (Amanatides and Woo 1987), so the length is exact.
     """
     height, width = occupied.shape
-    for i in range(angles.shape[0]):
-        dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        column, row = math.floor(x), math.floor(y)
-        step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
-        per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
-        per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
-        next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
-        next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
-        at = 0.0
-        while at < reach:
-            if 0 <= row < height and 0 <= column < width:
-                if occupied[row, column]:
-                    break
-            elif _leaves(column, step_c, width) or _leaves(row, step_r, height):
-                at = reach
-                break
-            if next_c < next_r:
-                at, next_c, column = next_c, next_c + per_c, column + step_c
-            else:
-                at, next_r, row = next_r, next_r + per_r, row + step_r
-        out[i] = min(at, reach)
+    column, row = math.floor(x), math.floor(y)
+    step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+    per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
+    per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
+    next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
+    next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
+    at = 0.0
+    while at < reach:
+        if 0 <= row < height and 0 <= column < width:
+            if occupied[row, column]:
+                return at
+        elif _leaves(column, step_c, width) or _leaves(row, step_r, height):
+            break
+        if next_c < next_r:
+            at, next_c, column = next_c, next_c + per_c, column + step_c
+        else:
+            at, next_r, row = next_r, next_r + per_r, row + step_r
+    return reach
 
 
 @jit
 def _leaves(index, step, size):
-    """Tell whether a walk at ``index`` with this ``step`` is outside of 0 .. size - 1 and will not come back."""
+    """Return whether a walk at ``index`` with this ``step`` is outside of 0 .. size - 1 and will not come back."""
     return (index < 0 and step < 0) or (index >= size and step > 0)
 
 

@@ -64,7 +64,7 @@ def best_command(near, body, pose, speeds, needs, turns, carrot, comfort, horizo
             score = resolution * away + ANGLE * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
-            spare = spare_after(near, body, pose, speeds[i], turns[j], horizon, STEPS, least, comfort)
+            spare = spare_after(near, body, pose, speeds[i], turns[j], horizon, np.int64(STEPS), least, comfort)
             score += NEARNESS * resolution * max(0.0, comfort - spare)
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
