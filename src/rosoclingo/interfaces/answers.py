@@ -1,15 +1,15 @@
 """From the end of a goal to the facts that answer the core: the return term and further facts.  No ROS."""
 
 import re
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
 
 from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.common.labels import UnknownLabelError
 from rosoclingo.interfaces.templates import (
+    ActionScope,
     Ended,
     FillError,
-    Scope,
     evaluate,
     fill_term,
     is_reference,
@@ -78,22 +78,23 @@ class Answer(NamedTuple):
     success: Optional[bool] = None
 
 
-def answer(rules: Tuple[Rule, ...], scope: Scope) -> Answer:
+def answer(rules: Tuple[Rule, ...], scope: ActionScope) -> Answer:
     """The answer of the first matching rule, else of DEFAULT_RETURNS."""
     ended = scope.ended
     rule = next((each for each in rules if each.matches(ended)), None)
     if rule is None:
         return Answer(default_value(ended, scope))
     warnings: List[str] = []
-    value = _value(rule, scope, warnings)
-    facts = tuple(fact for template in rule.facts for fact in _fact(template, scope, warnings))
+    value = _tried("return", rule.returns, _filled, scope, warnings)
+    filled = [_tried("fact", template, _fact, scope, warnings) for template in rule.facts]
+    facts = tuple(str(fact) for fact in filled if fact is not None)
     if value is None:
         return Answer(default_value(ended, scope), facts, tuple(warnings))
     success = True if rule.success else None if _refers(rule.returns) else False
     return Answer(value, facts, tuple(warnings), success)
 
 
-def default_value(ended: Ended, scope: Scope) -> Symbol:
+def default_value(ended: Ended, scope: ActionScope) -> Symbol:
     """The return term where no rule says otherwise: the parameter on success, else a reason named like the status."""
     if ended.status == SUCCEEDED:
         return scope.parameter
@@ -126,15 +127,18 @@ def fact_fault(template: str) -> str:
     return ""
 
 
-def _value(rule: Rule, scope: Scope, warnings: List[str]) -> Optional[Symbol]:
+def _tried(
+    kind: str, template: Any, fill: Callable[[Any, ActionScope], Symbol], scope: ActionScope, warnings: List[str]
+) -> Optional[Symbol]:
+    """Return the symbol of a filled template; None, and a warning, where it cannot be filled."""
     try:
-        return _filled(rule.returns, scope)
+        return fill(template, scope)
     except (FillError, TermError, UnknownLabelError) as error:
-        warnings.append(f"return {rule.returns!r}: {error}")
+        warnings.append(f"{kind} {template!r}: {error}")
         return None
 
 
-def _filled(template: Any, scope: Scope) -> Symbol:
+def _filled(template: Any, scope: ActionScope) -> Symbol:
     """Return the value of a rule: a term if the filled text is one, else an ASP string."""
     if not _refers(template) or is_reference(template):
         return as_term(evaluate(template, scope))
@@ -155,13 +159,8 @@ def _refers(template: Any) -> bool:
     return isinstance(template, str) and bool(references(template))
 
 
-def _fact(template: str, scope: Scope, warnings: List[str]) -> Tuple[str, ...]:
-    try:
-        text = as_text(evaluate(template, scope)) if is_reference(template) else fill_term(template, scope)
-        return (str(read_atom(text)),)
-    except (FillError, TermError, UnknownLabelError) as error:
-        warnings.append(f"fact {template!r}: {error}")
-        return ()
+def _fact(template: str, scope: ActionScope) -> Symbol:
+    return read_atom(as_text(evaluate(template, scope)) if is_reference(template) else fill_term(template, scope))
 
 
 def _field(result: Any, name: str) -> Any:

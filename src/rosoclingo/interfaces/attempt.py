@@ -4,7 +4,7 @@ from typing import Any, Optional, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.interfaces.action_runs import Instant, Limits, Run
+from rosoclingo.interfaces.action_runs import ActionLimits, Instant, Run
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, conclude
 from rosoclingo.interfaces.doubt import Inquiry
 from rosoclingo.interfaces.facts import Sender
@@ -21,7 +21,7 @@ class Attempt:
     In doubt it has an inquiry: somebody has sent a goal for the action before, and nobody here has heard its end.
     """
 
-    def __init__(self, action: Action, goal: Any, asked_by: Sender, limits: Limits, now: Instant) -> None:
+    def __init__(self, action: Action, goal: Any, asked_by: Sender, limits: ActionLimits, now: Instant) -> None:
         self.action = action
         self.goal = goal
         self.asked_by = asked_by

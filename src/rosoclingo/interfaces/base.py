@@ -12,18 +12,26 @@ import rospy
 from clingo import Function
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Effect, Event, Instant, Limits, Phase, Run
+from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionEvent, ActionLimits, Effect, Instant, Phase, Run
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, in_words
 from rosoclingo.interfaces.attempt import TAKEN, Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
-from rosoclingo.interfaces.doubt import Check, Finding, Inquiry, Listed
-from rosoclingo.interfaces.facts import Command, Commanded, FactError, Sender, Verb, parse_command, return_text
+from rosoclingo.interfaces.doubt import Check, Inquiry, InquiryResult, Listed
+from rosoclingo.interfaces.facts import (
+    Commanded,
+    CommandError,
+    InterfaceCommand,
+    Sender,
+    Verb,
+    parse_command,
+    return_text,
+)
 from rosoclingo.interfaces.inbox import inbox_of
-from rosoclingo.interfaces.interface_state import Health
+from rosoclingo.interfaces.interface_state import InterfaceHealth
 from rosoclingo.interfaces.link import ServerLink, new_goal_id
 from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.interfaces.outbox import Outbox
-from rosoclingo.interfaces.templates import Ended, Scope
+from rosoclingo.interfaces.templates import ActionScope, Ended
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.reasoning.keywords import Action
 
@@ -88,7 +96,7 @@ class Interface(abc.ABC):
         name: str,
         action_type: type,
         server: str,
-        limits: Limits = DEFAULT_LIMITS,
+        limits: ActionLimits = DEFAULT_LIMITS,
         retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON,
         *,
         worker: Worker,
@@ -107,7 +115,7 @@ class Interface(abc.ABC):
         self._goal_class = type(action_type().action_goal.goal)
         self._link = ServerLink(server, action_type)
         self._outbox = Outbox(IN_TOPIC, name)
-        self._health = Health(name, server, self._look)
+        self._health = InterfaceHealth(name, server, self._look)
         worker.add(self._settle)
         rospy.on_shutdown(lambda: self._post(self._shut_down))
         self._inbox = inbox_of(worker)
@@ -119,7 +127,7 @@ class Interface(abc.ABC):
 
     def make_answer(self, action: Action, ended: Ended) -> Answer:
         """What to tell the core about an action whose goal has ended in this way."""
-        return answer((), Scope(action.parameter, action.cycle, ended=ended))
+        return answer((), ActionScope(action.parameter, action.cycle, ended=ended))
 
     def make_check(self, action: Action) -> Optional[Check]:
         """What tells of an action that may have been done whether it was; None where nothing can.
@@ -132,17 +140,17 @@ class Interface(abc.ABC):
     # ---- in: what the inbox reads, on the worker's thread -----------------------------------------------------------
 
     def _read(self, message: InterfaceIO, sender: Sender) -> None:
-        commands: List[Command] = []
+        commands: List[InterfaceCommand] = []
         for fact in message.facts:
             try:
                 commands.append(parse_command(fact, self.name))
-            except FactError as error:
+            except CommandError as error:
                 rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender.node, error)
         self._commanded.add(commands)
         for command in commands:
             self._guarded(functools.partial(self._obey, command, sender), self._attempts.get(command.action))
 
-    def _obey(self, command: Command, sender: Sender) -> None:
+    def _obey(self, command: InterfaceCommand, sender: Sender) -> None:
         attempt = self._attempts.get(command.action)
         if command.verb is Verb.RUN and attempt is None:
             self._begin(command.action, sender)
@@ -156,7 +164,7 @@ class Interface(abc.ABC):
         else:
             attempt.unwanted = True
             if attempt.inquiry is None:
-                self._handle(attempt, Event.CANCEL)
+                self._handle(attempt, ActionEvent.CANCEL)
 
     def _begin_run(self, run: str) -> None:
         if not self._memory.begin_run(run):
@@ -193,7 +201,7 @@ class Interface(abc.ABC):
                 self._inquire(attempt, self.make_check(action))
             self._settle()
 
-    def _handle(self, attempt: Attempt, event: Event, ended: Optional[Ended] = None) -> None:
+    def _handle(self, attempt: Attempt, event: ActionEvent, ended: Optional[Ended] = None) -> None:
         if ended is not None and not attempt.run.done:
             attempt.ended = ended
         self._do(attempt, attempt.run.handle(event, _now()))
@@ -217,11 +225,11 @@ class Interface(abc.ABC):
         if attempt.handle is not None:
             self._link.cancel(attempt.handle)
 
-    def _report(self, attempt: Attempt, event: Event, ended: Optional[Ended]) -> None:
-        taken = event is Event.ENDED and ended is not None and ended.status in TAKEN
-        self._post(functools.partial(self._hear, attempt, Event.TAKEN if taken else event, ended), attempt)
+    def _report(self, attempt: Attempt, event: ActionEvent, ended: Optional[Ended]) -> None:
+        taken = event is ActionEvent.ENDED and ended is not None and ended.status in TAKEN
+        self._post(functools.partial(self._hear, attempt, ActionEvent.TAKEN if taken else event, ended), attempt)
 
-    def _hear(self, attempt: Attempt, event: Event, ended: Optional[Ended]) -> None:
+    def _hear(self, attempt: Attempt, event: ActionEvent, ended: Optional[Ended]) -> None:
         if attempt.inquiry is None and self._attempts.get(attempt.action) is attempt:
             self._handle(attempt, event, ended)
 
@@ -270,34 +278,34 @@ class Interface(abc.ABC):
         held = attempt.run.unheeded  # perhaps for ever: only the world is asked
         listed = Listed.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
         finding = inquiry.look(listed, now.wall)
-        if finding is Finding.OPEN:
+        if finding is InquiryResult.OPEN:
             return
         rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, finding.value)
         attempt.inquiry = None
-        if finding in (Finding.UNKNOWN, Finding.NOT_DONE):
-            attempt.doubtful = finding is Finding.UNKNOWN
-        if finding is Finding.HELD:
+        if finding in (InquiryResult.UNKNOWN, InquiryResult.NOT_DONE):
+            attempt.doubtful = finding is InquiryResult.UNKNOWN
+        if finding is InquiryResult.HELD:
             self._take_up(attempt, now)
-        elif finding is Finding.DONE:
+        elif finding is InquiryResult.DONE:
             self._end(attempt, Ended(SUCCEEDED, "it was done already"))
         elif attempt.lost is not None:
             self._end(attempt, attempt.lost)
-        elif finding is Finding.UNKNOWN and (attempt.unwanted or not self._repeatable):
+        elif finding is InquiryResult.UNKNOWN and (attempt.unwanted or not self._repeatable):
             text = "it was begun by a node that died, and whether it was done is not known"
             self._end(attempt, Ended(INTERRUPTED, text))
         elif attempt.unwanted:
-            self._handle(attempt, Event.CANCEL)
+            self._handle(attempt, ActionEvent.CANCEL)
         elif inquiry.used:
             attempt.goal_id, attempt.handle = new_goal_id(), None
 
     def _take_up(self, attempt: Attempt, now: Instant) -> None:
         """Go on with the goal that the server has."""
         attempt.lost, attempt.run = None, Run(attempt.limits, now)
-        attempt.run.handle(Event.SERVER_FOUND, now)
-        self._handle(attempt, Event.ACKNOWLEDGED)
+        attempt.run.handle(ActionEvent.SERVER_FOUND, now)
+        self._handle(attempt, ActionEvent.ACKNOWLEDGED)
         self._link.report_again(attempt.handle, functools.partial(self._report, attempt))
         if attempt.unwanted:
-            self._handle(attempt, Event.CANCEL)
+            self._handle(attempt, ActionEvent.CANCEL)
 
     # ---- time and shutdown ----------------------------------------------------------------------------------------
 
@@ -314,11 +322,11 @@ class Interface(abc.ABC):
         if attempt.inquiry is not None:
             self._look_for(attempt, attempt.inquiry, now)
         elif attempt.run.phase is Phase.WAITING and self._link.connected:
-            self._handle(attempt, Event.SERVER_FOUND)
+            self._handle(attempt, ActionEvent.SERVER_FOUND)
         elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
             rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
         elif attempt.run.phase is not Phase.WAITING and gone:
-            self._handle(attempt, Event.SERVER_LOST)
+            self._handle(attempt, ActionEvent.SERVER_LOST)
         else:
             self._do(attempt, attempt.run.tick(now))
 
@@ -338,7 +346,7 @@ class Interface(abc.ABC):
         if attempt.lost is not None:
             self._end(attempt, attempt.lost)
         else:
-            self._handle(attempt, Event.SHUTDOWN)
+            self._handle(attempt, ActionEvent.SHUTDOWN)
 
     # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
 

@@ -20,18 +20,18 @@ move_base:                           # the first argument of _action_lib(move_ba
 
 import re
 import warnings
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Pattern, Tuple
 
-from rosoclingo.common.reading import Reader
-from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, Limits
+from rosoclingo.common.reading import MISSING, Reader
+from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionLimits
 from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED, Rule, fact_fault, pattern_of
 from rosoclingo.interfaces.templates import ANSWER_NAMES, GOAL_NAMES, faults
 from rosoclingo.interfaces.values import TermError, read_term
 
 DEFAULT_RETRY_ON = ("failed", "blocked", "server_lost")
 
-_MESSAGE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z")
-_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
+_MESSAGE_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z")
+_ACTION_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
 
 
 class ConfigError(ValueError):
@@ -54,7 +54,7 @@ class InterfaceSpec(NamedTuple):
     server: str
     goal: Mapping[str, Any] = {}
     rules: Tuple[Rule, ...] = ()
-    limits: Limits = DEFAULT_LIMITS
+    limits: ActionLimits = DEFAULT_LIMITS
     retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON
     repeatable: bool = False
     done: Optional[Done] = None
@@ -71,9 +71,9 @@ def survey(reader: Reader) -> Dict[str, InterfaceSpec]:
 def _spec(name: str, entry: Reader) -> InterfaceSpec:
     spec = InterfaceSpec(
         name=_term(name, entry),
-        type=entry.at("type").read("an action type like move_base_msgs/MoveBaseAction", _action_type, empty=""),
+        type=_type(entry.at("type"), "an action type like move_base_msgs/MoveBaseAction", _ACTION_TYPE),
         server=entry.at("server").text(name, wanted="the name of an actionlib server"),
-        goal=_templates(entry.at("goal")),
+        goal=_templates(entry.at("goal"), "a mapping of the goal's fields", {}),
         limits=read_limits(entry),
         retry_on=entry.at("retry_on").texts(DEFAULT_RETRY_ON, "a list of reasons like [failed, blocked]"),
         repeatable=entry.at("repeatable").flag(False),
@@ -98,33 +98,28 @@ def _done(reader: Reader) -> Optional[Done]:
     topic, kind, when = (reader.at(key) for key in ("topic", "type", "when"))
     done = Done(
         topic=topic.text(wanted="the name of a topic"),
-        type=kind.read("a message type like rosoclingo/PackageStates", _message_type, empty=""),
-        when=when.mapping("a mapping of the message's fields to values"),
+        type=_type(kind, "a message type like rosoclingo/PackageStates", _MESSAGE_TYPE),
+        when=_templates(when, "a mapping of the message's fields to values"),
     )
     if when.value == {}:
         when.fault("names no field: any message would do")
-    reader.faults += faults(done.when, GOAL_NAMES, when.named)
     reader.close()
     return done
 
 
-def _message_type(value: Any) -> Optional[str]:
-    return value if isinstance(value, str) and _MESSAGE.match(value) else None
+def _type(reader: Reader, wanted: str, pattern: Pattern[str]) -> str:
+    return reader.read(wanted, lambda text: text if isinstance(text, str) and pattern.match(text) else None, empty="")
 
 
-def _action_type(value: Any) -> Optional[str]:
-    return value if isinstance(value, str) and _TYPE.match(value) else None
+def _templates(reader: Reader, wanted: str, default: Any = MISSING) -> Mapping[str, Any]:
+    found = reader.mapping(wanted, default)
+    reader.faults += faults(found, GOAL_NAMES, reader.named)
+    return found
 
 
-def _templates(reader: Reader) -> Mapping[str, Any]:
-    goal = reader.mapping("a mapping of the goal's fields", {})
-    reader.faults += faults(goal, GOAL_NAMES, reader.named)
-    return goal
-
-
-def read_limits(reader: Reader, defaults: Limits = DEFAULT_LIMITS) -> Limits:
+def read_limits(reader: Reader, defaults: ActionLimits = DEFAULT_LIMITS) -> ActionLimits:
     """Time-outs and pause (s), and retries; ``defaults`` where the reader has none."""
-    return Limits(
+    return ActionLimits(
         reader.at("timeout").number(defaults.timeout, low=0.0),
         reader.at("server_timeout").number(defaults.server_timeout, above=0.0),
         reader.at("retries").whole(defaults.retries, low=0),
@@ -145,14 +140,11 @@ def _rule(reader: Reader) -> Rule:
     result = returns.value if returns.given else default
     told = facts.texts((), "a list of atoms as text")
     wrong = faults(result, ANSWER_NAMES, returns.named) + faults(told, ANSWER_NAMES, facts.named)
-    reader.faults += wrong or [f"{facts.named}[{index}]: {fault}" for index, fault in _fact_faults(told)]
+    broken = [(index, fact_fault(fact)) for index, fact in enumerate(told)]
+    reader.faults += wrong or [f"{facts.named}[{index}]: {fault}" for index, fault in broken if fault]
     rule = Rule(result, named, _pattern(text.value if text.given else None, text), wanted, told, success)
     reader.close()
     return rule
-
-
-def _fact_faults(facts: Tuple[str, ...]) -> List[Tuple[int, str]]:
-    return [(index, fault) for index, fault in enumerate(map(fact_fault, facts)) if fault]
 
 
 def _pattern(value: Any, reader: Reader) -> Optional[Pattern[str]]:

@@ -17,7 +17,7 @@ class Listed(enum.Enum):
     ABSENT = "it does not know the goal"
 
 
-class Finding(enum.Enum):
+class InquiryResult(enum.Enum):
     """What has become of the action."""
 
     OPEN = "not known yet"
@@ -36,18 +36,18 @@ class Inquiry:
         self._ended_since: Optional[float] = None
         self.used = False  # the server has ended the goal: it takes no other of that id
 
-    def look(self, listed: Optional[Listed], wall: float) -> Finding:
+    def look(self, listed: Optional[Listed], wall: float) -> InquiryResult:
         """The finding at the time ``wall`` if the server says ``listed``; None while it has said nothing."""
         if listed is Listed.HELD:
-            return Finding.HELD
+            return InquiryResult.HELD
         expired = wall >= self._end
         waits = listed is None or self._may_come(listed, wall)
         if waits and not expired:
-            return Finding.OPEN
+            return InquiryResult.OPEN
         done = self._check() if self._check is not None else None
         if done or (done is not None and not waits):  # a server that is out of reach can still do it
-            return Finding.DONE if done else Finding.NOT_DONE
-        return Finding.UNKNOWN if expired or self._check is None else Finding.OPEN
+            return InquiryResult.DONE if done else InquiryResult.NOT_DONE
+        return InquiryResult.UNKNOWN if expired or self._check is None else InquiryResult.OPEN
 
     def _may_come(self, listed: Listed, wall: float) -> bool:
         """Whether the result of a goal that has ended may be on its way."""

@@ -21,7 +21,7 @@ from rosoclingo.reasoning.keywords import (
 REMEMBERED = 1000  # actions, those of the present cycle among them
 
 
-class FactError(ValueError):
+class CommandError(ValueError):
     """A fact that is no command; the message holds the text and what is wrong with it."""
 
 
@@ -32,24 +32,24 @@ class Verb(enum.Enum):
     CANCEL = CANCEL_ACTION
 
 
-class Command(NamedTuple):
+class InterfaceCommand(NamedTuple):
     """A fact read from out_rosoclingo: run an action, or cancel one that is running."""
 
     verb: Verb
     action: Action
 
 
-def parse_command(text: str, interface: str) -> Command:
-    """Read `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises FactError."""
+def parse_command(text: str, interface: str) -> InterfaceCommand:
+    """Read `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises CommandError."""
     try:
         atom = read_atom(text)
         verb = Verb.CANCEL if is_keyword(atom, CANCEL_ACTION) else Verb.RUN
-        action = action_of(_renamed(atom, ACTION_LIB) if verb is Verb.CANCEL else atom)
+        action = action_of(Function(ACTION_LIB, atom.arguments) if verb is Verb.CANCEL else atom)
     except (TermError, KeywordError) as error:
-        raise FactError(str(error)) from error
+        raise CommandError(str(error)) from error
     if action.interface_name != interface:
-        raise FactError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
-    return Command(verb, action)
+        raise CommandError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
+    return InterfaceCommand(verb, action)
 
 
 class Sender(NamedTuple):
@@ -74,7 +74,7 @@ class Commanded:
     def __init__(self) -> None:
         self._actions: Deque[Action] = deque(maxlen=REMEMBERED)
 
-    def add(self, commands: Iterable[Command]) -> None:
+    def add(self, commands: Iterable[InterfaceCommand]) -> None:
         """Remember the actions of the commands to run."""
         self._actions.extend(command.action for command in commands if command.verb is Verb.RUN)
 
@@ -100,7 +100,3 @@ class Commanded:
 def return_text(action: Action, value: Symbol) -> str:
     """The fact that answers an action: `_return(move_base,office2,1)`."""
     return str(Return(action.interface, value, action.cycle).atom)
-
-
-def _renamed(atom: Symbol, name: str) -> Symbol:
-    return Function(name, atom.arguments)

@@ -24,7 +24,7 @@ Read = Callable[[InterfaceIO, Sender], None]
 BeginRun = Callable[[str], None]
 
 
-class Inbox:
+class CommandInbox:
     """The one subscriber of all interfaces of a worker, which call it on the worker's thread.
 
     It subscribes with the worker's first job, thus after all interfaces that were made before the worker started: what
@@ -74,6 +74,6 @@ class Inbox:
 
 
 @functools.lru_cache(maxsize=None)
-def inbox_of(worker: Worker) -> Inbox:
+def inbox_of(worker: Worker) -> CommandInbox:
     """The inbox of a worker."""
-    return Inbox(worker)
+    return CommandInbox(worker)

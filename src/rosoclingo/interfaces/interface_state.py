@@ -9,7 +9,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rosoclingo.common.diagnostics import Diagnostics, Findings
 
 
-class Health:
+class InterfaceHealth:
     """Counts what became of an interface's actions, and its faults; reports it with the state of the server.
 
     ``look`` tells whether the server is connected, and the actions under way.

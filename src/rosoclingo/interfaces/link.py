@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import heard_nodes, readers
-from rosoclingo.interfaces.action_runs import Event
+from rosoclingo.interfaces.action_runs import ActionEvent
 from rosoclingo.interfaces.doubt import Listed
 from rosoclingo.interfaces.templates import Ended
 
@@ -45,7 +45,7 @@ _CANCELLING = (CommState.RECALLING, CommState.PREEMPTING, CommState.WAITING_FOR_
 
 _ENDED = (*STATUS_NAMES, GoalStatus.LOST)
 
-Report = Callable[[Event, Optional[Ended]], None]
+Report = Callable[[ActionEvent, Optional[Ended]], None]
 
 
 class ServerLink:
@@ -174,13 +174,13 @@ class ServerLink:
 def _report_transition(handle: ClientGoalHandle, report: Report) -> None:
     state = handle.get_comm_state()
     if state in _ACKNOWLEDGING:
-        report(Event.ACKNOWLEDGED, None)
+        report(ActionEvent.ACKNOWLEDGED, None)
     elif state == CommState.DONE:
         status = STATUS_NAMES.get(handle.get_terminal_state())
         if status is None:
-            report(Event.SERVER_LOST, None)
+            report(ActionEvent.SERVER_LOST, None)
         else:
-            report(Event.ENDED, Ended(status, handle.get_goal_status_text(), handle.get_result()))
+            report(ActionEvent.ENDED, Ended(status, handle.get_goal_status_text(), handle.get_result()))
 
 
 def new_goal_id() -> str:

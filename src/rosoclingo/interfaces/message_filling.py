@@ -1,16 +1,17 @@
 """Filling the fields of a ROS message from evaluated templates, checked against the message's own types.
 
-Needs genpy only: messages are walked by their slots.
+Needs genpy only.
 """
 
-from typing import Any, Callable, Dict, Iterator, List, Mapping
+from typing import Any, Callable, Dict, List, Mapping
 
 import genpy
 from clingo import Symbol, SymbolType
 from genmsg.msgs import BUILTIN_TYPES, parse_type
 
 from rosoclingo.common.labels import Label, bare_frame
-from rosoclingo.interfaces.templates import Now, texts_in
+from rosoclingo.interfaces.answers import pattern_of
+from rosoclingo.interfaces.templates import Now
 from rosoclingo.interfaces.values import TermError, as_boolean, as_integer, as_real, as_text
 
 _FRAMES = ("frame_id", "child_frame_id")
@@ -25,41 +26,21 @@ def fill(message: Any, values: Mapping[str, Any], now: genpy.Time, place: str = 
 
     The leading slash of a frame, as in "/map", is dropped: tf2 refuses it.
     """
-    faults = list(_set_fields(message, values, now, place))
-    if faults:
-        raise FieldError("\n".join(faults))
+    filler = _Filler(now, is_template=False)
+    filler.fill(message, values, place)
+    if filler.faults:
+        raise FieldError("\n".join(filler.faults))
     return message
 
 
 def field_faults(message: Any, template: Mapping[str, Any], place: str = "goal") -> List[str]:
-    """What is wrong with a template whatever is filled in: fields that the type lacks, values that fit no action."""
-    return list(_set_fields(message, template, genpy.Time(), place, template=True))
+    """Return the faults of a template for any action: fields that the type lacks, values that do not fit.
 
-
-def _set_fields(
-    message: Any, values: Mapping[str, Any], now: genpy.Time, place: str, template: bool = False
-) -> Iterator[str]:
-    """Set the fields and yield their faults; of a ``template`` skip values with references."""
-    types = field_types(message)
-    for name, value in values.items():
-        where = f"{place}.{name}"
-        if name not in types:
-            yield no_field(message, where)
-        elif isinstance(value, Mapping) and isinstance(getattr(message, name), genpy.Message):
-            yield from _set_fields(getattr(message, name), value, now, where, template)
-        elif not (template and any("$" in text for _, text in texts_in(value))):
-            try:
-                converted = _convert(value, types[name], now, where)
-            except FieldError as error:
-                yield str(error)
-            else:
-                frame = name in _FRAMES and types[name] == "string"
-                setattr(message, name, bare_frame(converted) if frame else converted)
-
-
-def no_field(message: Any, place: str) -> str:
-    """Return the fault that a message type lacks the field at this place."""
-    return "{}: {} has no such field; it has {}".format(place, message._type, ", ".join(message.__slots__))
+    A mapping or a value in place of an array stands for one element.
+    """
+    filler = _Filler(genpy.Time(), is_template=True)
+    filler.fill(message, template, place)
+    return filler.faults
 
 
 def field_types(message: Any) -> Dict[str, str]:
@@ -67,33 +48,65 @@ def field_types(message: Any) -> Dict[str, str]:
     return dict(zip(message.__slots__, message._slot_types))
 
 
-def _convert(value: Any, ros_type: str, now: genpy.Time, place: str) -> Any:
-    base, is_array, length = parse_type(ros_type)
-    if is_array:
+class _Filler:
+    """Fills messages and collects the faults; skips the texts of a template that depend on the action."""
+
+    def __init__(self, now: genpy.Time, is_template: bool) -> None:
+        self.faults: List[str] = []
+        self._now, self._is_template = now, is_template
+
+    def fill(self, message: Any, values: Mapping[str, Any], place: str) -> Any:
+        types = field_types(message)
+        for name, value in values.items():
+            where = f"{place}.{name}"
+            if name not in types:
+                known = ", ".join(message.__slots__)
+                self.faults.append(f"{where}: {message._type} has no such field; it has {known}")
+                continue
+            found = self._value(value, types[name], getattr(message, name), where)
+            frame = name in _FRAMES and isinstance(found, str)
+            setattr(message, name, bare_frame(found) if frame else found)
+        return message
+
+    def _value(self, value: Any, ros_type: str, default: Any, place: str) -> Any:
+        """Return a value as a field of this type has it; the default, and a fault, for a value that does not fit."""
+        if self._is_template and isinstance(value, str) and ("$" in value or pattern_of(value) is not None):
+            return default
+        base, is_array, length = parse_type(ros_type)
+        try:
+            if is_array:
+                return self._array(value, base, length, place)
+            if ros_type == "time" and isinstance(value, Now):
+                return self._now
+            if ros_type in BUILTIN_TYPES:
+                return _primitive(value, ros_type)
+        except TermError as error:
+            self.faults.append(f"{place}: {ros_type} is wanted, but {error}")
+            return default
+        if isinstance(value, Label) and ros_type in _POSES:
+            value = _POSES[ros_type](value)
+        if isinstance(value, Mapping):
+            message = default if isinstance(default, genpy.Message) else genpy.message.get_message_class(ros_type)()
+            return self.fill(message, value, place)
+        mend = "a pose fills " + ", ".join(_POSES) if isinstance(value, Label) else "write a mapping of its fields"
+        self.faults.append(f"{place}: {ros_type} cannot be filled from {as_text(value)}: {mend}")
+        return default
+
+    def _array(self, value: Any, base: str, length: Any, place: str) -> List[Any]:
         items = _items(value)
-        if length is not None and len(items) != length:
-            raise FieldError(f"{place}: {length} values are wanted, not {len(items)}")
-        return [_convert(item, base, now, f"{place}[{index}]") for index, item in enumerate(items)]
-    try:
-        if ros_type == "time" and isinstance(value, Now):
-            return now
-        if ros_type in BUILTIN_TYPES:
-            return _primitive(value, ros_type)
-    except TermError as error:
-        raise FieldError(f"{place}: {ros_type} is wanted, but {error}") from error
-    if isinstance(value, Label):
-        value = _label_fields(value, ros_type, place)
-    if not isinstance(value, Mapping):
-        raise FieldError(f"{place}: {ros_type} cannot be filled from {as_text(value)}")
-    return fill(genpy.message.get_message_class(ros_type)(), value, now, place)
+        given = [value] if items is None else items
+        if length not in (None, len(given)) and not (self._is_template and items is None):
+            raise TermError(f"it was given {len(given)} values")
+        places = [place] if items is None else [f"{place}[{index}]" for index in range(len(given))]
+        return [self._value(one, base, None, where) for one, where in zip(given, places)]
 
 
-def _items(value: Any) -> List[Any]:
+def _items(value: Any) -> Any:
+    """Return the elements of a list or of a tuple of the program, None for any other value."""
     if isinstance(value, (list, tuple)) and not isinstance(value, Label):
-        return list(value)
-    if isinstance(value, Symbol) and value.type == SymbolType.Function and not value.name:
-        return list(value.arguments)
-    return [value]
+        return value
+    is_tuple = isinstance(value, Symbol) and value.type == SymbolType.Function and not value.name
+    return value.arguments if is_tuple else None
 
 
 def _primitive(value: Any, ros_type: str) -> Any:
@@ -121,28 +134,27 @@ _SCALARS: Dict[str, Callable[[Any], Any]] = {
 }
 
 
-def _label_fields(label: Label, ros_type: str, place: str) -> Mapping[str, Any]:
-    if ros_type not in _POSES:
-        raise FieldError("{}: a pose fills {}, not {}".format(place, ", ".join(_POSES), ros_type))
-    return _POSES[ros_type](label)
+def _point(label: Label) -> Mapping[str, Any]:
+    return {"x": label.x, "y": label.y}
 
 
-def _pose(label: Label) -> Dict[str, Any]:
-    return {
-        "position": {"x": label.x, "y": label.y},
-        "orientation": dict(zip("xyzw", label.quaternion)),
-    }
+def _turn(label: Label) -> Mapping[str, Any]:
+    return dict(zip("xyzw", label.quaternion))
 
 
-def _stamped(field: str, inside: Callable[[Label], Mapping[str, Any]]) -> Callable[[Label], Mapping[str, Any]]:
-    return lambda label: {"header": {"frame_id": label.frame, "stamp": Now()}, field: inside(label)}
+def _pose(label: Label) -> Mapping[str, Any]:
+    return {"position": _point(label), "orientation": _turn(label)}
+
+
+def _header(label: Label) -> Mapping[str, Any]:
+    return {"frame_id": label.frame, "stamp": Now()}
 
 
 _POSES: Dict[str, Callable[[Label], Mapping[str, Any]]] = {
     "geometry_msgs/Pose": _pose,
-    "geometry_msgs/PoseStamped": _stamped("pose", _pose),
-    "geometry_msgs/Pose2D": lambda label: {"x": label.x, "y": label.y, "theta": label.yaw},
-    "geometry_msgs/Point": lambda label: {"x": label.x, "y": label.y},
-    "geometry_msgs/PointStamped": _stamped("point", lambda label: {"x": label.x, "y": label.y}),
-    "geometry_msgs/Quaternion": lambda label: dict(zip("xyzw", label.quaternion)),
+    "geometry_msgs/PoseStamped": lambda label: {"header": _header(label), "pose": _pose(label)},
+    "geometry_msgs/Pose2D": lambda label: {**_point(label), "theta": label.yaw},
+    "geometry_msgs/Point": _point,
+    "geometry_msgs/PointStamped": lambda label: {"header": _header(label), "point": _point(label)},
+    "geometry_msgs/Quaternion": _turn,
 }

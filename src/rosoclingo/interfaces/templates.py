@@ -51,7 +51,7 @@ class Ended(NamedTuple):
     result: Any = None
 
 
-class Scope(NamedTuple):
+class ActionScope(NamedTuple):
     """What the references of a template may refer to."""
 
     parameter: Symbol
@@ -60,7 +60,7 @@ class Scope(NamedTuple):
     ended: Ended = Ended("aborted")
 
 
-def evaluate(template: Any, scope: Scope) -> Any:
+def evaluate(template: Any, scope: ActionScope) -> Any:
     """The value of a template; lists and mappings are filled inside.  Raises FillError, UnknownLabelError."""
     if isinstance(template, Mapping):
         return {key: evaluate(value, scope) for key, value in template.items()}
@@ -79,7 +79,7 @@ def is_reference(template: Any) -> bool:
     return isinstance(template, str) and _WHOLE.match(template) is not None
 
 
-def fill_term(template: str, scope: Scope) -> str:
+def fill_term(template: str, scope: ActionScope) -> str:
     """Return the text of an ASP term or atom with its references filled.  Raises FillError, UnknownLabelError.
 
     A reference outside quotes has to be one term, or, next to the characters of a name, a part of that name.
@@ -180,7 +180,7 @@ def _one_term(reference: str, value: Any, joined: bool) -> str:
         raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no term: {mend}") from None
 
 
-def _substitute(match: Match[str], scope: Scope) -> str:
+def _substitute(match: Match[str], scope: ActionScope) -> str:
     if match.group(0) == "$$":
         return "$"
     return _inner_text(_lookup(match.group(1), scope))
@@ -192,7 +192,7 @@ def _inner_text(value: Any) -> str:
     return as_text(value)
 
 
-def _lookup(reference: str, scope: Scope) -> Any:
+def _lookup(reference: str, scope: ActionScope) -> Any:
     head, *steps = reference.split(".")
     if head.isdigit():
         return _walk_term(_argument(scope.parameter, int(head), top=True), steps, scope)
@@ -201,7 +201,7 @@ def _lookup(reference: str, scope: Scope) -> Any:
     return _HEADS[head](steps, scope)
 
 
-def _walk_term(term: Symbol, steps: List[str], scope: Scope) -> Any:
+def _walk_term(term: Symbol, steps: List[str], scope: ActionScope) -> Any:
     for step in steps:
         if not step.isdigit():
             label = scope.labels[term]
@@ -219,7 +219,7 @@ def _argument(term: Symbol, number: int, top: bool = False) -> Symbol:
     return arguments[number - 1]
 
 
-def _walk_result(steps: List[str], scope: Scope) -> Any:
+def _walk_result(steps: List[str], scope: ActionScope) -> Any:
     value: Any = scope.ended.result
     for step in steps:
         try:
@@ -229,7 +229,7 @@ def _walk_result(steps: List[str], scope: Scope) -> Any:
     return value
 
 
-_HEADS: Dict[str, Callable[[List[str], Scope], Any]] = {
+_HEADS: Dict[str, Callable[[List[str], ActionScope], Any]] = {
     "parameter": lambda steps, scope: _walk_term(scope.parameter, steps, scope),
     "cycle": lambda steps, scope: scope.cycle,
     "now": lambda steps, scope: Now(),

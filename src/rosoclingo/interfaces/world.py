@@ -1,15 +1,20 @@
-"""The last message of a topic that says how the world is."""
+"""The world as a topic reports it: whether its last message shows the effect of an action."""
 
+import contextlib
 import functools
-from typing import Any
+from typing import Any, Mapping, Optional
 
 import rospy
 
 from rosoclingo.common.connections import is_connected
+from rosoclingo.common.labels import UnknownLabelError
+from rosoclingo.interfaces.answers import equal
+from rosoclingo.interfaces.templates import ActionScope, FillError, evaluate
+from rosoclingo.interfaces.values import TermError, as_real, as_text
 
 
 class Watch:
-    """Remembers the last message of a topic, as long as who sent it is there: what a dead node said may be over."""
+    """Remembers the last message of a topic while its sender is connected: a dead node's message can be outdated."""
 
     def __init__(self, topic: str, kind: type) -> None:
         self._last: Any = None
@@ -18,15 +23,37 @@ class Watch:
     def _note(self, message: Any) -> None:
         self._last = message
 
-    @property
-    def latest(self) -> Any:
-        """The message; None before the first, and where its publisher is gone."""
+    def shows(self, wanted: Mapping[str, Any], scope: ActionScope) -> Optional[bool]:
+        """Whether the message has these fields, see :func:`holds`; None without a message."""
         message = self._last
-        there = message is not None and is_connected(self._subscriber, message._connection_header)
-        return message if there else None
+        if message is None or not is_connected(self._subscriber, message._connection_header):
+            return None
+        return holds(message, wanted, scope)
 
 
 @functools.lru_cache(maxsize=None)
 def watch(topic: str, kind: type) -> Watch:
-    """The one watch of a topic in this process: a latched message comes once for the node."""
+    """Return the one watch of a topic in this process: a latched message comes once for the node."""
     return Watch(topic, kind)
+
+
+def holds(message: Any, wanted: Mapping[str, Any], scope: ActionScope) -> Optional[bool]:
+    """Whether a message has these fields, templates filled for the action; None where they cannot be filled.
+
+    Of an array, one element has to match.
+    """
+    try:
+        return _matches(message, evaluate(wanted, scope))
+    except (FillError, UnknownLabelError):
+        return None
+
+
+def _matches(value: Any, wanted: Any) -> bool:
+    if isinstance(value, (list, tuple, bytes)):
+        return any(_matches(one, wanted) for one in value)
+    if isinstance(wanted, Mapping):
+        return all(_matches(getattr(value, name, None), each) for name, each in wanted.items())
+    if isinstance(value, float):
+        with contextlib.suppress(TermError):
+            return value == as_real(wanted)
+    return equal(value, wanted) or as_text(value) == as_text(wanted)

@@ -29,7 +29,7 @@ from rosgraph_msgs.msg import Log
 from rospy.topics import _PublisherImpl
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.interfaces.action_runs import Limits
+from rosoclingo.interfaces.action_runs import ActionLimits
 from rosoclingo.interfaces.answers import Answer
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError
@@ -317,7 +317,7 @@ class SubclassedInterface(unittest.TestCase):
     def test_a_fault_costs_its_actions_and_nothing_else(self):
         core, server, worker, lines = CoreSide(), Server("trader", TwoIntsAction), Worker(), []
         log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
-        SumInterface("odd", TwoIntsAction, "trader", Limits(timeout="soon"), worker=worker)
+        SumInterface("odd", TwoIntsAction, "trader", ActionLimits(timeout="soon"), worker=worker)
         SumInterface("trade", TwoIntsAction, "trader", worker=worker)
         worker.start()
         core.wait_for(rospy.get_name())

@@ -3,7 +3,7 @@
 import pytest
 from clingo import Function
 
-from rosoclingo.interfaces.action_runs import Event, Instant, Limits
+from rosoclingo.interfaces.action_runs import ActionEvent, ActionLimits, Instant
 from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.facts import Sender
 from rosoclingo.interfaces.templates import Ended
@@ -14,7 +14,7 @@ PICK = Action(Function("pick"), Function("cup"), 1)
 
 
 def attempt(*events, ended=None, **limits):
-    one = Attempt(PICK, None, Sender("core", None), Limits(retries=1, **limits), NOW)
+    one = Attempt(PICK, None, Sender("core", None), ActionLimits(retries=1, **limits), NOW)
     return after(one, *events, ended=ended)
 
 
@@ -25,44 +25,45 @@ def after(one, *events, ended=None):
     return one
 
 
-SENT = (Event.SERVER_FOUND, Event.ACKNOWLEDGED)
+SENT = (ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED)
 
 
 def test_an_attempt_without_a_goal_is_preempted_by_a_cancel():
-    assert attempt(Event.CANCEL).conclusion.status == "preempted"
+    assert attempt(ActionEvent.CANCEL).conclusion.status == "preempted"
 
 
 @pytest.mark.parametrize("status", ["preempted", "recalled", "aborted", "rejected", "succeeded"])
 def test_a_cancelled_goal_ends_as_its_server_says(status):
-    event = Event.TAKEN if status in ("preempted", "recalled") else Event.ENDED
-    assert attempt(*SENT, Event.CANCEL, event, ended=Ended(status)).conclusion.status == status
+    event = ActionEvent.TAKEN if status in ("preempted", "recalled") else ActionEvent.ENDED
+    assert attempt(*SENT, ActionEvent.CANCEL, event, ended=Ended(status)).conclusion.status == status
 
 
-@pytest.mark.parametrize("why", [Event.CANCEL, Event.EXPIRED])
+@pytest.mark.parametrize("why", [ActionEvent.CANCEL, ActionEvent.EXPIRED])
 def test_a_goal_that_outlives_its_cancel_is_lost_and_not_sent_again(why):
-    one = attempt(*SENT, why, Event.EXPIRED)
+    one = attempt(*SENT, why, ActionEvent.EXPIRED)
     assert one.conclusion.status == "server_lost"
     assert not one.is_worth_another(one.conclusion, Function("server_lost"), ("server_lost",))
 
 
 def test_a_cancel_between_two_goals_leaves_the_end_of_the_first():
-    first = attempt(*SENT, Event.ENDED, ended=Ended("aborted", "slipped"))
+    first = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted", "slipped"))
     assert first.is_worth_another(first.conclusion, Function("failed"), ("failed",))
     second = first.again(first.conclusion, NOW)
-    assert after(second, Event.CANCEL).conclusion == Ended("aborted", "slipped")
+    assert after(second, ActionEvent.CANCEL).conclusion == Ended("aborted", "slipped")
 
 
 def test_a_cancel_while_an_absent_server_is_tried_again_preempts():
-    first = attempt(Event.EXPIRED)
+    first = attempt(ActionEvent.EXPIRED)
     assert first.conclusion.status == "server_lost"
-    assert after(first.again(first.conclusion, NOW), Event.CANCEL).conclusion.status == "preempted"
+    assert after(first.again(first.conclusion, NOW), ActionEvent.CANCEL).conclusion.status == "preempted"
 
 
 @pytest.mark.parametrize(
-    ("events", "ended"), [([Event.CANCEL], None), ([*SENT, Event.CANCEL, Event.TAKEN], Ended("preempted"))]
+    ("events", "ended"),
+    [([ActionEvent.CANCEL], None), ([*SENT, ActionEvent.CANCEL, ActionEvent.TAKEN], Ended("preempted"))],
 )
 def test_nobody_is_preempted_while_an_earlier_goal_is_in_doubt(events, ended):
-    first = attempt(*SENT, Event.SERVER_LOST)
+    first = attempt(*SENT, ActionEvent.SERVER_LOST)
     first.doubtful = True
     second = first.again(first.conclusion, NOW)
     assert second.limits.retries == 0
@@ -70,6 +71,6 @@ def test_nobody_is_preempted_while_an_earlier_goal_is_in_doubt(events, ended):
 
 
 def test_an_action_that_is_not_wanted_is_not_sent_again():
-    one = attempt(*SENT, Event.ENDED, ended=Ended("aborted"))
+    one = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted"))
     one.unwanted = True
     assert not one.is_worth_another(one.conclusion, Function("failed"), ("failed",))

@@ -7,8 +7,9 @@ from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Bool, Float64MultiArray, UInt8MultiArray
 
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.interfaces.templates import Scope
-from rosoclingo.interfaces.world_checks import check_faults, holds
+from rosoclingo.interfaces.message_filling import field_faults
+from rosoclingo.interfaces.templates import ActionScope
+from rosoclingo.interfaces.world import holds
 
 OFFICE = DiagnosticArray(status=[DiagnosticStatus(name="1", message="office3"), DiagnosticStatus(name="cup")])
 CARRIED = {"status": {"name": "$parameter", "message": ""}}
@@ -16,7 +17,7 @@ LYING = {"status": {"name": "$parameter", "message": "/./"}}
 
 
 def scope(parameter):
-    return Scope(parameter, 1, LabelTable())
+    return ActionScope(parameter, 1, LabelTable())
 
 
 @pytest.mark.parametrize(
@@ -56,13 +57,12 @@ def test_numbers_texts_and_patterns():
     assert not holds(Bool(data=False), {"data": True}, scope(Number(1)))
 
 
-def test_faults_are_told_with_their_places():
-    wanted = {"status": {"name": 1, "massage": True}, "header": 3, "parcels": 1}
+def test_faults_of_a_check_name_their_places():
+    wanted = {"status": {"name": "1", "massage": True, "level": "/[12]/"}, "header": 3, "parcels": "$1"}
     fields = "level, name, message, hardware_id, values"
-    assert check_faults(DiagnosticArray(), wanted, "pickup.done.when") == [
+    assert field_faults(DiagnosticArray(), wanted, "pickup.done.when") == [
         f"pickup.done.when.status.massage: diagnostic_msgs/DiagnosticStatus has no such field; it has {fields}",
-        "pickup.done.when.header: a field of type std_msgs/Header takes a mapping of its fields",
+        "pickup.done.when.header: std_msgs/Header cannot be filled from 3: write a mapping of its fields",
         "pickup.done.when.parcels: diagnostic_msgs/DiagnosticArray has no such field; it has header, status",
     ]
-    assert check_faults(Bool(), {"data": {"name": 1}}, "x") == ["x.data: a field of type bool takes no mapping"]
-    assert not check_faults(DiagnosticArray(), CARRIED, "x")
+    assert not field_faults(DiagnosticArray(), CARRIED, "x")

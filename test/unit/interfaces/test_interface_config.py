@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common.reading import Reader
-from rosoclingo.interfaces.action_runs import Limits
+from rosoclingo.interfaces.action_runs import ActionLimits
 from rosoclingo.interfaces.config import ConfigError, read_limits, survey
 
 SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"
@@ -40,7 +40,7 @@ def test_what_is_left_out():
     assert spec.name == spec.server == "arm(left)"
     assert spec.goal == {}
     assert spec.rules == ()
-    assert spec.limits == Limits()
+    assert spec.limits == ActionLimits()
     assert not spec.repeatable
     assert spec.done is None
 
@@ -62,7 +62,7 @@ def test_everything_given():
         ],
     }
     spec = read_specs({"arm": entry})["arm"]
-    assert spec.limits == Limits(3.0, 0.5, 2)
+    assert spec.limits == ActionLimits(3.0, 0.5, 2)
     assert spec.retry_on == ("failed",)
     assert spec.repeatable
     assert spec.done == ("arm/state", "std_msgs/Int32", {"data": "$1"})
@@ -181,9 +181,9 @@ def test_what_is_usable_of_a_faulty_entry_is_there_to_be_checked_further():
 
 
 def test_limits_alone():
-    assert read_limits(Reader({"timeout": 7}), Limits(1.0, 2.0, 3)) == Limits(7.0, 2.0, 3)
+    assert read_limits(Reader({"timeout": 7}), ActionLimits(1.0, 2.0, 3)) == ActionLimits(7.0, 2.0, 3)
     reader = Reader({"retries": -1}, "~")
-    assert read_limits(reader) == Limits()
+    assert read_limits(reader) == ActionLimits()
     assert reader.faults == ["~retries: must be a whole number from 0 on, not -1"]
 
 

@@ -7,7 +7,7 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import Commanded, FactError, Sender, Verb, parse_command, return_text
+from rosoclingo.interfaces.facts import Commanded, CommandError, Sender, Verb, parse_command, return_text
 from rosoclingo.interfaces.values import (
     TermError,
     as_boolean,
@@ -137,13 +137,13 @@ def test_a_cancellation_names_the_same_action():
     ],
 )
 def test_what_is_no_command_is_told(text, fault):
-    with pytest.raises(FactError, match=fault):
+    with pytest.raises(CommandError, match=fault):
         parse_command(text, "move_base")
 
 
 @given(st.text(max_size=60))
 def test_any_text_is_a_command_or_a_fact_error(text):
-    with contextlib.suppress(FactError):
+    with contextlib.suppress(CommandError):
         parse_command(text, "move_base")
 
 

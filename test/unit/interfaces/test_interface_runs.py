@@ -7,24 +7,24 @@ from hypothesis import strategies as st
 from rosoclingo.interfaces.action_runs import (
     START_TIME,
     TRANSITIONS,
+    ActionEvent,
+    ActionLimits,
     Effect,
-    Event,
     IllegalEventError,
     Instant,
-    Limits,
     Phase,
     Run,
 )
 
-LIMITS = Limits(timeout=10.0, server_timeout=5.0)
+LIMITS = ActionLimits(timeout=10.0, server_timeout=5.0)
 START = Instant(100.0, 50.0)
 WAYS = {
     Phase.WAITING: [],
-    Phase.SENT: [Event.SERVER_FOUND],
-    Phase.RUNNING: [Event.SERVER_FOUND, Event.ACKNOWLEDGED],
-    Phase.ENDING: [Event.SERVER_FOUND, Event.ACKNOWLEDGED, Event.CANCEL],
-    Phase.YIELDING: [Event.SERVER_FOUND, Event.ACKNOWLEDGED, Event.TAKEN],
-    Phase.DONE: [Event.CANCEL],
+    Phase.SENT: [ActionEvent.SERVER_FOUND],
+    Phase.RUNNING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED],
+    Phase.ENDING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED, ActionEvent.CANCEL],
+    Phase.YIELDING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED, ActionEvent.TAKEN],
+    Phase.DONE: [ActionEvent.CANCEL],
 }
 
 
@@ -41,7 +41,7 @@ def later(ros=0.0, wall=0.0):
 
 
 @pytest.mark.parametrize("phase", list(Phase))
-@pytest.mark.parametrize("event", list(Event))
+@pytest.mark.parametrize("event", list(ActionEvent))
 def test_every_event_has_a_defined_effect_or_is_illegal(phase, event):
     run = run_in(phase)
     if event in TRANSITIONS[phase]:
@@ -55,41 +55,41 @@ def test_every_event_has_a_defined_effect_or_is_illegal(phase, event):
 
 
 def test_only_what_cannot_happen_is_illegal():
-    illegal = {(phase, event) for phase in Phase for event in Event if event not in TRANSITIONS[phase]}
+    illegal = {(phase, event) for phase in Phase for event in ActionEvent if event not in TRANSITIONS[phase]}
     assert illegal == {
-        (Phase.WAITING, Event.ACKNOWLEDGED),
-        (Phase.WAITING, Event.ENDED),
-        (Phase.WAITING, Event.TAKEN),
-        (Phase.WAITING, Event.SERVER_LOST),
-        (Phase.SENT, Event.SERVER_FOUND),
-        (Phase.RUNNING, Event.SERVER_FOUND),
-        (Phase.ENDING, Event.SERVER_FOUND),
-        (Phase.YIELDING, Event.SERVER_FOUND),
+        (Phase.WAITING, ActionEvent.ACKNOWLEDGED),
+        (Phase.WAITING, ActionEvent.ENDED),
+        (Phase.WAITING, ActionEvent.TAKEN),
+        (Phase.WAITING, ActionEvent.SERVER_LOST),
+        (Phase.SENT, ActionEvent.SERVER_FOUND),
+        (Phase.RUNNING, ActionEvent.SERVER_FOUND),
+        (Phase.ENDING, ActionEvent.SERVER_FOUND),
+        (Phase.YIELDING, ActionEvent.SERVER_FOUND),
     }
 
 
 @pytest.mark.parametrize(
     ("phase", "event", "verdict"),
     [
-        (Phase.WAITING, Event.CANCEL, "preempted"),
-        (Phase.WAITING, Event.SHUTDOWN, "interface_lost"),
-        (Phase.SENT, Event.CANCEL, None),
-        (Phase.SENT, Event.SERVER_LOST, "server_lost"),
-        (Phase.SENT, Event.EXPIRED, "server_lost"),
-        (Phase.RUNNING, Event.ENDED, None),
-        (Phase.RUNNING, Event.EXPIRED, "timeout"),
-        (Phase.RUNNING, Event.CANCEL, None),
-        (Phase.RUNNING, Event.SERVER_LOST, "server_lost"),
-        (Phase.RUNNING, Event.SHUTDOWN, "interface_lost"),
-        (Phase.ENDING, Event.ENDED, None),
-        (Phase.ENDING, Event.TAKEN, None),
-        (Phase.ENDING, Event.EXPIRED, "server_lost"),
-        (Phase.ENDING, Event.SERVER_LOST, "server_lost"),
-        (Phase.RUNNING, Event.TAKEN, None),
-        (Phase.YIELDING, Event.EXPIRED, None),
-        (Phase.YIELDING, Event.SERVER_LOST, "server_lost"),
-        (Phase.DONE, Event.SERVER_LOST, "preempted"),
-        (Phase.DONE, Event.SHUTDOWN, "preempted"),
+        (Phase.WAITING, ActionEvent.CANCEL, "preempted"),
+        (Phase.WAITING, ActionEvent.SHUTDOWN, "interface_lost"),
+        (Phase.SENT, ActionEvent.CANCEL, None),
+        (Phase.SENT, ActionEvent.SERVER_LOST, "server_lost"),
+        (Phase.SENT, ActionEvent.EXPIRED, "server_lost"),
+        (Phase.RUNNING, ActionEvent.ENDED, None),
+        (Phase.RUNNING, ActionEvent.EXPIRED, "timeout"),
+        (Phase.RUNNING, ActionEvent.CANCEL, None),
+        (Phase.RUNNING, ActionEvent.SERVER_LOST, "server_lost"),
+        (Phase.RUNNING, ActionEvent.SHUTDOWN, "interface_lost"),
+        (Phase.ENDING, ActionEvent.ENDED, None),
+        (Phase.ENDING, ActionEvent.TAKEN, None),
+        (Phase.ENDING, ActionEvent.EXPIRED, "server_lost"),
+        (Phase.ENDING, ActionEvent.SERVER_LOST, "server_lost"),
+        (Phase.RUNNING, ActionEvent.TAKEN, None),
+        (Phase.YIELDING, ActionEvent.EXPIRED, None),
+        (Phase.YIELDING, ActionEvent.SERVER_LOST, "server_lost"),
+        (Phase.DONE, ActionEvent.SERVER_LOST, "preempted"),
+        (Phase.DONE, ActionEvent.SHUTDOWN, "preempted"),
     ],
 )
 def test_verdicts(phase, event, verdict):
@@ -98,7 +98,7 @@ def test_verdicts(phase, event, verdict):
     assert run.verdict == verdict
 
 
-@given(st.lists(st.sampled_from(list(Event)), max_size=12))
+@given(st.lists(st.sampled_from(list(ActionEvent)), max_size=12))
 def test_a_goal_that_was_sent_is_preempted_by_its_server_alone(events):
     """Nothing has happened: only of a goal that was never sent can anybody else say so."""
     run, sent = Run(LIMITS, START), False
@@ -160,21 +160,21 @@ def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
 
 def test_the_time_counts_from_sending_the_goal():
     run = run_in(Phase.SENT)
-    run.handle(Event.ACKNOWLEDGED, later(9.0, 1.0))
+    run.handle(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
 
 
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
 def test_a_server_that_somebody_else_has_taken_is_left_to_him_for_a_while(phase):
     run = run_in(phase, LIMITS._replace(pause=2.0))
-    assert run.handle(Event.TAKEN, START) is Effect.NOTHING
+    assert run.handle(ActionEvent.TAKEN, START) is Effect.NOTHING
     assert run.tick(later(1.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(2.0, 0.1)) is Effect.FINISH
 
 
 def test_nobody_waits_for_the_pause_of_an_action_that_is_not_wanted_any_more():
-    assert run_in(Phase.YIELDING).handle(Event.CANCEL, later(0.1)) is Effect.FINISH
-    assert run_in(Phase.ENDING).handle(Event.TAKEN, later(0.1)) is Effect.FINISH
+    assert run_in(Phase.YIELDING).handle(ActionEvent.CANCEL, later(0.1)) is Effect.FINISH
+    assert run_in(Phase.ENDING).handle(ActionEvent.TAKEN, later(0.1)) is Effect.FINISH
 
 
 def test_no_limit():
@@ -195,11 +195,13 @@ def test_time_that_is_reset_starts_the_deadline_anew():
     assert run.tick(Instant(11.0, 53.0)) is Effect.CANCEL
 
 
-@given(st.lists(st.one_of(st.sampled_from(list(Event)), st.tuples(st.floats(0, 20), st.floats(0, 20))), max_size=30))
+@given(
+    st.lists(st.one_of(st.sampled_from(list(ActionEvent)), st.tuples(st.floats(0, 20), st.floats(0, 20))), max_size=30)
+)
 def test_every_run_ends_once_and_for_good(happenings):
     run, now, finished = Run(LIMITS, START), START, 0
     for happening in happenings:
-        if isinstance(happening, Event):
+        if isinstance(happening, ActionEvent):
             if happening not in TRANSITIONS[run.phase]:
                 continue
             effect = run.handle(happening, now)

@@ -14,10 +14,10 @@ from rosoclingo.interfaces.answers import Rule, answer, conclude
 from rosoclingo.interfaces.config import survey
 from rosoclingo.interfaces.templates import (
     ANSWER_NAMES,
+    ActionScope,
     Ended,
     FillError,
     Now,
-    Scope,
     evaluate,
     faults,
     labelled,
@@ -30,7 +30,7 @@ ABORTED = Ended("aborted")
 
 
 def scope(parameter="office2", ended=ABORTED):
-    return Scope(read_term(parameter), 5, LABELS, ended)
+    return ActionScope(read_term(parameter), 5, LABELS, ended)
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from rosoclingo.interfaces.checking.odd_values import (
 from rosoclingo.interfaces.checking.order_file import OrderFile
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
-from rosoclingo.interfaces.templates import FillError, Scope, evaluate, labelled, term_with
+from rosoclingo.interfaces.templates import ActionScope, FillError, evaluate, labelled, term_with
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.likeness import likely_external, likely_word
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -177,7 +177,7 @@ def _labelled(paths: List[str]) -> Labelled:
         """Yield the terms that the paths lead to; parameters of another form have no label there."""
         for path in paths:
             try:
-                term: Any = evaluate(path, Scope(parameter, 1))
+                term: Any = evaluate(path, ActionScope(parameter, 1))
             except FillError:
                 continue
             if isinstance(term, clingo.Symbol):
