@@ -1,13 +1,13 @@
 """The core's intake of facts from the topic in_rosoclingo."""
 
 import time
-from typing import Set
+from typing import NamedTuple, Set, Tuple
 
 import rospy
 
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
-from rosoclingo.nodes.core.fact_queue import FactQueue, Sent
+from rosoclingo.nodes.core.bounded_queue import BoundedQueue
 from rosoclingo.nodes.core.gathering import Gathering
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.kept_core import KeptCore
@@ -15,6 +15,18 @@ from rosoclingo.reasoning.keywords import shortened
 
 #: Seconds of wall time for which the worker takes facts before other work.
 SLICE = 0.05
+
+
+#: Limit of one node's queued messages.
+MOST_WAITING = 20
+
+
+class _Sent(NamedTuple):
+    """A message of a node; without facts it announces that the node serves the interface."""
+
+    node: str
+    interface: str
+    facts: Tuple[str, ...]
 
 
 class FactIntake:
@@ -27,7 +39,8 @@ class FactIntake:
 
     def __init__(self, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
         self._core, self._register, self._worker = core, register, worker
-        self._queue, self.gathering = FactQueue(), Gathering(time.monotonic())
+        self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
+        self.gathering = Gathering(time.monotonic())
 
     def connect(self) -> None:
         """Subscribe to facts."""
@@ -36,11 +49,11 @@ class FactIntake:
     @property
     def waiting(self) -> bool:
         """Whether facts wait."""
-        return self._queue.waiting
+        return len(self._queue) > 0
 
     def gather(self) -> bool:
         """Tell whether the next update waits for facts, goals or cancels."""
-        return self.gathering.waits(time.monotonic(), self._queue.waiting or self._worker.waiting)
+        return self.gathering.waits(time.monotonic(), self.waiting or self._worker.waiting)
 
     @property
     def senders(self) -> Set[str]:
@@ -48,20 +61,19 @@ class FactIntake:
         return {connection.callerid_pub for connection in self._inlet.impl.connections}
 
     def _on_facts(self, message: InterfaceIO) -> None:
-        sent = Sent(message._connection_header["callerid"], shortened(message.interface), tuple(message.facts))
-        if self._queue.put(sent):
+        node = message._connection_header["callerid"]
+        if self._queue.put(node, _Sent(node, shortened(message.interface), tuple(message.facts))):
             self._worker.put(_wake)
 
     def take(self) -> None:
         """Pass on facts for at most SLICE seconds; called by the worker."""
         end = time.monotonic() + SLICE
-        message = self._queue.take()
-        while message is not None:
+        while self._queue and time.monotonic() < end:
+            [message] = self._queue.take(1)
             if message.facts:
                 self._core.receive(message.interface, message.facts)
             else:
                 self._register.announce(message.node, message.interface)
-            message = self._queue.take() if time.monotonic() < end else None
 
 
 def _wake() -> None:

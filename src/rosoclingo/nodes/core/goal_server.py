@@ -1,8 +1,6 @@
 """The action server of the core: clients hear of what arrived, and of what was, once it is in the journal."""
 
-import threading
-from collections import Counter, deque
-from typing import Any, Callable, Deque, List, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
@@ -11,6 +9,7 @@ from actionlib.status_tracker import StatusTracker
 from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
+from rosoclingo.nodes.core.bounded_queue import BoundedQueue
 
 #: Limit of one node's queued goals and cancels.
 MOST_ARRIVALS = 100
@@ -34,10 +33,9 @@ _ENDS = {
 
 
 class _Arrival(NamedTuple):
-    """A queued goal or cancel of ``node``, and actionlib's function to take it."""
+    """A queued goal or cancel, and actionlib's function to take it."""
 
     take: Callable[[], None]
-    node: str
     is_goal: bool
 
 
@@ -56,11 +54,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
         self._arrived, self._ending = arrived, ending
         self._owed = self._told = False  # a deferred status; whether a result's status is out already
-        self._queued = threading.Condition()  # for all below; no calls while it is held
-        self._arrivals: Deque[_Arrival] = deque()
-        self._number: Counter[str] = Counter()  # queued arrivals, by node
-        self._unkept = 0  # queued goals, and arrivals taken but not in the journal yet
-        self._called = False
+        self._arrivals: BoundedQueue[_Arrival] = BoundedQueue(MOST_ARRIVALS)
+        self._taking = False  # arrivals were taken and are not in the journal yet
 
     @property
     def arrivals(self) -> int:
@@ -70,52 +65,34 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     def internal_goal_callback(self, goal: Any) -> None:
         """Called by rospy."""
         take = super().internal_goal_callback
-        self._put(goal.goal_id.id, _Arrival(lambda: take(goal), _node_of(goal), True))
+        self._put(goal, goal.goal_id.id, _Arrival(lambda: take(goal), is_goal=True))
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
         """Called by rospy."""
         take = super().internal_cancel_callback
-        self._put(goal_id.id, _Arrival(lambda: take(goal_id), _node_of(goal_id), False))
+        self._put(goal_id, goal_id.id, _Arrival(lambda: take(goal_id), is_goal=False))
 
-    def _put(self, key: str, arrival: _Arrival) -> None:
+    def _put(self, message: Any, key: str, arrival: _Arrival) -> None:
         """Queue an arrival, as soon as its node has room for it."""
-        node = arrival.node
+        node = str(message._connection_header["callerid"])
         if len(key) > LONGEST_ID:
             text = "a goal or cancel of %s is dropped: its id has more than %d characters"
             rospy.logwarn_throttle(10.0, text, node, LONGEST_ID)
-            return
-        with self._queued:
-            self._queued.wait_for(lambda: self._number[node] < MOST_ARRIVALS)
-            self._arrivals.append(arrival)
-            self._number[node] += 1
-            self._unkept += arrival.is_goal
-            called, self._called = self._called, True
-        if not called:
+        elif self._arrivals.put(node, arrival):
             self._arrived()
-
-    def _next(self) -> List[_Arrival]:
-        """Return the next arrivals to take; no status goes out until they are in the journal."""
-        with self._queued:
-            taken = [self._arrivals.popleft() for _ in range(min(TURN, len(self._arrivals)))]
-            self._called = bool(self._arrivals)
-            self._number -= Counter(one.node for one in taken)  # those with none are left out
-            self._unkept += sum(not one.is_goal for one in taken)
-            self._queued.notify_all()
-        return taken
 
     def take(self, keep: Callable[[], None]) -> None:
         """Take what has arrived; called by the worker. It is shown to clients after ``keep``."""
-        taken = self._next()
+        self._taking = True
+        taken = self._arrivals.take(TURN)
         for one in taken:
             one.take()
         if taken:
             keep()
-        with self._queued:
-            self._unkept -= len(taken)
-            called = self._called
+        self._taking = False
         if self._owed:
             self.publish_status()
-        if called:
+        if self._arrivals:
             self._arrived()
 
     def publish_status(self) -> None:
@@ -123,7 +100,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         with self.lock:
             if self._told:
                 return
-            self._owed = self._unkept > 0
+            # in this order: the worker sets the mark before it takes a goal from the queue
+            self._owed = any(one.is_goal for one in self._arrivals.items) or self._taking
             if not self._owed:
                 super().publish_status()
 
@@ -153,7 +131,3 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         tracker.handle_tracker = HandleTrackerDeleter(self, tracker)
         self.status_list.append(tracker)
         return ServerGoalHandle(tracker, self, tracker.handle_tracker)
-
-
-def _node_of(message: Any) -> str:
-    return str(message._connection_header["callerid"])
