@@ -3,7 +3,6 @@
 import asyncio
 import json
 import logging
-import re
 import socket
 import threading
 import time
@@ -12,7 +11,6 @@ from pathlib import Path
 from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set
 
 from tornado.httpserver import HTTPServer
-from tornado.httputil import HTTPHeaders
 from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
@@ -42,13 +40,6 @@ POLICY = (
 )
 #: Types of the number of a message, which its answer repeats.
 _NUMBERS = (int, type(None))
-
-#: A WebSocket's key, 16 bytes in base64; an offer to compress whose parameters zlib accepts (RFC 7692).
-_KEY = re.compile(r"[A-Za-z0-9+/]{22}==")
-_DEFLATE = re.compile(
-    r"permessage-deflate(\s*;\s*((server|client)_no_context_takeover|client_max_window_bits"
-    r"|server_max_window_bits=(?P<q>\"?)(9|1[0-5])(?P=q)|client_max_window_bits=(?P<r>\"?)([89]|1[0-5])(?P=r)))*"
-)
 
 TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 
@@ -166,10 +157,6 @@ class _Nothing(RequestHandler):
         """Answer that it is not there."""
         raise HTTPError(404)
 
-    def set_default_headers(self) -> None:
-        """Set no header that tells of the server."""
-        self.clear_header("Server")
-
     def write_error(self, status_code: int, **_more: Any) -> None:
         """Answer with the fault in plain text."""
         _say_error(self, status_code, self._reason)
@@ -232,17 +219,10 @@ class _Viewer(WebSocketHandler):
             raise HTTPError(403, reason="No page of this server")
         if len(self._server.viewers) >= MOST_VIEWERS:
             raise HTTPError(503, reason="Too many viewers")
-        fault = _handshake_fault(self.request.headers)
-        if fault:
-            raise HTTPError(400, reason=fault)
 
     def write_error(self, status_code: int, **_more: Any) -> None:
         """Answer with the fault in plain text."""
         _say_error(self, status_code, self._reason)
-
-    def get_compression_options(self) -> Dict[str, Any]:
-        """Compress, lightly: texts repeat much."""
-        return {"compression_level": 1}
 
     def open(self, *_arguments: str, **_more: str) -> None:
         """Add it to those who look on."""
@@ -300,16 +280,6 @@ def _read(message: Any) -> Optional[Dict[str, Any]]:
     except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
-
-
-def _handshake_fault(headers: HTTPHeaders) -> str:
-    """Return the fault of the headers that open a WebSocket, empty if tornado can accept them."""
-    if not _KEY.fullmatch(headers.get("Sec-WebSocket-Key", "")):
-        return "Sec-WebSocket-Key is not 16 bytes in base64"
-    offers = [offer.strip() for offer in headers.get("Sec-WebSocket-Extensions", "").split(",")]
-    if all(map(_DEFLATE.fullmatch, (one for one in offers if one.partition(";")[0].strip() == "permessage-deflate"))):
-        return ""
-    return "Sec-WebSocket-Extensions has no parameters of permessage-deflate"
 
 
 def _plain(host: str) -> str:
