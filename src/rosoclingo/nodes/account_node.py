@@ -4,36 +4,19 @@ import threading
 from typing import Any, Callable, Collection, List, Mapping, Optional
 
 import rospy
-from actionlib_msgs.msg import GoalID, GoalStatusArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
-from nav_msgs.msg import Odometry
-from std_msgs.msg import String
-from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.connections import comes_to
-from rosoclingo.msg import GoalStates, InterfaceIO, PackageStates, ROSoClingoActionGoal, State, TaskPlan
-from rosoclingo.nodes.run_topics import RunTopics
+from rosoclingo.nodes.run_topics import PATHS, RunTopics
+from rosoclingo.nodes.topic_types import TYPES
 from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
 
 #: Topics of an account, named as :func:`full_name` takes them, and their types.
 TOPICS = {
-    "~program": String,
-    "~goals": GoalStates,
-    "~state": State,
-    "out_rosoclingo": InterfaceIO,
-    "in_rosoclingo": InterfaceIO,
-    "rosoclingo/goal": ROSoClingoActionGoal,
-    "rosoclingo/cancel": GoalID,
-    "rosoclingo/status": GoalStatusArray,
-    "~updates": String,
-    "~task_plan": TaskPlan,
-    "packages": PackageStates,
-    "base_pose_ground_truth": Odometry,
-    "amcl_pose": PoseWithCovarianceStamped,
-    "/tf": TFMessage,
-    "/tf_static": TFMessage,
+    name: kind
+    for name, kind in TYPES.items()
+    if name not in ("rosoclingo/feedback", "rosoclingo/result", "map", "/rosout", *PATHS)
 }
 
 #: Statuses of goals that have ended.

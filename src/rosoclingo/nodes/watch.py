@@ -1,18 +1,18 @@
 """The command ``watch``: the account of a system that runs, or of a bag."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Callable, Iterable, Optional, Sequence
 
 import rospy
 
 from rosoclingo.nodes.account_node import TOPICS, AccountNode, TopicAccount
-from rosoclingo.nodes.pose_topics import EXACT
-from rosoclingo.nodes.recording.bag_reader import core_in, opened
+from rosoclingo.nodes.recording.bag_reader import read_bag
 from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.recorded_run import RecordingError
-from rosoclingo.runs.topic_names import USUAL, full_name
+from rosoclingo.runs.topic_names import USUAL
 
 Say = Callable[[str], None]
 
@@ -26,16 +26,8 @@ _TURN = 0.2
 def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> None:
     """Tell the account of a bag, and the summary; raises RecordingError."""
     account = TopicAccount(say, with_state=with_state)
-    try:
-        with opened(path) as bag:
-            found = set(bag.get_type_and_topic_info().topics)
-            names = {full_name(topic, core_in(found, core)): topic for topic in TOPICS}
-            if full_name(EXACT, core_in(found, core)) in found:  # tf has many messages
-                names = {topic: name for topic, name in names.items() if not name.startswith("/tf")}
-            for topic, message, moment in bag.read_messages(sorted(found & names.keys())):
-                account.take(names[topic], message, moment.to_sec())
-    except KeyboardInterrupt:
-        pass
+    with suppress(KeyboardInterrupt):
+        read_bag(path, core, account.account, TOPICS)
     _conclude(account, say)
 
 

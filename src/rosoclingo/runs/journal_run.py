@@ -61,7 +61,8 @@ def journal_run(file: Path) -> RecordedRun:
     for moment in moments:
         reader.take(moment)
     if not reader.has_update:
-        raise RecordingError("nothing was done since it began with the whole state: there is nothing to replay yet")
+        words = "nothing was done since it began with the whole state: there is nothing to replay yet"
+        raise RecordingError(f"{file}: {words}")
     return collector.runs()[0]
 
 
@@ -85,7 +86,7 @@ def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
     try:
         return history(file)
     except JournalError as error:
-        raise RecordingError(f"{error}; take another copy of the journal") from None
+        raise RecordingError(f"{file}: {error}; take another copy of the journal") from None
 
 
 class _Clock:

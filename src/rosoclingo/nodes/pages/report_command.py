@@ -7,10 +7,12 @@ from typing import Any, Callable, Mapping, Optional, Sequence
 
 import rospkg
 
-from rosoclingo.nodes.pages.recorded import read_view
-from rosoclingo.reasoning.journal.database import file_of
+from rosoclingo.nodes.recording.bag_reader import read_bag
+from rosoclingo.reasoning.journal.database import file_of, is_journal
+from rosoclingo.runs.journal_run import journal_view
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.report_page import report_page
+from rosoclingo.runs.run_view import RunView
 
 __all__ = ["main", "web", "write_report"]
 
@@ -36,7 +38,13 @@ def write_report(run: Path, to: Path, core: Optional[str] = None, about: Optiona
     ``about`` is what the page says beside the run: ``title``, ``source``, and ``verdict``, how the run differs from
     what was expected.
     """
-    view = read_view(run, core, {"title": run.stem, "source": run.name, **(about or {})})
+    about = {"title": run.stem, "source": run.name, **(about or {})}
+    if is_journal(file_of(run)):
+        view = journal_view(file_of(run), about)
+    else:
+        view = RunView(about)
+        read_bag(run, core, view)
+        view.finish()
     to.write_text(report_page(view.changes(), web()), encoding="utf-8")
 
 

@@ -5,55 +5,20 @@ import uuid
 from typing import Any, Dict
 
 import rospy
-from actionlib_msgs.msg import GoalID, GoalStatusArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
-from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from rosgraph_msgs.msg import Log
+from actionlib_msgs.msg import GoalID
 from std_msgs.msg import String
-from tf2_msgs.msg import TFMessage
 from tornado.netutil import bind_sockets
 
 from rosoclingo.common.parameters import ParameterError, Parameters
-from rosoclingo.msg import (
-    GoalStates,
-    InterfaceIO,
-    PackageStates,
-    ROSoClingoActionFeedback,
-    ROSoClingoActionGoal,
-    ROSoClingoActionResult,
-    State,
-    TaskPlan,
-)
+from rosoclingo.msg import ROSoClingoActionGoal
 from rosoclingo.nodes.pages.access import LOCAL, Access
 from rosoclingo.nodes.pages.order_desk import OrderDesk
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
-from rosoclingo.nodes.run_topics import PATHS, RunTopics
+from rosoclingo.nodes.run_topics import RunTopics
+from rosoclingo.nodes.topic_types import TYPES
 from rosoclingo.runs.orders import OrderError, read_orders
 from rosoclingo.runs.run_view import RunView
-
-TYPES: Dict[str, Any] = {
-    "~program": String,
-    "rosoclingo/goal": ROSoClingoActionGoal,
-    "rosoclingo/cancel": GoalID,
-    "rosoclingo/status": GoalStatusArray,
-    "rosoclingo/feedback": ROSoClingoActionFeedback,
-    "rosoclingo/result": ROSoClingoActionResult,
-    "~updates": String,
-    "~task_plan": TaskPlan,
-    "~goals": GoalStates,
-    "~state": State,
-    "out_rosoclingo": InterfaceIO,
-    "in_rosoclingo": InterfaceIO,
-    "packages": PackageStates,
-    "map": OccupancyGrid,
-    **dict.fromkeys(PATHS, Path),
-    "base_pose_ground_truth": Odometry,
-    "amcl_pose": PoseWithCovarianceStamped,
-    "/tf": TFMessage,
-    "/tf_static": TFMessage,
-    "/rosout": Log,
-}
 
 
 class WebNode:

@@ -92,12 +92,7 @@ def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
 def _read(path: Path, core: Optional[str]) -> List[RecordedRun]:
     """Return the runs in a bag or a journal; raises RecordingError, OSError."""
     file = file_of(path)
-    if not is_journal(file):
-        return bag_runs(path, core)
-    try:
-        return [journal_run(file)]
-    except RecordingError as error:
-        raise RecordingError(f"{file}: {error}") from None
+    return [journal_run(file)] if is_journal(file) else bag_runs(path, core)
 
 
 def _fail(text: str) -> int:
