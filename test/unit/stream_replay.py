@@ -4,7 +4,7 @@ from rosoclingo.oclingo import parse_updates
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning import ActionsDispatched, PlanMade, Problem, UpdateSent
 from rosoclingo.runs.recorded_run import RunCollector
-from rosoclingo.runs.replay import AGREEING, Replay, Verdict
+from rosoclingo.runs.replay import AGREEING, Replay, CycleVerdict
 
 
 def replayed(program, stream):
@@ -30,7 +30,7 @@ def recorded(journal):
     return run
 
 
-def check_replay(program, journal, verdicts=(*AGREEING, Verdict.MISSED)):
+def check_replay(program, journal, verdicts=(*AGREEING, CycleVerdict.MISSED)):
     """Each decision is one of the ``verdicts``, and explained where another is found now; updates were told once."""
     told = journal.of(UpdateSent)
     reports = list(Replay(recorded(journal), program).reports()) if told else []

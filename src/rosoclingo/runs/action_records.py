@@ -3,7 +3,7 @@
 from typing import Dict, List, Set, Tuple
 
 from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, PREEMPTED, Return, name_of
-from rosoclingo.runs.run_tables import ActionWords, Table
+from rosoclingo.runs.run_tables import Table, Words
 from rosoclingo.runs.topic_atoms import action_in
 
 __all__ = ["ActionRecords"]
@@ -15,7 +15,7 @@ EARLY = 20
 class ActionRecords:
     """Adds actions to ``table`` by their numbers in ``words``, with times in seconds since the run began."""
 
-    def __init__(self, table: Table, words: ActionWords) -> None:
+    def __init__(self, table: Table, words: Words) -> None:
         self._table, self._words = table, words
         self.forget()
 

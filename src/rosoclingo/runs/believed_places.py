@@ -11,7 +11,7 @@ from typing import AbstractSet, Dict, Iterator, List, NamedTuple, Sequence, Tupl
 from clingo import Symbol
 
 from rosoclingo.reasoning.keywords import NOW, name_of
-from rosoclingo.runs.drawing import Drawings, Kind
+from rosoclingo.runs.drawing import DrawingKind, Drawings
 from rosoclingo.runs.topic_atoms import atom_in
 
 __all__ = ["CARRIED", "BelievedPlaces", "believed_places"]
@@ -35,9 +35,9 @@ class BelievedPlaces(NamedTuple):
 def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSet[str]) -> BelievedPlaces:
     """Return the places of robot and things while ``atoms`` hold."""
     drawn = drawings.of(atoms, labels)
-    robots = [one.labels[0] for one in drawn if one.kind is Kind.ROBOT]
-    things = {one.text: one.labels[0] for one in drawn if one.kind is Kind.THING}
-    things.update((one.text, CARRIED) for one in drawn if one.kind is Kind.CARRIED)
+    robots = [one.labels[0] for one in drawn if one.kind is DrawingKind.ROBOT]
+    things = {one.text: one.labels[0] for one in drawn if one.kind is DrawingKind.THING}
+    things.update((one.text, CARRIED) for one in drawn if one.kind is DrawingKind.CARRIED)
     usual = list(_usual(atoms, labels))
     robots = robots or [place for thing, place in usual if thing == _ROBOT]
     others = {thing: place for thing, place in usual if thing != _ROBOT}

@@ -15,7 +15,7 @@ from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.topic_atoms import atom_in
 
-__all__ = ["DRAWS", "Drawing", "Drawings", "Kind", "drawing_fault", "drawings_of"]
+__all__ = ["DRAWS", "Drawing", "DrawingKind", "Drawings", "drawing_fault", "drawings_of"]
 
 #: ``_draws(Predicate,Kind)`` and ``_draws(Predicate,Kind,Text)``.
 DRAWS = "_draws"
@@ -23,7 +23,7 @@ DRAWS = "_draws"
 _PLACE = "{}"
 
 
-class Kind(Enum):
+class DrawingKind(Enum):
     """How an atom is drawn; the name is the one in programs."""
 
     WAY = "way"  # a line between two labels
@@ -37,76 +37,65 @@ class Kind(Enum):
 
 #: How many labels an atom has to have for it.
 LABELS = {
-    Kind.WAY: 2,
-    Kind.OPEN: 2,
-    Kind.BLOCKED: 2,
-    Kind.THING: 1,
-    Kind.CARRIED: 0,
-    Kind.MARK: 1,
-    Kind.ROBOT: 1,
+    DrawingKind.WAY: 2,
+    DrawingKind.OPEN: 2,
+    DrawingKind.BLOCKED: 2,
+    DrawingKind.THING: 1,
+    DrawingKind.CARRIED: 0,
+    DrawingKind.MARK: 1,
+    DrawingKind.ROBOT: 1,
 }
 
 #: Kinds that are nothing without words: the other arguments, or the predicate where there is none.
-_NAMED = (Kind.THING, Kind.CARRIED, Kind.MARK)
+_NAMED = (DrawingKind.THING, DrawingKind.CARRIED, DrawingKind.MARK)
 
 
 class Drawing(NamedTuple):
     """Something on the map: its kind, the labels at which it is, and words."""
 
-    kind: Kind
+    kind: DrawingKind
     labels: Tuple[str, ...]
     text: str
 
 
 class Drawings:
-    """Tells what is drawn of atoms; ``styles`` are kind and text by predicate, ``facts`` atoms that always hold.
+    """The drawings of atoms; ``styles`` are kind and text by predicate, ``facts`` atoms that always hold.
 
     Attributes:
-        faults: declarations that are none, with the mend.
+        faults: declarations that cannot be used, with the mend.
 
     """
 
     def __init__(
         self,
-        styles: Optional[Dict[str, Tuple[Kind, str]]] = None,
+        styles: Optional[Dict[str, Tuple[DrawingKind, str]]] = None,
         facts: Iterable[Symbol] = (),
         faults: Sequence[str] = (),
-        most: int = 10000,
     ) -> None:
         self._styles = dict(styles or {})
         self._facts = [str(one) for one in facts]
         self.faults = tuple(faults)
-        self._most = most
-        self._known: Dict[str, Optional[Drawing]] = {}  # by texts of atoms, for these labels
-        self._labels: AbstractSet[str] = frozenset()
 
     def of(self, atoms: Sequence[str], labels: AbstractSet[str]) -> List[Drawing]:
-        """Return what is to be drawn while ``atoms`` hold, each thing once; what cannot be is left out."""
-        if labels != self._labels or len(self._known) > self._most:
-            self._known, self._labels = {}, frozenset(labels)
-        found = [self._one(text) for text in (*self._facts, *atoms) if text.partition("(")[0] in self._styles]
-        return list(dict.fromkeys(one for one in found if one is not None))
+        """Return the drawings while ``atoms`` hold, each once; atoms that cannot be drawn are left out."""
+        texts = [text for text in (*self._facts, *atoms) if text.partition("(")[0] in self._styles]
+        drawn = [self._drawing(atom, labels) for atom in map(atom_in, texts) if atom is not None]
+        return list(dict.fromkeys(one for one in drawn if one is not None))
 
-    def _one(self, text: str) -> Optional[Drawing]:
-        if text not in self._known:
-            atom = atom_in(text)
-            self._known[text] = None if atom is None else self._drawing(atom)
-        return self._known[text]
-
-    def _drawing(self, atom: Symbol) -> Optional[Drawing]:
+    def _drawing(self, atom: Symbol, labels: AbstractSet[str]) -> Optional[Drawing]:
         kind, text = self._styles[atom.name]
         arguments = [one for one in atom.arguments if one != NOW]
-        places = [str(one) for one in arguments if str(one) in self._labels]
+        places = [str(one) for one in arguments if str(one) in labels]
         if len(places) < LABELS[kind]:
             return None
-        words = " ".join(name_of(one) for one in arguments if str(one) not in self._labels)
+        words = " ".join(name_of(one) for one in arguments if str(one) not in labels)
         text = text.replace(_PLACE, words) if text or kind not in _NAMED else words or atom.name
         return Drawing(kind, tuple(places[: LABELS[kind]]), text.strip())
 
 
 def drawings_of(program: RunProgram) -> Drawings:
     """Return what a program's texts want to have drawn; what cannot be is among the faults."""
-    styles: Dict[str, Tuple[Kind, str]] = {}
+    styles: Dict[str, Tuple[DrawingKind, str]] = {}
     faults = []
     for fact in facts_of(program, {DRAWS}):
         fault = drawing_fault(fact)
@@ -114,7 +103,7 @@ def drawings_of(program: RunProgram) -> Drawings:
             faults.append(f"{fact} has nothing drawn: {fault}")
         else:
             name, kind, *text = fact.arguments
-            styles[name_of(name)] = Kind(str(kind)), text[0].string if text else ""
+            styles[name_of(name)] = DrawingKind(str(kind)), text[0].string if text else ""
     return Drawings(styles, facts_of(program, set(styles)) if styles else (), faults)
 
 
@@ -122,7 +111,7 @@ def drawing_fault(fact: Symbol) -> str:
     """Return what is wrong with a declaration, and the mend; empty where nothing is."""
     if len(fact.arguments) not in (2, 3):
         return f"write {DRAWS}(Predicate,Kind) or {DRAWS}(Predicate,Kind,Text)"
-    kinds = [one.value for one in Kind]
+    kinds = [one.value for one in DrawingKind]
     if str(fact.arguments[1]) not in kinds:
         return f"{fact.arguments[1]} is no kind, write one of {', '.join(kinds)}"
     if len(fact.arguments) == 3 and fact.arguments[2].type is not SymbolType.String:

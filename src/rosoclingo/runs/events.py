@@ -6,7 +6,24 @@ cycles of a replay are made of them.
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ["GoalTold", "RunEvents"]
+__all__ = ["ENDED", "STATUS_WORDS", "GoalTold", "RunEvents", "because", "reason_of"]
+
+#: Words for actionlib's status numbers (actionlib_msgs/GoalStatus).
+STATUS_WORDS = (
+    "pending",
+    "active",
+    "canceled",
+    "succeeded",
+    "aborted",
+    "rejected",
+    "canceling",
+    "canceling",
+    "canceled",
+    "lost",
+)
+
+#: The words that end a goal.
+ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
 
 
 class GoalTold(NamedTuple):
@@ -77,3 +94,13 @@ class RunEvents:
 
     def clock(self, time: float) -> None:
         """Take the time, though nothing else has come."""
+
+
+def because(status: str, reason: str) -> str:
+    """The reason of an end that went against the goal; success and cancellation need none."""
+    return f" ({reason})" if reason and status in ("aborted", "rejected", "lost") else ""
+
+
+def reason_of(request: str, message: str) -> str:
+    """A status' message without the goal that it begins with."""
+    return (message[len(request) :] if message.startswith(request) else message).strip()

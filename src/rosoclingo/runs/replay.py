@@ -36,7 +36,7 @@ Actions = FrozenSet[Symbol]
 _ENDED = ("search was left", "search was ended", "not found out in time", "is dropped")
 
 
-class Verdict(Enum):
+class CycleVerdict(Enum):
     """What is to be said of a cycle's decision."""
 
     SAME = "the same plan"
@@ -51,7 +51,7 @@ class Verdict(Enum):
 
 
 #: Those with which the decision and the one found now agree.
-AGREEING = (Verdict.SAME, Verdict.NONE, Verdict.AS_SHORT)
+AGREEING = (CycleVerdict.SAME, CycleVerdict.NONE, CycleVerdict.AS_SHORT)
 
 
 class Shown(NamedTuple):
@@ -76,7 +76,7 @@ class CycleReport:
     """
 
     cycle: int
-    verdict: Verdict
+    verdict: CycleVerdict
     why: str = ""
     explained: bool = True
     told: Optional[Shown] = None
@@ -117,7 +117,7 @@ class Replay:
         for cycle in self._run.cycles:
             report = self._replayed(cycle)
             yield report
-            if report.verdict is Verdict.REFUSED:
+            if report.verdict is CycleVerdict.REFUSED:
                 return
 
     def _replayed(self, cycle: RecordedCycle) -> CycleReport:
@@ -127,11 +127,11 @@ class Replay:
                 self._begin_with(plans[-1] if plans else None, update)
                 result = self._search(update)
         except SolverError as error:
-            return CycleReport(cycle.cycle, Verdict.REFUSED, str(error), explained=False)
+            return CycleReport(cycle.cycle, CycleVerdict.REFUSED, str(error), explained=False)
         try:
             report = self._judged(cycle, plans, result)
         except SolverError as error:
-            return CycleReport(cycle.cycle, Verdict.WRONG, str(error), explained=False)
+            return CycleReport(cycle.cycle, CycleVerdict.WRONG, str(error), explained=False)
         return replace(report, found=_shown(result))
 
     def _begin_with(self, told: Optional["_Told"], update: StreamUpdate) -> None:
@@ -152,10 +152,10 @@ class Replay:
             if plan.actions and plan.actions != found:
                 answer = self._answer_with(number, plan)
                 if answer is None:
-                    return CycleReport(number, Verdict.WRONG, self._first_wrong(number, plan), explained=False)
+                    return CycleReport(number, CycleVerdict.WRONG, self._first_wrong(number, plan), explained=False)
                 shown = answer
         if told.actions == found:
-            report = CycleReport(number, Verdict.SAME, told=_shown(result))
+            report = CycleReport(number, CycleVerdict.SAME, told=_shown(result))
         else:
             report = replace(self._compared(number, told, result), told=shown)
         return self._sent(cycle, told, report)
@@ -163,26 +163,26 @@ class Replay:
     def _compared(self, number: int, told: "_Told", result: SolveResult) -> CycleReport:
         """Compare two plans that are different."""
         if result.outcome is SolveOutcome.SATISFIABLE and told.horizon == result.horizon:
-            return CycleReport(number, Verdict.AS_SHORT)
+            return CycleReport(number, CycleVerdict.AS_SHORT)
         then, now = told.horizon - number + 1, result.horizon - number + 1
         if result.outcome is SolveOutcome.SATISFIABLE and told.horizon > result.horizon:
             in_time = self._plan_time is not None
             why = f"the best known in time had {then} steps, now one of {now} is found"
             if not in_time:
                 why = f"{then} steps, though each plan was to be shortest, and one of {now} is found"
-            return CycleReport(number, Verdict.LONGER, why, explained=in_time)
+            return CycleReport(number, CycleVerdict.LONGER, why, explained=in_time)
         limited = result.outcome is SolveOutcome.INTERRUPTED or not result.shortest
         why = f"{then} steps; now none is found in time" if not result.answers else f"{then} steps, {now} are found now"
-        return CycleReport(number, Verdict.SHORTER, why, explained=limited)
+        return CycleReport(number, CycleVerdict.SHORTER, why, explained=limited)
 
     def _without(self, cycle: RecordedCycle, told: Optional["_Told"], result: SolveResult) -> CycleReport:
         """Judge a cycle without a plan: nothing was to be done, there was none, or the search for it was left."""
         number, answered = cycle.cycle, result.outcome is SolveOutcome.SATISFIABLE
         if cycle.dispatched:
             why = f"{', '.join(cycle.dispatched)}, and no plan was told"
-            return CycleReport(number, Verdict.SENT, why, explained=False)
+            return CycleReport(number, CycleVerdict.SENT, why, explained=False)
         if not answered or not _actions(result, number):
-            verdict = Verdict.SAME if answered else Verdict.NONE
+            verdict = CycleVerdict.SAME if answered else CycleVerdict.NONE
             return CycleReport(number, verdict, told=_shown(result))
         idle = None if told is None else self._answer_with(number, told)
         if idle is not None:
@@ -191,7 +191,7 @@ class Replay:
         why = left[-1] if left else "and the core told of no search that was ended"
         if told is None and not left:  # the log says the same only once a minute
             why = "the search was left, as no plan was told of it"
-        return CycleReport(number, Verdict.MISSED, why, explained=bool(left) or told is None)
+        return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(left) or told is None)
 
     @staticmethod
     def _sent(cycle: RecordedCycle, told: "_Told", report: CycleReport) -> CycleReport:
@@ -200,7 +200,7 @@ class Replay:
         if cycle.dispatched is None or planned == set(cycle.dispatched):
             return report
         why = f"{', '.join(cycle.dispatched)} in place of {', '.join(sorted(planned)) or 'none'}"
-        return replace(report, verdict=Verdict.SENT, why=why, explained=False)
+        return replace(report, verdict=CycleVerdict.SENT, why=why, explained=False)
 
     # ---- Questions: what they state holds until the next update -----------------------------------------------------
 
@@ -272,10 +272,10 @@ def _shown(result: SolveResult) -> Optional[Shown]:
     return Shown(result.answers[0], result.horizon) if result.answers else None
 
 
-def count(reports: Sequence[CycleReport]) -> Dict[Verdict, int]:
+def count(reports: Sequence[CycleReport]) -> Dict[CycleVerdict, int]:
     """Return how often each verdict was given, the frequent ones that agree first."""
     found = [report.verdict for report in reports]
-    return {verdict: found.count(verdict) for verdict in Verdict if verdict in found}
+    return {verdict: found.count(verdict) for verdict in CycleVerdict if verdict in found}
 
 
 def summary(reports: Sequence[CycleReport]) -> List[str]:

@@ -1,8 +1,7 @@
 """Tables of a run that grow and change, with what is new in them since some moment."""
 
-import json
 import math
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from rosoclingo.reasoning.keywords import name_of, shortened
 from rosoclingo.runs.topic_atoms import action_in
@@ -98,9 +97,10 @@ class Table:
 
 
 class Words:
-    """Texts and what they are, each once, by numbers from 0 on."""
+    """Texts, each once, by numbers from 0 on; ``entry`` makes of a text what a page gets."""
 
-    def __init__(self) -> None:
+    def __init__(self, entry: Callable[[str], Any] = str) -> None:
+        self._entry = entry
         self._numbers: Dict[str, int] = {}
         self.entries: List[Any] = []
 
@@ -108,35 +108,20 @@ class Words:
         """Return the number of a text."""
         if text not in self._numbers:
             self._numbers[text] = len(self.entries)
-            self.entries.append(self.entry(text))
+            self.entries.append(self._entry(text))
         return self._numbers[text]
 
     def numbers(self, texts: Sequence[str]) -> List[int]:
         """Return the numbers of texts."""
         return [self.number(text) for text in texts]
 
-    def entry(self, text: str) -> Any:
-        """Return what is told of a text."""
-        return text
 
-
-class ActionWords(Words):
-    """Actions as pages name them."""
-
-    def entry(self, text: str) -> Record:
-        """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
-        action = action_in(text)
-        if action is None:
-            return {"interface": shortened(text), "parameter": "", "cycle": 0}
-        return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
-
-
-class Shapes(Words):
-    """What is drawn on the map, as JSON."""
-
-    def entry(self, text: str) -> Record:
-        """Return what a page draws."""
-        return dict(json.loads(text))
+def action_entry(text: str) -> Record:
+    """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
+    action = action_in(text)
+    if action is None:
+        return {"interface": shortened(text), "parameter": "", "cycle": 0}
+    return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
 
 
 class Track:

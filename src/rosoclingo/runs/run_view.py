@@ -5,23 +5,30 @@ Times are seconds of the run's clock since the first thing that anybody asked, t
 
 import json
 import math
-from typing import Any, Dict, Iterable, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
+
+from clingo import Symbol
 
 from rosoclingo.common.labels import LabelError, LabelTable
-from rosoclingo.oclingo import OclingoError, parse_update
+from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, StreamUpdate, parse_term, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
+    REQUEST,
+    RETURN,
+    STATUS,
+    is_keyword,
+    name_of,
     shortened,
 )
-from rosoclingo.runs.account import ENDED, STATUS_WORDS, Account, reason_of
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
-from rosoclingo.runs.events import GoalTold, RunEvents
+from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalTold, RunEvents, because, reason_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_tables import ActionWords, Record, Revision, Shapes, Table, Track, Words, simplified
-from rosoclingo.runs.sentences import sentences_of
-from rosoclingo.runs.topic_atoms import return_in
+from rosoclingo.runs.run_log import BEGUN, RunLog
+from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplified
+from rosoclingo.runs.sentences import Sentences, sentences_of
+from rosoclingo.runs.topic_atoms import action_in, return_in
 
 #: What to ask for later changes with.
 Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
@@ -41,14 +48,32 @@ LOST = "lost"
 #: States of a goal that the core has not begun with: the one actionlib's, the other has a reason.
 PENDING, WAITING = "pending", "waiting"
 
+#: Atoms of the state that other lines report.
+_REPORTED = (ACTION_LIB + "(", STATUS + "(")
+
 #: Records of all tables together after which a page that goes on begins anew.
 MOST = 50000
 
 
 class RunView(RunEvents):
-    """Puts the events of a run into tables; ``about`` is what else the page says of it (title, verdict)."""
+    """Puts the events of a run into tables; ``about`` is what else the page says of it (title, verdict).
 
-    def __init__(self, about: Optional[Mapping[str, Any]] = None) -> None:
+    A view can begin in the middle of a run: then with the contents of the latched topics, in any order. The log counts
+    seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to it.
+
+    Attributes:
+        about: all that does not belong into a table.
+        tables: the records by the name of their table.
+        seconds: of the run's clock, until now.
+        sentences: words for actions.
+        drawings: the program's declarations of drawings.
+        believed: the atoms that hold now, by the program.
+        position: x and y (m) of the robot, None before its first pose.
+        dispatched_actions: the atoms of all actions that went out, once each.
+
+    """
+
+    def __init__(self, about: Optional[Mapping[str, Any]] = None, with_state: bool = False) -> None:
         self.about: Record = {"labels": {}, "map": None, "run": 1, **(about or {})}
         self._revision = Revision()
         self._about_changed = 1
@@ -56,20 +81,26 @@ class RunView(RunEvents):
             name: Table(self._revision)
             for name in ("goals", "cycles", "actions", "packages", "beliefs", "drawn", "paths", "log")
         }
-        self._terms, self._words, self._shapes = Words(), ActionWords(), Shapes()
-        self._drawings = Drawings()
-        self._believed: Tuple[float, Sequence[str]] = 0.0, ()  # since when, and what
+        self._terms, self._words, self._shapes = Words(), Words(action_entry), Words(json.loads)
+        self.sentences, self.drawings = Sentences(), Drawings()
+        self.believed: Sequence[str] = ()
+        self._believed_since = 0.0
+        self.position: Optional[Point] = None
         self._track = Track()
-        self._account = Account(lambda _line: None, self._log)
+        self._log, self._with_state = RunLog(self._enter), with_state
         self._goals: Dict[str, int] = {}
         self._history: Set[str] = set()  # goals that ended before this view
-        self._met = False  # whether ~goals has arrived once
+        self._met = self._planned = self._updated = False  # whether ~goals, a plan, an update has arrived
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
+        self.dispatched_actions: List[str] = []
         self._actions = ActionRecords(self.tables["actions"], self._words)
         self._run = ""
         self._start: Optional[float] = None
         self.seconds = 0.0
+
+    def enter(self, time: float, cycle: int, kind: str, text: str) -> None:
+        """Take a line of the log: seconds since the run began, cycle, kind and text; for subclasses."""
 
     # ---- what is fed ------------------------------------------------------------------------------------------------
 
@@ -86,10 +117,10 @@ class RunView(RunEvents):
         except (RecordingError, LabelError):
             return
         self.begin(found.run)
-        known = self._drawings.faults
-        self._account.sentences, self._drawings = sentences_of(found), drawings_of(found)
-        for fault in self._drawings.faults if self._drawings.faults != known else ():
-            self._account.note(self._now(time), shortened(fault, SHOWN))
+        known = self.drawings.faults
+        self.sentences, self.drawings = sentences_of(found), drawings_of(found)
+        for fault in self.drawings.faults if self.drawings.faults != known else ():
+            self._log.add(self._now(time), "note", shortened(fault, SHOWN))
         self.tell(labels={one.name: [one.x, one.y, one.yaw] for one in table})
         self._draw()
 
@@ -102,22 +133,25 @@ class RunView(RunEvents):
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was started again")
         self._run = run
-        self._account.begin(run)
 
     def goal(self, time: float, key: str, text: str) -> None:
-        """Record a goal that a client sent."""
-        now = self._now(time, begins=True)
+        """Record a goal that a client sent, once."""
+        self._goal(time, key, text)
+
+    def _goal(self, time: float, key: str, text: str, after: Iterable[str] = ()) -> None:
         if key not in self._goals:
+            now, shown = self._now(time, begins=True), shortened(text, SHOWN)
             self._goals[key] = self.tables["goals"].add(
-                id=key, request=shortened(text, SHOWN), sent=now, ended=None, states=[[now, PENDING, ""]]
+                id=key, request=shown, sent=now, ended=None, states=[[now, PENDING, ""]]
             )
-            self._account.goal(now, key, shortened(text, SHOWN))
+            self._log.add(now, "request", shown, after, _as_fed(text))
 
     def goals(self, time: float, told: Sequence[GoalTold]) -> None:
         """Record how all goals stand; those that have ended before the first time are history.
 
         The topics of the action server, which may be ahead of this one, tell more closely how one goes on.
         """
+        after = () if self._met else (BEGUN,)  # goals of before wait for the cycle
         for key, text, number, reason, came in told:
             still = 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] not in ENDED
             is_new = key not in self._goals
@@ -126,23 +160,31 @@ class RunView(RunEvents):
             if (is_new and key in self._history) or not (self._met or still):
                 continue
             if is_new:
-                self.goal(came if 0.0 < came < time else time, key, text)
+                self._goal(came if 0.0 < came < time else time, key, text, after)
             if number == STATUS_WORDS.index(PENDING):
                 self.feedback(time, key, f"{WAITING}: {reason}" if reason else PENDING)
             elif is_new or not still:
-                self.status(time, key, number, reason)
+                self._status(time, key, number, reason, after)
         self._met = True
 
     def cancel(self, time: float, key: str) -> None:
         """Record that a client cancelled a goal; an empty key stands for all of them."""
-        self._account.cancel(self._now(time, begins=True), key)
+        known = key in self._goals
+        text = self.tables["goals"][self._goals[key]]["request"] if known else "every goal"
+        self._log.add(self._now(time, begins=True), "cancel", text)
 
     def status(self, time: float, key: str, number: int, message: str) -> None:
         """Record a goal's status, as often as it is published; one that waits is pending all the while."""
+        self._status(time, key, number, message)
+
+    def _status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
         if not 0 <= number < len(STATUS_WORDS) or (STATUS_WORDS[number] == PENDING and self._word(key) == WAITING):
             return
-        if self._state(time, key, STATUS_WORDS[number], message):
-            self._account.status(self._now(time), key, number, shortened(message, SHOWN))
+        word, before = STATUS_WORDS[number], self._word(key)
+        if self._state(time, key, word, message) and word != before:
+            goal = self.tables["goals"][self._goals[key]]
+            text = f"{goal['request']}: {word}{because(word, goal['states'][-1][2])}"
+            self._log.add(self._now(time), "goal", text, after)
 
     def feedback(self, time: float, key: str, status: str) -> None:
         """Record that a goal waits, and why; other feedback says what the status does."""
@@ -153,45 +195,59 @@ class RunView(RunEvents):
     def update(self, time: float, text: str) -> None:
         """Record a stream update that the core fed."""
         now = self._now(time, begins=True)
+        step, sources, plain = None, set(), shortened(text, SHOWN)
         try:
             update = parse_update(text)
-            step, plain = update.step, shortened(str(update.plain).strip(), 10 * SHOWN)
+            step, sources, plain = update.step, _sources(update), shortened(str(update.plain).strip(), 10 * SHOWN)
         except OclingoError:
-            step, plain = None, shortened(text, SHOWN)
+            pass
         one = self._cycle(step if step is not None else self._last_cycle, now)
         one["updates"].append(plain)
-        self._account.update(now, text)
+        self._updated = True
+        cycle = step or self._log.cycle + 1
+        self._log.add(now, "update", " ".join(plain.split()), sources, f"update {step}", cycle)
 
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
         """Record a plan, with the seconds of wall time that grounding and searching took, where they are known."""
         now = self._now(time)
-        ahead = self._words.numbers(actions)
+        planned = self._words.numbers(actions)
         ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times) if times else (None, None)
-        plan = {"time": now, "horizon": horizon, "actions": ahead, "ground": ground, "solve": solve}
+        plan = {"time": now, "horizon": horizon, "actions": planned, "ground": ground, "solve": solve}
         self._cycle(cycle, now)["plans"].append(plan)
-        self._account.plan(now, cycle, horizon, actions)
+        ahead = [one for one in map(action_in, actions) if one is not None and one.cycle >= cycle]
+        words = ", ".join(f"{one.interface_name} {name_of(one.parameter)}" for one in ahead) or "nothing to do"
+        first = not self._updated and not actions
+        late = not self._updated and not self._planned and (cycle > 1 or bool(actions))
+        self._planned = True
+        after = () if first or late else (f"update {cycle}",)
+        self._log.add(now, "plan", words, after, "" if first else f"plan {cycle}", cycle if late else 0)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Record actions that went out, once each, and what ends them early."""
         fresh = [text for text in facts if text.startswith((ACTION_LIB, CANCEL_ACTION)) and text not in self._sent]
         now = self._now(time, begins=bool(fresh))
         self._sent.update(fresh)
-        if fresh:
-            self._actions.dispatched(now, fresh)
-            self._account.dispatched(now, fresh)
+        self._actions.dispatched(now, fresh)
+        for text in fresh:
+            if text.startswith(CANCEL_ACTION):
+                self._log.add(now, "preempt", self._sentence(ACTION_LIB + text[len(CANCEL_ACTION) :]))
+            else:
+                self.dispatched_actions.append(text)
+                action = action_in(text)
+                self._log.add(now, "action", self._sentence(text), {f"plan {action.cycle if action else 0}"})
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Record facts that came in."""
-        if not facts:
-            return
-        now = self._now(time, begins=True)
         for text in facts:
-            answer = return_in(text)
-            if answer is not None:
+            now, answer = self._now(time, begins=True), return_in(text)
+            if answer is None:
+                self._log.add(now, "fact", f"{shortened(text, SHOWN)} from {shortened(origin)}")
+            else:
                 self._actions.returned(now, answer)
-        self._account.returned(now, shortened(origin), [shortened(text, SHOWN) for text in facts])
+                words = f"{name_of(answer.interface)} {name_of(answer.value)}"
+                self._log.add(now, "return", shortened(words, SHOWN), gives=str(answer.atom))
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
         """Record where all packages are; an empty place is the robot."""
@@ -206,19 +262,26 @@ class RunView(RunEvents):
         last = self.tables["beliefs"].last
         if last is None or last["atoms"] != terms:
             self.tables["beliefs"].add(time=self._now(time), cycle=cycle, atoms=terms)
-        self._believed = self._now(time), atoms
+        before, now = frozenset(self.believed), frozenset(atoms)
+        words = [sign + one for sign, found in (("+", now - before), ("-", before - now)) for one in sorted(found)]
+        news = [one for one in words if not one[1:].startswith(_REPORTED)]
+        if news and self._with_state:
+            self._log.add(self._now(time), "state", " ".join(news), (BEGUN,))
+        self.believed, self._believed_since = atoms, self._now(time)
         self._draw()
 
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Record what the core told of in its log."""
         now = self._now(time)
         self._cycle(cycle, now)["problems"].append([now, shortened(text, SHOWN)])
-        self._account.note(now, shortened(text, SHOWN))
+        self._log.add(now, "note", shortened(text, SHOWN))
 
     def pose(self, time: float, x: float, y: float, yaw: float) -> None:
         """Record where the robot is (m, rad)."""
-        if all(map(math.isfinite, (x, y, yaw))) and self._track.add(time, x, y, yaw):
-            self._revision.next()
+        if all(map(math.isfinite, (x, y, yaw))):
+            self.position = x, y
+            if self._track.add(time, x, y, yaw):
+                self._revision.next()
 
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
         """Record the way that the robot is to drive."""
@@ -235,11 +298,11 @@ class RunView(RunEvents):
     def clock(self, time: float) -> None:
         """Take the time, though nothing else has come."""
         if self._start is not None:
-            self._account.clock(self._now(time))
+            self._log.clock(self._now(time))
 
     def finish(self) -> None:
         """Write the lines that are still held back."""
-        self._account.finish()
+        self._log.finish()
 
     # ---- what is asked ----------------------------------------------------------------------------------------------
 
@@ -269,7 +332,7 @@ class RunView(RunEvents):
         fresh = RunView(self.about)
         start = self._start or 0.0
         fresh.begin(self._run)
-        fresh._drawings, fresh._account.sentences = self._drawings, self._account.sentences
+        fresh.drawings, fresh.sentences = self.drawings, self.sentences
         fresh._met, fresh._history = self._met, {*self._history, *self._goals}
         for goal in (record for _, record in self.tables["goals"].since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
@@ -282,7 +345,7 @@ class RunView(RunEvents):
         if pose:
             fresh.pose(*pose[0][:4])
         if self.tables["beliefs"].last is not None:
-            fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self._believed[1])
+            fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self.believed)
         return fresh
 
     def changes(
@@ -333,14 +396,13 @@ class RunView(RunEvents):
 
     def _draw(self) -> None:
         """Record what is drawn on the map of what the program believes, where that is another than before."""
-        time, atoms = self._believed
-        found = self._drawings.of(atoms, self.about["labels"].keys())
+        found = self.drawings.of(self.believed, self.about["labels"].keys())
         texts = [
             json.dumps({"kind": one.kind.value, "labels": one.labels, "text": shortened(one.text)}) for one in found
         ]
         shapes, last = self._shapes.numbers(texts), self.tables["drawn"].last
         if shapes != ([] if last is None else last["shapes"]):
-            self.tables["drawn"].add(time=time, shapes=shapes)
+            self.tables["drawn"].add(time=self._believed_since, shapes=shapes)
 
     def _word(self, key: str) -> str:
         """Return the latest state of a goal, empty for one that is not known."""
@@ -363,5 +425,31 @@ class RunView(RunEvents):
         goal["ended"] = now if word in ENDED else None
         return True
 
-    def _log(self, time: float, cycle: int, kind: str, text: str) -> None:
+    def _sentence(self, text: str) -> str:
+        action = action_in(text)
+        return shortened(text, SHOWN) if action is None else self.sentences.of(action)
+
+    def _enter(self, time: float, cycle: int, kind: str, text: str) -> None:
         self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, text=shortened(text, SHOWN))
+        self.enter(time, cycle, kind, text)
+
+
+def _sources(update: StreamUpdate) -> Set[str]:
+    """Return the requests and returns in an update, which other topics have first."""
+    heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
+    return {_source(head) for head in heads} - {""}
+
+
+def _source(head: Symbol) -> str:
+    if is_keyword(head, REQUEST):
+        goal = head.arguments[0]
+        return "" if is_keyword(goal, "cancel") else str(goal)
+    return str(head) if is_keyword(head, RETURN) else ""
+
+
+def _as_fed(text: str) -> str:
+    """A goal as an update has it, where its client wrote it with other spaces."""
+    try:
+        return str(parse_term(text))
+    except ProgressionError:
+        return text

@@ -1,5 +1,6 @@
 """Atoms in the texts of topics: what is none, or not the one that is asked for, is None."""
 
+import functools
 from typing import Callable, Optional, TypeVar
 
 from clingo import Symbol, SymbolType
@@ -10,12 +11,23 @@ from rosoclingo.reasoning.keywords import RUN, Action, KeywordError, Return, act
 T = TypeVar("T")
 
 
+#: Limit of characters of an atom that is remembered.
+SHORT = 1000
+
+
 def atom_in(text: str) -> Optional[Symbol]:
     """Return a ground atom."""
+    return _remembered(text) if len(text) <= SHORT else _parsed(text)
+
+
+def _parsed(text: str) -> Optional[Symbol]:
     try:
         return parse_atom(text)
     except ProgressionError:
         return None
+
+
+_remembered = functools.lru_cache(maxsize=10000)(_parsed)
 
 
 def action_in(text: str) -> Optional[Action]:

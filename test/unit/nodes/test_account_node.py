@@ -18,9 +18,7 @@ def account(monkeypatch):
     pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
     from rosoclingo.nodes.account_node import TopicAccount
 
-    found = TopicAccount(lambda _line: None)
-    found.summary = found.account.summary
-    return found
+    return TopicAccount(lambda _line: None)
 
 
 def program(text="", labels=LABELS):
@@ -64,25 +62,25 @@ def transforms(*found):
 def test_account_names_the_place_by_the_program_s_labels(account, topic, message):
     account.take(topic, message, 1.0)
     account.take("~program", program(), 1.1)
-    assert account.summary.robot == "kitchen"
+    assert account.account.summary.robot == "kitchen"
     account.take("~state", state("at(hall,now)"), 1.2)
-    assert account.summary.robot == "kitchen", "what is measured counts more"
+    assert account.account.summary.robot == "kitchen", "what is measured counts more"
 
 
 def test_account_names_no_place_for_a_robot_between_labels(account):
     account.take("~program", program(), 1.0)
     account.take("amcl_pose", posed(3.0, 3.0), 1.1)
-    assert account.summary.robot == "away from every label"
+    assert account.account.summary.robot == "away from every label"
     account.take("/tf", transforms(("odom", "base_link", 1.0, 2.0)), 1.2)
-    assert account.summary.robot == "away from every label", "nothing says where odom is"
+    assert account.account.summary.robot == "away from every label", "nothing says where odom is"
 
 
 @pytest.mark.parametrize("labels", [LABELS, {}])
 def test_account_takes_places_that_the_program_shows(account, labels):
     account.take("~program", program(labels=labels), 1.0)
     account.take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
-    assert account.summary.robot == "kitchen"
-    assert account.summary.packages == {"cup": "hall", "mug": "carried"}
+    assert account.account.summary.robot == "kitchen"
+    assert account.account.summary.packages == {"cup": "hall", "mug": "carried"}
     expect = {"robot": "kitchen", "packages": {"cup": "hall"}}
     assert account.differences(expect) == []
     account.take("~state", state("at(hall,now)"), 1.2)
@@ -92,14 +90,14 @@ def test_account_takes_places_that_the_program_shows(account, labels):
 def test_account_takes_places_that_the_program_draws(account):
     account.take("~program", program("_draws(me,robot). _draws(lies,thing)."), 1.0)
     account.take("~state", state("me(hall,now)", "lies(cup,kitchen,now)", "at(x,y,now)"), 1.1)
-    assert (account.summary.robot, account.summary.packages) == ("hall", {"cup": "kitchen"})
+    assert (account.account.summary.robot, account.account.summary.packages) == ("hall", {"cup": "kitchen"})
 
 
 def test_account_prefers_the_topic_of_packages(account):
     account.take("~program", program(), 1.0)
     account.take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.1)
     account.take("~state", state("thing_at(1,kitchen,now)"), 1.2)
-    assert account.summary.packages == {"1": "hall"}
+    assert account.account.summary.packages == {"1": "hall"}
 
 
 def test_account_compares_cycles_from_the_scenario_s_beginning(account):

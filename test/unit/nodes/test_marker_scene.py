@@ -17,7 +17,7 @@ from rosoclingo.nodes.rviz.scene import (
 )
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.runs.drawing import Drawing, Kind
+from rosoclingo.runs.drawing import Drawing, DrawingKind
 
 LABELS = LabelTable.from_mapping({"office1": [0, 0], "office2": [4, 0, math.pi / 2], "office3": [8, 0]})
 PLAN = [
@@ -78,7 +78,7 @@ def drawn(*drawings):
 
 
 def test_a_blocked_way_has_a_bar_across_and_its_words():
-    way, bar, words = drawn((Kind.BLOCKED, ("office1", "office2"), "shut"))
+    way, bar, words = drawn((DrawingKind.BLOCKED, ("office1", "office2"), "shut"))
     assert {shape.colour[:3] for shape in (way, bar, words)} == {SHUT[:3]}
     assert [point[:2] for point in way.points] == [(0.0, 0.0), (4.0, 0.0)]
     (x0, y0, high), (x1, y1, _) = bar.points
@@ -90,9 +90,9 @@ def test_a_blocked_way_has_a_bar_across_and_its_words():
 
 def test_other_ways_are_below_it_whatever_comes_first():
     ways = [
-        (Kind.BLOCKED, ("office1", "office2"), ""),
-        (Kind.WAY, ("office1", "office2"), ""),
-        (Kind.OPEN, ("office2", "office3"), ""),
+        (DrawingKind.BLOCKED, ("office1", "office2"), ""),
+        (DrawingKind.WAY, ("office1", "office2"), ""),
+        (DrawingKind.OPEN, ("office2", "office3"), ""),
     ]
     lines = [shape for shape in drawn(*ways) if shape.kind == "line"]
     heights = [shape.points[0][2] for shape in lines]
@@ -103,11 +103,11 @@ def test_other_ways_are_below_it_whatever_comes_first():
 
 def test_a_way_from_a_label_to_itself_has_no_bar():
     labels = LabelTable.from_mapping({"a": [0, 0], "b": [0, 0]})
-    assert len(drawn_shapes([Drawing(Kind.BLOCKED, ("a", "b"), "")], labels)) == 1
+    assert len(drawn_shapes([Drawing(DrawingKind.BLOCKED, ("a", "b"), "")], labels)) == 1
 
 
 def test_marks_at_a_label_are_above_each_other():
-    words = drawn(*[(Kind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
+    words = drawn(*[(DrawingKind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
     assert [shape.text for shape in words] == ["office1", "office1", "office2"]
     assert words[0].position[1] < words[1].position[1]
     assert words[2].position[0] == 4.0
@@ -115,9 +115,9 @@ def test_marks_at_a_label_are_above_each_other():
 
 def test_things_that_the_program_believes_in_are_packages():
     drawings = [
-        Drawing(Kind.THING, ("office2",), "cup"),
-        Drawing(Kind.CARRIED, (), "tray"),
-        Drawing(Kind.ROBOT, ("office1",), ""),
+        Drawing(DrawingKind.THING, ("office2",), "cup"),
+        Drawing(DrawingKind.CARRIED, (), "tray"),
+        Drawing(DrawingKind.ROBOT, ("office1",), ""),
     ]
     assert things_in(drawings) == [("cup", "office2", False), ("tray", "", True)]
     assert drawn_shapes(drawings, LABELS) == []

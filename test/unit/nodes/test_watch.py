@@ -66,13 +66,14 @@ def test_the_account_of_a_bag(messages, tmp_path):
     watch_bag(path, None, True, lines.append)
     assert [line.split("cycle ")[1].split(None, 2) for line in lines[: lines.index("")]] == [
         ["2", "plan", "go x"],
+        ["2", "request", "g(1)"],
         ["2", "goal", "g(1): active"],
         ["2", "state", "+at(a,now)"],
         ["2", "action", "go x"],
         ["2", "return", "go x"],
         ["3", "update", "#step 3. _return(go,x,2). #end step."],
     ]
-    assert lines[lines.index("") :] == ["", "g(1): active", "actions: go x", "time: 1.0 s"]
+    assert lines[lines.index("") :] == ["", "g(1): active", "robot: a", "actions: go x", "time: 1.0 s"]
     with pytest.raises(RecordingError, match="the core other is not in it"):
         watch_bag(path, "other", True, lines.append)
 

@@ -3,10 +3,10 @@
 import pytest
 
 from rosoclingo.runs.believed_places import believed_places
-from rosoclingo.runs.drawing import Drawings, Kind
+from rosoclingo.runs.drawing import DrawingKind, Drawings
 
 LABELS = frozenset({"kitchen", "hall"})
-DRAWN = Drawings({"me": (Kind.ROBOT, ""), "on": (Kind.THING, ""), "has": (Kind.CARRIED, "")})
+DRAWN = Drawings({"me": (DrawingKind.ROBOT, ""), "on": (DrawingKind.THING, ""), "has": (DrawingKind.CARRIED, "")})
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.runs.drawing import Drawing, Kind, drawings_of
+from rosoclingo.runs.drawing import Drawing, DrawingKind, drawings_of
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 LABELS = {"a", "b", "c", "room(1,2)"}
@@ -16,7 +16,7 @@ path(a,b). path(X,c) :- path(a,X). path(a,nowhere). path(b;c).
 #program cumulative(t).
 #external _request/2.
 """
-PATH = Drawing(Kind.WAY, ("a", "b"), "")
+PATH = Drawing(DrawingKind.WAY, ("a", "b"), "")
 
 
 def drawings(text):
@@ -31,15 +31,15 @@ def declared():
 @pytest.mark.parametrize(
     ("atom", "drawn"),
     [
-        ("gate(wind,b,a,now)", Drawing(Kind.BLOCKED, ("b", "a"), "shut by wind")),
-        ("gate(a,b,c,now)", Drawing(Kind.BLOCKED, ("a", "b"), "shut by")),
-        ("free(a,room(1,2))", Drawing(Kind.OPEN, ("a", "room(1,2)"), "")),
-        ('stands("a cup",room(1,2),now)', Drawing(Kind.THING, ("room(1,2)",), "a cup")),
-        ("stands(a,now)", Drawing(Kind.THING, ("a",), "stands")),
-        ("holds(cup,b,now)", Drawing(Kind.CARRIED, (), "cup")),
-        ("dirty(b,now)", Drawing(Kind.MARK, ("b",), "dirty")),
-        ("warm(21,c,now)", Drawing(Kind.MARK, ("c",), "21 degrees")),
-        ("me(c,now)", Drawing(Kind.ROBOT, ("c",), "")),
+        ("gate(wind,b,a,now)", Drawing(DrawingKind.BLOCKED, ("b", "a"), "shut by wind")),
+        ("gate(a,b,c,now)", Drawing(DrawingKind.BLOCKED, ("a", "b"), "shut by")),
+        ("free(a,room(1,2))", Drawing(DrawingKind.OPEN, ("a", "room(1,2)"), "")),
+        ('stands("a cup",room(1,2),now)', Drawing(DrawingKind.THING, ("room(1,2)",), "a cup")),
+        ("stands(a,now)", Drawing(DrawingKind.THING, ("a",), "stands")),
+        ("holds(cup,b,now)", Drawing(DrawingKind.CARRIED, (), "cup")),
+        ("dirty(b,now)", Drawing(DrawingKind.MARK, ("b",), "dirty")),
+        ("warm(21,c,now)", Drawing(DrawingKind.MARK, ("c",), "21 degrees")),
+        ("me(c,now)", Drawing(DrawingKind.ROBOT, ("c",), "")),
     ],
 )
 def test_an_atom_is_drawn_as_it_is_declared(declared, atom, drawn):
@@ -54,7 +54,9 @@ def test_what_has_too_few_labels_or_is_none_is_left_out(declared, atom):
 
 
 def test_each_thing_is_drawn_once_and_other_labels_are_heeded(declared):
-    assert declared.of(["stands(cup,a,now)", "stands(cup,now,a)"], LABELS)[1:] == [Drawing(Kind.THING, ("a",), "cup")]
+    assert declared.of(["stands(cup,a,now)", "stands(cup,now,a)"], LABELS)[1:] == [
+        Drawing(DrawingKind.THING, ("a",), "cup")
+    ]
     assert declared.of(["stands(cup,a,now)"], {"b"}) == []
     assert declared.of([], {"a", "b"}) == [PATH]
 
@@ -71,7 +73,7 @@ def test_a_declaration_that_is_none_is_told(fact, fault):
     program = RunProgram("run", (ProgramFile("a.lp", f"{fact}. x(a,b). _draws(y,mark). y(a).", False),), {}, "")
     found = drawings_of(program)
     assert found.faults == (f"{fact} has nothing drawn: {fault}",)
-    assert found.of([], LABELS) == [Drawing(Kind.MARK, ("a",), "y")]
+    assert found.of([], LABELS) == [Drawing(DrawingKind.MARK, ("a",), "y")]
 
 
 @pytest.mark.parametrize("rule", ["_draws(x,way) :- y", '_draws("x(",way,"")', "_draws((x;y),way)"])
@@ -99,10 +101,10 @@ def test_a_program_that_cannot_be_read_has_nothing_drawn():
                 "waits(2,office4,office1,now)",
             ],
             [
-                Drawing(Kind.ROBOT, ("office2",), ""),
-                Drawing(Kind.CARRIED, (), "1"),
-                Drawing(Kind.BLOCKED, ("office2", "office3"), "shut"),
-                Drawing(Kind.THING, ("office4",), "2"),
+                Drawing(DrawingKind.ROBOT, ("office2",), ""),
+                Drawing(DrawingKind.CARRIED, (), "1"),
+                Drawing(DrawingKind.BLOCKED, ("office2", "office3"), "shut"),
+                Drawing(DrawingKind.THING, ("office4",), "2"),
             ],
         ),
         (
@@ -110,11 +112,11 @@ def test_a_program_that_cannot_be_read_has_nothing_drawn():
             ("hallway", "kitchen"),
             1,
             ["thing_at(cup,kitchen,now)"],
-            [Drawing(Kind.THING, ("kitchen",), "cup")],
+            [Drawing(DrawingKind.THING, ("kitchen",), "cup")],
         ),
     ],
 )
 def test_the_shipped_programs(files, labels, ways, state, drawn):
     found = drawings_of(RunProgram.of("run", shipped(*files), {})).of(state, set(labels))
-    assert [one.kind for one in found[:ways]] == [Kind.WAY] * ways
+    assert [one.kind for one in found[:ways]] == [DrawingKind.WAY] * ways
     assert found[ways:] == drawn

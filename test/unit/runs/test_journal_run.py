@@ -10,7 +10,7 @@ from rosoclingo.reasoning import ActionsDispatched, UpdateSent
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordingError
-from rosoclingo.runs.replay import AGREEING, Replay, Verdict
+from rosoclingo.runs.replay import AGREEING, CycleVerdict, Replay
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_another_decision_is_told(whole):
     cycle = next(one for one in run.cycles if one.dispatched)
     cycle.dispatched = ["_action_lib(pickup,9,1)"]
     reports = Replay(run, run.program.load(), run.program.plan_time).reports()
-    assert [one.verdict for one in reports if not one.explained] == [Verdict.SENT]
+    assert [one.verdict for one in reports if not one.explained] == [CycleVerdict.SENT]
 
 
 @pytest.mark.slow

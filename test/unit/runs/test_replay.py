@@ -12,7 +12,7 @@ from rosoclingo.checking.oclingo_command import main as oclingo
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning import CoreSettings
 from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
-from rosoclingo.runs.replay import Replay, Verdict, summary
+from rosoclingo.runs.replay import CycleVerdict, Replay, summary
 
 #: Goal do(Id): press one of two buttons, as often as one likes, in whatever cycles.
 BUTTONS = """
@@ -66,7 +66,7 @@ def test_a_run_agrees_with_itself(way):
     run = recorded(driver.journal)
     reports = list(Replay(run, driver.program, None if way == "shortest" else 1.0).reports())
     assert [report.cycle for report in reports] == [cycle.cycle for cycle in run.cycles]
-    assert {report.verdict for report in reports} <= {Verdict.SAME, Verdict.AS_SHORT, Verdict.NONE}
+    assert {report.verdict for report in reports} <= {CycleVerdict.SAME, CycleVerdict.AS_SHORT, CycleVerdict.NONE}
     assert all(report.explained for report in reports)
     assert len(reports) > 10
     assert summary(reports)[-1] == "no unexplained difference"
@@ -77,7 +77,7 @@ def test_another_plan_as_short_is_no_difference():
     run.cycles[0].plans = [RecordedPlan(1, (other(action),))]
     run.cycles[0].dispatched = [other(action)]
     report = first(run, program)
-    assert (report.verdict, report.explained) == (Verdict.AS_SHORT, True)
+    assert (report.verdict, report.explained) == (CycleVerdict.AS_SHORT, True)
     assert [str(atom) for atom in report.told.atoms] == [other(action)]
     assert [str(atom) for atom in report.found.atoms] == [action]
 
@@ -88,7 +88,7 @@ def test_a_longer_plan_is_told(plan_time, explained):
     later = action.replace(",1)", ",3)")
     run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(3, (later,))], None
     report = first(run, program, plan_time=plan_time)
-    assert (report.verdict, report.explained) == (Verdict.LONGER, explained)
+    assert (report.verdict, report.explained) == (CycleVerdict.LONGER, explained)
     assert re.search("3 steps.* one of 1 is found", report.line())
     assert ("UNEXPLAINED" in report.line()) is not explained
 
@@ -105,7 +105,7 @@ def test_what_is_no_plan_is_an_error(actions, why):
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(2, tuple(actions))], None
     report = first(run, program)
-    assert (report.verdict, report.explained) == (Verdict.WRONG, False)
+    assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
     assert why in report.line()
 
 
@@ -115,7 +115,7 @@ def test_a_plan_that_leaves_something_undone_is_an_error():
     (plan,) = run.cycles[0].plans[1:]
     run.cycles[0].plans = [plan._replace(actions=plan.actions[:-1])]
     report = first(run, driver.program)
-    assert (report.verdict, report.explained) == (Verdict.WRONG, False)
+    assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
     assert "leaves something undone" in report.why
 
 
@@ -123,10 +123,10 @@ def test_other_actions_than_planned_are_an_error():
     program, run, action = pressed()
     run.cycles[0].dispatched = [other(action)]
     report = first(run, program)
-    assert (report.verdict, report.explained) == (Verdict.SENT, False)
+    assert (report.verdict, report.explained) == (CycleVerdict.SENT, False)
     assert f"{other(action)} in place of {action}" in report.line()
     run.cycles[0].plans = []
-    assert first(run, program).verdict is Verdict.SENT
+    assert first(run, program).verdict is CycleVerdict.SENT
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_no_plan_though_there_is_one(problems, explained):
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [RecordedPlan(1, ())], None, problems
     report = first(run, program)
-    assert (report.verdict, report.explained) == (Verdict.MISSED, explained)
+    assert (report.verdict, report.explained) == (CycleVerdict.MISSED, explained)
     assert not explained or problems[-1] in report.line()
 
 
@@ -150,7 +150,7 @@ def test_a_search_that_was_left_has_no_plan_even_where_the_log_does_not_say_so_a
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [], None, []
     report = first(run, program)
-    assert (report.verdict, report.explained) == (Verdict.MISSED, True)
+    assert (report.verdict, report.explained) == (CycleVerdict.MISSED, True)
     assert "the search was left" in report.line()
 
 
@@ -163,7 +163,7 @@ def test_an_update_that_is_refused_ends_it():
     )
     reports = list(Replay(collector.runs()[0], program).reports())
     assert [report.cycle for report in reports] == [1, 2, 3, 4, 5]
-    assert (reports[-1].verdict, reports[-1].explained) == (Verdict.REFUSED, False)
+    assert (reports[-1].verdict, reports[-1].explained) == (CycleVerdict.REFUSED, False)
     assert "overflow" in reports[-1].line()
     assert summary(reports)[-1] == "1 unexplained: cycles 5"
 
@@ -171,7 +171,7 @@ def test_an_update_that_is_refused_ends_it():
 def test_a_search_that_takes_too_long_is_ended():
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched = [], None
-    assert first(run, program, search_time=1e-9).verdict is Verdict.NONE
+    assert first(run, program, search_time=1e-9).verdict is CycleVerdict.NONE
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.reasoning.journal.database import file_of, is_journal
 from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunProgram
-from rosoclingo.runs.replay import AGREEING, CycleReport, Replay, Shown, Verdict, summary
+from rosoclingo.runs.replay import AGREEING, CycleReport, CycleVerdict, Replay, Shown, summary
 
 Say = Callable[[str], None]
 
@@ -170,7 +170,7 @@ def _replay(run: RecordedRun, options: argparse.Namespace, say: Say) -> int:
 
 def _show(report: CycleReport, say: Say) -> None:
     """Show a cycle's answer, and the one found now where it is another."""
-    if report.verdict not in (Verdict.SAME, Verdict.NONE):
+    if report.verdict not in (CycleVerdict.SAME, CycleVerdict.NONE):
         _table("as it was told", report.told, say)
         _table("as it is found now", report.found, say)
     else:

@@ -7,7 +7,7 @@ import numpy as np
 
 from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
 
-__all__ = ["View", "bounds_of", "known", "text_factor", "view_of", "with_view"]
+__all__ = ["MapView", "bounds_of", "known", "text_factor", "view_of", "with_view"]
 
 USUAL = WIDTH  # m across that the usual sizes of texts and arrows are made for
 PROPORTION = 1.4  # of a window's width to its height
@@ -18,7 +18,7 @@ FRAME = (32, 92)  # pixels of width and height that rviz takes for menu, tools a
 Bounds = Tuple[float, float, float, float]  # least x, least y, greatest x, greatest y
 
 
-class View(NamedTuple):
+class MapView(NamedTuple):
     """rviz's view from above: the middle (m), and how many pixels a metre takes."""
 
     x: float
@@ -56,17 +56,17 @@ def text_factor(bounds: Bounds) -> float:
     return max(0.25, max(bounds[2] - bounds[0], PROPORTION * (bounds[3] - bounds[1])) / USUAL)
 
 
-def view_of(bounds: Bounds, size: Tuple[int, int]) -> View:
+def view_of(bounds: Bounds, size: Tuple[int, int]) -> MapView:
     """The view of a map and the words below it in a window of width and height in pixels."""
     x0, y0, x1, y1 = bounds
     y0 -= HEIGHT * text_factor(bounds)
     room = 1.0 - 2.0 * MARGIN
     width, height = (max(1, whole - frame) for whole, frame in zip(size, FRAME))
     wide = max(x1 - x0, WIDTH * text_factor(bounds))
-    return View((x0 + x1) / 2.0, (y0 + y1) / 2.0, room * min(width / wide, height / (y1 - y0)))
+    return MapView((x0 + x1) / 2.0, (y0 + y1) / 2.0, room * min(width / wide, height / (y1 - y0)))
 
 
-def with_view(config: Dict[str, Any], view: View, size: Tuple[int, int]) -> Dict[str, Any]:
+def with_view(config: Dict[str, Any], view: MapView, size: Tuple[int, int]) -> Dict[str, Any]:
     """An rviz configuration with another view from above and another size of the window."""
     manager = config["Visualization Manager"]
     views = {**manager["Views"], "Current": {**manager["Views"]["Current"], "X": view.x, "Y": view.y}}

@@ -5,7 +5,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, Point, Shape, text_shape, text_width
 from rosoclingo.reasoning.keywords import Action, shortened
-from rosoclingo.runs.account import ENDED, STATUS_WORDS, reason_of
+from rosoclingo.runs.events import ENDED, STATUS_WORDS, reason_of
 
 __all__ = ["HEIGHT", "LINES", "Panel", "goals_text", "plan_text"]
 

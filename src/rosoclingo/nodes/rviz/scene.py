@@ -6,7 +6,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.nodes.rviz.plain_shapes import INK, PAPER, TEXT_SIZE, Colour, Point, Shape, text_shape
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.runs.drawing import Drawing, Kind
+from rosoclingo.runs.drawing import Drawing, DrawingKind
 
 BLUE: Colour = (0.16, 0.42, 0.72, 0.35)
 BROWN: Colour = (0.80, 0.55, 0.27, 1.0)
@@ -18,7 +18,7 @@ SHUT: Colour = (0.75, 0.21, 0.17, 0.95)
 GRAY: Colour = (0.35, 0.40, 0.47, 0.5)
 
 #: How ways are drawn: colour, and width in m.
-WAYS = {Kind.WAY: (GRAY, 0.04), Kind.OPEN: (LATER, 0.08), Kind.BLOCKED: (SHUT, 0.08)}
+WAYS = {DrawingKind.WAY: (GRAY, 0.04), DrawingKind.OPEN: (LATER, 0.08), DrawingKind.BLOCKED: (SHUT, 0.08)}
 BAR = 0.6  # m across a blocked way
 
 PACKAGE_SIZE = 0.24
@@ -74,9 +74,9 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
 def things_in(drawings: Iterable[Drawing]) -> List[Tuple[str, str, bool]]:
     """The things among what the program has drawn, as :func:`package_shapes` takes them."""
     return [
-        (one.text, one.labels[0] if one.labels else "", one.kind is Kind.CARRIED)
+        (one.text, one.labels[0] if one.labels else "", one.kind is DrawingKind.CARRIED)
         for one in drawings
-        if one.kind in (Kind.THING, Kind.CARRIED)
+        if one.kind in (DrawingKind.THING, DrawingKind.CARRIED)
     ]
 
 
@@ -88,7 +88,7 @@ def drawn_shapes(drawings: Sequence[Drawing], labels: LabelTable) -> List[Shape]
         shapes += _way(one, labels[one.labels[0]], labels[one.labels[1]], 0.02 + 0.0001 * height)
     marks: Dict[str, int] = {}
     for one in drawings:
-        if one.kind is Kind.MARK:
+        if one.kind is DrawingKind.MARK:
             label, number = labels[one.labels[0]], marks.get(one.labels[0], 0)
             marks[one.labels[0]] = number + 1
             shapes.append(_tag("drawn", label.frame, one.text, (label.x, label.y + 0.55 + 0.4 * number)))
@@ -101,7 +101,7 @@ def _way(one: Drawing, start: Label, end: Label, height: float) -> List[Shape]:
     x, y = (start.x + end.x) / 2, (start.y + end.y) / 2
     shapes = [_line(start.frame, colour, width, (start.x, start.y, height), (end.x, end.y, height))]
     length = math.hypot(end.x - start.x, end.y - start.y)
-    if one.kind is Kind.BLOCKED and length:
+    if one.kind is DrawingKind.BLOCKED and length:
         across, up = BAR / 2 * (end.y - start.y) / length, BAR / 2 * (start.x - end.x) / length
         shapes.append(_line(start.frame, colour, 3 * width, (x - across, y - up, 0.25), (x + across, y + up, 0.25)))
     if one.text:
