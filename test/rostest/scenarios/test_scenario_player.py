@@ -56,6 +56,7 @@ class ScenarioPlayerTest(unittest.TestCase):
         said, cycles = [], iter([8, 9, 10])
         plans = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=10, latch=True)
         updates = rospy.Publisher("rosoclingo/updates", String, queue_size=10)
+        inlet = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)  # the player's, which is of this process
         facts = rospy.Subscriber("in_rosoclingo", InterfaceIO, lambda message: said.append(message.facts[0]))
         text = "events: [{cycle: 1, facts: [first]}, {cycle: 3, facts: [third]}]"
         plans.publish(cycle=7)
@@ -70,12 +71,14 @@ class ScenarioPlayerTest(unittest.TestCase):
         peek = [next(cycles)]
         player = ScenarioPlayer(Scenario.from_text(text), [], print, go_on)
         wait_until(lambda: player.cycle == 7, "the plan")
-        wait_until(lambda: facts.get_num_connections() > 0, "the player's publisher")
+        wait_until(
+            lambda: inlet.get_num_connections() > 0, "the player's facts to be heard"
+        )  # rospy counts it last here
         wait_until(lambda: updates.get_num_connections() > 0, "the player to hear of updates")
         player.play()
         wait_until(lambda: said == ["first", "third"], "the facts")
         self.assertEqual((player.before, player.cycle), (7, 10))
-        for one in (facts, plans, updates):
+        for one in (facts, inlet, plans, updates):
             one.unregister()
 
     def test_player_reports_a_cycle_that_does_not_come(self):
