@@ -7,7 +7,6 @@ import os
 import shlex
 import signal
 import sys
-import sysconfig
 import threading
 from typing import Any, Callable, Iterator, NoReturn, Sequence, Tuple, Type
 
@@ -15,8 +14,8 @@ from rosoclingo.common.streams import print_utf8, tolerate_any_locale, tolerate_
 
 __all__ = ["leave", "missing", "needed_modules", "node_arguments", "print_utf8", "run_node"]
 
-_PYPI = {"PIL": "Pillow", "llvmlite": "numba", "yaml": "PyYAML"}  # where the package has another name than the module
-_ROBOT = ("numba", "Pillow")  # rosoclingo.robot's alone: optional for those with another robot
+#: PyPI's packages where they have another name than the module.
+_PYPI = {"PIL": "Pillow", "clingo": "clingo>=5.7", "llvmlite": "numba", "yaml": "PyYAML"}
 
 
 @contextlib.contextmanager
@@ -33,17 +32,13 @@ def needed_modules() -> Iterator[None]:
 
 
 def missing(module: str) -> str:
-    """What to do about a module that is not there, for this Python."""
-    python = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})"
-    package = _PYPI.get(module.split(".")[0], module.split(".")[0])
-    if package == "clingo":
-        return f"clingo is not installed for {python}: {_pip('clingo>=5.7')}"
-    if package == "rosoclingo":
+    """How to install a module that this Python lacks."""
+    name = module.partition(".")[0]
+    if name == "rosoclingo":
         return f"there is no {module}: build the workspace and source its setup.bash (devel/setup.bash)"
-    if package in _ROBOT:
-        mend = f"rosdep install rosoclingo, or {_pip(*_ROBOT)}"
-        return f"{package} is not installed for {python}, and rosoclingo's simulator and navigation need it: {mend}"
-    return f"{package} is not installed for {python}: rosdep install rosoclingo, or {_pip(package)}"
+    python, package = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})", _PYPI.get(name, name)
+    mend = f"rosdep install rosoclingo, or {sys.executable} -m pip install {shlex.quote(package)}"
+    return f"{name} is not installed for {python}: {mend}"
 
 
 def leave(code: int) -> NoReturn:
@@ -110,17 +105,3 @@ def _shut_down(number: int, _frame: Any) -> None:
     import rospy
 
     threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",)).start()
-
-
-def _pip(*packages: str) -> str:
-    managed = os.path.exists(os.path.join(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED"))
-    outside = sys.prefix == sys.base_prefix
-    words = [
-        sys.executable,
-        "-m",
-        "pip",
-        "install",
-        *(["--break-system-packages"] if managed and outside else []),
-        *packages,
-    ]
-    return " ".join(map(shlex.quote, words))

@@ -2,15 +2,21 @@
 
 import queue
 import threading
+import time
 import traceback
 from concurrent import futures
-from typing import Callable, List, Optional, Set, TypeVar
+from contextlib import suppress
+from typing import Callable, List, Optional, TypeVar
 
 import rospy
 
 Job = Callable[[], object]
 Settle = Callable[[], Optional[float]]
 Answer = TypeVar("Answer")
+
+#: Seconds of wall time between two checks for the worker's end while an answer is awaited.
+CHECK = 0.5
+
 _failure = threading.Event()  # of any worker: it is the node, thus the process, that ends
 
 
@@ -22,10 +28,6 @@ def failed() -> bool:
 def ending() -> bool:
     """Whether the node ends: rospy closes the topics before ``rospy.is_shutdown`` says so."""
     return bool(rospy.core.is_shutdown_requested())
-
-
-def _refusal() -> rospy.ServiceException:
-    return rospy.ServiceException(f"{rospy.get_name()} does not answer: its worker has ended")
 
 
 class Worker:
@@ -43,7 +45,6 @@ class Worker:
         self._queue: queue.Queue[Optional[Job]] = queue.Queue()
         self._settlers: List[Settle] = [settle] if settle is not None else []
         self._period = period
-        self._asked: Set[futures.Future] = set()  # questions that wait for their answer
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
 
@@ -62,19 +63,18 @@ class Worker:
     def ask(self, work: Callable[[], Answer], timeout: float = 30.0) -> Answer:
         """Have the worker find an answer and wait for it: what the callback of a service does.
 
-        Raises rospy.ServiceException after ``timeout`` seconds (wall time), or as soon as the worker has ended.
+        Raises rospy.ServiceException after ``timeout`` seconds (wall time), or soon after the worker's end.
         """
         answer: futures.Future[Answer] = futures.Future()
-        self._asked.add(answer)  # then the look at the end: the worker sets that first, then refuses what was asked
-        try:
-            if self._ended.is_set():
-                raise _refusal()
-            self.put(lambda: answer.set_result(work()))
-            return answer.result(timeout)
-        except futures.TimeoutError as error:
-            raise rospy.ServiceException(f"{rospy.get_name()} does not answer") from error
-        finally:
-            self._asked.discard(answer)
+        self.put(lambda: answer.set_result(work()))
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            ended = self._ended.is_set()  # first: an answer can be the worker's last deed
+            with suppress(futures.TimeoutError):
+                return answer.result(min(timeout, CHECK))
+            if ended:
+                raise rospy.ServiceException(f"{rospy.get_name()} does not answer: its worker has ended")
+        raise rospy.ServiceException(f"{rospy.get_name()} does not answer")
 
     def stop(self, timeout: float = 2.0) -> None:
         """End after the jobs that wait now, and wait for that, at most ``timeout`` seconds (wall time)."""
@@ -94,19 +94,12 @@ class Worker:
                 while wait is not None:
                     wait = self._once(wait)
             finally:
-                self._refuse()
+                self._ended.set()
         except BaseException:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
             if not ending():  # else topics are closed, which is no fault
                 rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
                 _failure.set()
                 rospy.signal_shutdown("the worker failed")
-
-    def _refuse(self) -> None:
-        """Let nobody wait for an answer any longer."""
-        self._ended.set()
-        for answer in list(self._asked):
-            if not answer.done():
-                answer.set_exception(_refusal())
 
     def _once(self, wait: float) -> Optional[float]:
         """Do what comes within ``wait`` seconds, and settle; return how long to wait next, None at the end."""

@@ -2,16 +2,16 @@
 
 import threading
 import time
-from typing import Callable, List, Optional
+from typing import Any, Callable, List, Optional
 
 import rospy
 from actionlib import ActionClient, ClientGoalHandle, CommState
-from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import comes_to
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
-from rosoclingo.nodes.server_watch import ServerWatch, Silence
+from rosoclingo.nodes.server_watch import SILENCE, ServerWatch
 
 #: actionlib's terminal states as the words of a goal's outcome.
 OUTCOME_WORDS = {
@@ -33,7 +33,7 @@ class SentGoal:
         self.outcome = ""
         self.message = ""
         self.feedback: Optional[ROSoClingoFeedback] = None
-        self.silence = Silence()
+        self.heard = time.monotonic()  # when there was news of the goal last, or it was sent
         self._client = client
         self._on_change = on_change
         self._handle: Optional[ClientGoalHandle] = None
@@ -51,12 +51,16 @@ class SentGoal:
 
     def send(self) -> None:
         """Send it; once only."""
-        self.silence.end(self._client.last_status_msg)
         self._handle = self._client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
 
+    @property
+    def acknowledged(self) -> bool:
+        """Whether the server has reported it."""
+        return self._handle is not None and self._handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK
+
     def send_again(self) -> None:
-        """Send again what the server never acknowledged, and its cancel: rospy may drop both; an id is taken once."""
-        if self._handle is not None and self._handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK:
+        """Send a goal that the server never acknowledged, and its cancel: rospy can drop both; an id counts once."""
+        if self._handle is not None and not self.acknowledged:
             self._client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
             if self._unwanted:
                 self.cancel()
@@ -85,8 +89,7 @@ class SentGoal:
             self._on_change()
 
     def _on_feedback(self, _handle: ClientGoalHandle, feedback: ROSoClingoFeedback) -> None:
-        self.feedback = feedback
-        self.silence.end(self._client.last_status_msg)
+        self.feedback, self.heard = feedback, time.monotonic()
         self._on_change()
 
 
@@ -97,7 +100,7 @@ class CoreClient:
         self._client = ActionClient(server, ROSoClingoAction)
         self._news = threading.Condition()
         self._watch: Optional[ServerWatch] = None
-        self._latest: Optional[GoalStatusArray] = None
+        self._latest: Any = None  # status message
         self.goals: List[SentGoal] = []
 
     def wait_for_server(self, timeout: float) -> bool:
@@ -133,25 +136,22 @@ class CoreClient:
         return goal
 
     def check(self) -> None:
-        """End goals of which nothing will be heard any more as lost; to be called while waiting for them.
+        """End goals of which there will be no news any more as lost; to be called while waiting for them.
 
-        That is so once nothing was heard of a goal for some seconds of wall time, and the server does not answer
-        either, has restarted, or repeatedly reports its goals without this one. Takes some seconds if nothing
-        answers.
+        A goal without news for some seconds of wall time is lost if the server does not answer either, has restarted,
+        or reports its goals without this one, which it had acknowledged. Takes some seconds if nothing answers.
         """
         before, self._latest = self._latest, self._client.last_status_msg
-        fresh = self._latest if self._latest is not before else None
-        known = {one.goal_id.id for one in fresh.status_list} if fresh is not None else set()
+        known = {one.goal_id.id for one in self._latest.status_list} if self._latest is not None else set()
         for goal in [one for one in self.goals if not one.ended]:
-            if goal.identifier in known:
-                goal.silence.end()
+            reported = goal.identifier in known
+            if reported and self._latest is not before:
+                goal.heard = time.monotonic()
+            if time.monotonic() - goal.heard < SILENCE:
                 continue
-            if fresh is not None:
-                goal.silence.deny(fresh)
-            if not goal.silence.turn():
-                continue
+            goal.heard = time.monotonic()
             fault = self._watch.fault() if self._watch is not None else ""
-            if not fault and goal.silence.unheard:
+            if not fault and goal.acknowledged and not reported:
                 fault = "the server is there, but does not know of it"
             if fault:
                 goal.lose(f"nothing is heard of {goal.text} any more: {fault}")

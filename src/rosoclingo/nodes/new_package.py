@@ -3,7 +3,7 @@
 import re
 import shutil
 from pathlib import Path
-from typing import Iterable, Iterator, List, Optional
+from typing import Iterable, Iterator, List
 
 #: What stands for the package's name, in the templates' texts and names.
 _NAME = "@NAME@"
@@ -24,7 +24,6 @@ def new_package(name: str, folder: Path, templates: Path, known: Iterable[str] =
     if not _FIT.fullmatch(name):
         raise NewPackageError(
             f"'{name}' is no name for a package: lower-case letters, digits and '_', a letter first, 2 to 100 of them"
-            + (f"; say '{_likely(name)}'" if _likely(name) else "")
         )
     package = folder / name
     if name in known and not package.exists():
@@ -54,8 +53,3 @@ def _write(name: str, package: Path, templates: Path) -> Iterator[Path]:
             if text.startswith("#!"):  # what is installed may have lost its permissions
                 path.chmod(path.stat().st_mode | 0o111)
             yield path
-
-
-def _likely(name: str) -> Optional[str]:
-    likely = re.sub(r"[^a-z0-9_]+", "_", name.lower()).lstrip("_0123456789").rstrip("_")
-    return likely if _FIT.fullmatch(likely) else None

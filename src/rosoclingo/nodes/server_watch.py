@@ -1,22 +1,17 @@
 """Whether an action server is still the one that goals were sent to, whatever ROS time does."""
 
 import os
-import threading
 import time
 from contextlib import suppress
 from typing import Optional
 
 import rosgraph
 import rospy
-from actionlib_msgs.msg import GoalStatusArray
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
 #: Seconds of wall time without word of a goal after which the server is asked whether it is there.
 SILENCE = 5.0
-
-#: Number of such silences in a row, each with a status without the goal, after which the goal never arrived.
-UNHEARD = 3
 
 #: Seconds of wall time before a missing begin of ROS time is reported.
 BEGINNING = 2.0
@@ -51,43 +46,6 @@ class ServerWatch:
         with suppress(*FAULTS):
             return int(api(self._uri).getPid(rospy.get_name())[2]) if self._uri else None
         return None
-
-
-class Silence:
-    """Counts the turns of SILENCE seconds of wall time in which nothing was heard of a goal."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()  # feedback comes in a thread of its own
-        self.end()
-
-    def end(self, status: Optional[GoalStatusArray] = None) -> None:
-        """Restart the count: the goal was sent or reported; ``status`` is the server's last one."""
-        with self._lock:
-            self._since, self._denials = time.monotonic(), 0
-            self._status, self._denied = status, False
-
-    def deny(self, status: GoalStatusArray) -> None:
-        """The server has told its status without the goal in it."""
-        with self._lock:
-            self._denied |= status is not self._status
-
-    @property
-    def unheard(self) -> bool:
-        """Whether the server's status lacked the goal in each of the last UNHEARD turns, so the goal never arrived.
-
-        One status alone can be older than the goal, and where ROS time stands still no other follows.
-        """
-        return self._denials >= UNHEARD
-
-    def turn(self) -> bool:
-        """Return whether a turn has ended; the next one begins now."""
-        with self._lock:
-            now = time.monotonic()
-            if now - self._since < SILENCE:
-                return False
-            self._denials = self._denials + 1 if self._denied else 0
-            self._since, self._denied = now, False
-            return True
 
 
 class Beginning:

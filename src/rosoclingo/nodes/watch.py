@@ -7,10 +7,11 @@ from typing import Callable, Iterable, Optional, Sequence
 
 import rospy
 
-from rosoclingo.nodes.account_node import TOPICS, AccountNode, TopicAccount
+from rosoclingo.nodes.account_node import TOPICS, AccountNode
 from rosoclingo.nodes.recording.bag_reader import read_bag
 from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import words_of
+from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.topic_names import USUAL
 
@@ -25,10 +26,11 @@ _TURN = 0.2
 
 def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> None:
     """Tell the account of a bag, and the summary; raises RecordingError."""
-    account = TopicAccount(say, with_state=with_state)
+    account = Account(say, with_state=with_state)
     with suppress(KeyboardInterrupt):
-        read_bag(path, core, account.account, TOPICS)
-    _conclude(account, say)
+        read_bag(path, core, account, TOPICS)
+    account.finish()
+    _conclude(account.summary, say)
 
 
 def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
@@ -45,11 +47,10 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
             account.tick(rospy.get_time())
     except KeyboardInterrupt:
         pass
-    _conclude(account, say)
+    _conclude(account.finish(), say)
 
 
-def _conclude(account: TopicAccount, say: Say) -> None:
-    summary = account.finish()
+def _conclude(summary: Summary, say: Say) -> None:
     for line in ("", *summary.lines(), f"time: {summary.seconds:.1f} s"):
         say(line)
 

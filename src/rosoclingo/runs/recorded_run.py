@@ -4,6 +4,7 @@ A :class:`RunCollector` puts it together from the events of the run.
 """
 
 import json
+import os
 import re
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -109,18 +110,12 @@ class RunProgram:
 
 def _apart(names: Sequence[str]) -> List[Path]:
     """Return where files of these names go in a folder: below what their folders share; what is no path beside them."""
-    paths = [Path(name).absolute() for name in names if "/" in name]
-    shared = _shared([path.parent for path in paths])
+    folders = [str(Path(name).absolute().parent) for name in names if "/" in name]
+    shared = os.path.commonpath(folders) if folders else "/"
     return [
         Path(name).absolute().relative_to(shared) if "/" in name else Path(re.sub(r"\W", "", name) + ".lp")
         for name in names
     ]
-
-
-def _shared(folders: Sequence[Path]) -> Path:
-    """Return the innermost folder that all the others lie in."""
-    above = [{folder, *folder.parents} for folder in folders]
-    return max(set.intersection(*above), key=lambda path: len(path.parts)) if above else Path("/")
 
 
 class RecordedPlan(NamedTuple):

@@ -82,8 +82,7 @@ def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
     else:
         assert done.returncode == 1
         assert done.stderr.startswith(f"{script}: clingo is not installed for {sys.executable} (Python 3.")
-        assert f"{sys.executable} -m pip install " in done.stderr
-        assert done.stderr.rstrip().endswith("'clingo>=5.7'")
+        assert done.stderr.rstrip().endswith(f"{sys.executable} -m pip install 'clingo>=5.7'")
     assert "Traceback" not in done.stderr
 
 
@@ -91,10 +90,8 @@ def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
     ("script", "module", "package"),
     [
         ("simulator", "numba", "numba"),
-        pytest.param("simulator", "llvmlite", "numba", marks=pytest.mark.slow),
-        pytest.param("move_base", "numba", "numba", marks=pytest.mark.slow),
+        pytest.param("move_base", "llvmlite", "numba", marks=pytest.mark.slow),
         pytest.param("map_server", "PIL", "Pillow", marks=pytest.mark.slow),
-        ("stage_world", "PIL", "Pillow"),
     ],
 )
 def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, module, package, tmp_path):
@@ -103,9 +100,8 @@ def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, modu
         pytest.skip("tf2_ros is compiled, and not for this Python")
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f"{script}: {package} is not installed for {sys.executable} (Python 3.")
-    assert "rosoclingo's simulator and navigation need it: rosdep install rosoclingo, or " in line
-    assert line.endswith(" numba Pillow")
+    assert line.startswith(f"{script}: {module} is not installed for {sys.executable} (Python 3.")
+    assert line.endswith(f": rosdep install rosoclingo, or {sys.executable} -m pip install {package}")
 
 
 @pytest.mark.slow

@@ -49,23 +49,10 @@ def test_a_name_that_a_package_has_is_refused(templates, tmp_path):
         new_package("mine", tmp_path, templates, ["mine"])
 
 
-@pytest.mark.parametrize(
-    ("name", "likely"),
-    [
-        ("Guard", "guard"),
-        ("my-robot 2", "my_robot_2"),
-        ("2_arms", "arms"),
-        ("x", None),
-        ("", None),
-        ("../up", "up"),
-        ("ü", None),
-        ("x" * 101, None),
-    ],
-)
-def test_what_is_no_name_is_refused(name, likely, templates, tmp_path):
-    with pytest.raises(NewPackageError) as caught:
+@pytest.mark.parametrize("name", ["Guard", "my-robot 2", "2_arms", "x", "", "../up", "ü", "x" * 101])
+def test_what_is_no_name_is_refused(name, templates, tmp_path):
+    with pytest.raises(NewPackageError, match="a letter first, 2 to 100 of them"):
         new_package(name, tmp_path / "folder", templates)
-    assert str(caught.value).endswith(f"say '{likely}'" if likely else "2 to 100 of them")
 
 
 def test_what_is_there_is_left_alone(templates, tmp_path):
