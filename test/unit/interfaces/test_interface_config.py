@@ -77,7 +77,6 @@ def test_everything_given():
         ({}, "arm.type: is missing: give an action type like move_base_msgs/MoveBaseAction"),
         ({"type": "Test"}, "arm.type: must be an action type like .*, not 'Test'"),
         ({**TYPE, "repeatable": "yes"}, "arm.repeatable: must be true or false, not 'yes'"),
-        ({**TYPE, "repeatable": 1}, "arm.repeatable: must be true or false, not 1"),
         (
             {**TYPE, "returns": [{"status": "aborted", "success": True, "return": "$1"}]},
             r"arm.returns\[0\].return: has to be omitted with `success: true`:",
@@ -89,7 +88,6 @@ def test_everything_given():
             r"arm.returns\[0\].facts\[1\]: .*no ground atom",
         ),
         ({**TYPE, "returns": [{"facts": ["heard(${text},Now)"]}]}, r"arm.returns\[0\].facts\[0\]: .*Now is a variable"),
-        ({**TYPE, "done": "state"}, "arm.done: must be a mapping with the keys topic, type, when"),
         ({**TYPE, "done": {"topic": "state"}}, "arm.done.type: is missing: give a message type like"),
         ({**TYPE, "done": {"type": "std_msgs/Int32"}}, "arm.done.topic: is missing: give the name of a topic"),
         (
@@ -104,18 +102,11 @@ def test_everything_given():
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(is \$parameter meant\?\); known are"),
         ({**TYPE, "sever": "x"}, r"arm: unknown key 'sever' \(is server meant\?\); keys are type, server"),
         ({**TYPE, "server": ""}, "arm.server: must be the name of an actionlib server"),
-        ({**TYPE, "goal": 3}, "arm.goal: must be a mapping"),
-        ({**TYPE, "goal": {"x": "$y"}}, r"arm.goal.x: no \$y"),
         ({**TYPE, "timeout": -1}, "arm.timeout: must be a number from 0 on"),
-        ({**TYPE, "timeout": "soon"}, "arm.timeout: must be"),
-        ({**TYPE, "timeout": True}, "arm.timeout: must be"),
         ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be a number above 0"),
-        ({**TYPE, "server_timeout": float("inf")}, "arm.server_timeout: must be"),
         ({**TYPE, "pause": -1}, "arm.pause: must be a number from 0 on"),
         ({**TYPE, "retries": 1.5}, "arm.retries: must be a whole number"),
         ({**TYPE, "retry_on": "failed"}, "arm.retry_on: must be a list"),
-        ({**TYPE, "returns": {}}, "arm.returns: must be a list"),
-        ({**TYPE, "returns": [3]}, r"arm.returns\[0\]: must be a mapping"),
         (
             {**TYPE, "returns": [{"status": "lost"}]},
             r"arm.returns\[0\].status: must be one of succeeded, .*, not 'lost'",
@@ -130,8 +121,6 @@ def test_everything_given():
             {**TYPE, "returns": [{"when": {"x": "/[a-z&&b]/"}}]},
             r"arm.returns\[0\].when.x: '\[a-z&&b\]' is .* put a backslash .*: Possible set intersection at position 4",
         ),
-        ({**TYPE, "returns": [{"when": 3}]}, r"arm.returns\[0\].when: must be a mapping"),
-        ({**TYPE, "returns": [{"facts": "a"}]}, r"arm.returns\[0\].facts: must be a list"),
         ({**TYPE, "returns": [{"return": "$what"}]}, r"arm.returns\[0\].return: no \$what"),
     ],
 )

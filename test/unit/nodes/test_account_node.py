@@ -87,12 +87,6 @@ def test_account_takes_places_that_the_program_shows(account, labels):
     assert account.differences(expect) != []
 
 
-def test_account_takes_places_that_the_program_draws(account):
-    account.take("~program", program("_draws(me,robot). _draws(lies,thing)."), 1.0)
-    account.take("~state", state("me(hall,now)", "lies(cup,kitchen,now)", "at(x,y,now)"), 1.1)
-    assert (account.account.summary.robot, account.account.summary.packages) == ("hall", {"cup": "kitchen"})
-
-
 def test_account_prefers_the_topic_of_packages(account):
     account.take("~program", program(), 1.0)
     account.take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.1)

@@ -100,14 +100,6 @@ def test_what_is_not_offered_is_not_sent(counter):
     assert counter.sent == []
 
 
-def test_so_many_orders_are_open_and_no_more(counter):
-    for _ in range(MOST_OPEN):
-        assert "ordered" in counter.order()
-    assert "too many orders are open" in counter.order()["fault"]
-    counter.view.status(2.0, "id 1", 3, "")
-    assert "ordered" in counter.order()
-
-
 def test_desk_burst_accepts_only_free_places():
     """The view hears of a goal only after the burst: places are counted by what was sent."""
     desk = Counter()
@@ -157,14 +149,3 @@ def test_old_orders_are_forgotten(counter):
         counter.view.status(2.0, f"id {number + 1}", 3, "")
     assert "fault" in counter.take(cancel="id 1", key=KEY)
     assert "canceled" in counter.take(cancel="id 2", key=KEY)
-
-
-def test_a_core_that_is_not_there_is_told():
-    def fail(_text):
-        raise OrderError("the core is not there: try again later")
-
-    view = RunView({"labels": LABELS})
-    view.packages(0.0, [("1", "office2")])
-    desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), fail, fail)
-    message = {"order": 0, "key": KEY, "chosen": {"package": "1", "to": "office1"}}
-    assert desk.take(message, view) == {"fault": "the core is not there: try again later"}

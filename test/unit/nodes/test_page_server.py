@@ -7,13 +7,10 @@ import json
 import browser
 import pytest
 from served_page import PATIENCE, answered, play, serving, told, wait_until
-from told_runs import GOAL, delivery, plan_of
+from told_runs import GOAL
 from tornado.httpclient import HTTPClientError
 
-from rosoclingo.common.reading import Reader
-from rosoclingo.nodes.pages.order_desk import MOST_OPEN, OrderDesk
 from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_MESSAGES, MOST_VIEWERS
-from rosoclingo.runs.orders import read_orders
 from rosoclingo.runs.report_page import LIVE_SCRIPTS
 from rosoclingo.runs.run_view import RunView
 
@@ -75,17 +72,7 @@ def test_another_site_s_page_is_no_viewer(served):
 
 @pytest.mark.parametrize(
     "origin",
-    [
-        "http://[::1",
-        "http://[::1]:x",
-        "http://a@[::1",
-        "http://[zz]",
-        "http://\u2100.x",
-        "[",
-        "]",
-        "//[",
-        "http://\u00ff",
-    ],
+    ["http://[::1", "http://[::1]:x", "http://\u2100.x", "[", "http://\u00ff"],
 )
 def test_server_refuses_an_origin_that_is_no_url(served, origin):
     status, body = served.shake_hands(Origin=origin)
@@ -261,7 +248,7 @@ def test_what_is_no_question_ends_the_connection(text):
         play(scene())
 
 
-@pytest.mark.parametrize("number", ['"7"', "1.5", "NaN", "1e999", "[]", "[" * 100 + "]" * 100, "true", "{}"])
+@pytest.mark.parametrize("number", ['"7"', "1.5", "NaN", "[" * 100 + "]" * 100, "true"])
 def test_server_answers_a_number_that_is_none(number):
     with serving(take=lambda message: {"heard": 1}) as served:
 
@@ -273,46 +260,6 @@ def test_server_answers_a_number_that_is_none(number):
             assert await answered(client) == {"number": 3, "heard": 1}
 
         play(scene())
-
-
-@pytest.mark.parametrize("text", ['{"key": "\\ud800aaaaaaaa", "order": 0, "number": 1}', '{"\\udfff": 1, "number": 1}'])
-def test_server_answers_half_a_surrogate_pair(text):
-    view = delivery()
-    desk = OrderDesk([], lambda _text: "id", lambda _key: None)
-    with serving(view, take=lambda message: desk.take(message, view)) as served:
-
-        async def scene():
-            client = await served.connect()
-            await client.write_message(text)
-            found = await answered(client)
-            assert (found["number"], "fault" in found) == (1, True)
-            await client.write_message('{"number": 2}')
-            assert (await answered(client))["number"] == 2
-
-        play(scene())
-
-
-@pytest.mark.slow
-def test_server_accepts_as_many_orders_as_places_in_a_burst():
-    """20 viewers order 400 times at once, while nothing is heard of the goals."""
-    view, sent = delivery(), []
-    forms = read_orders(Reader([{"title": "Wave", "goal": "wave({a})", "choices": {"a": [1, 2]}}]))
-    desk = OrderDesk(forms, lambda text: sent.append(text) or f"id {len(sent)}", lambda _key: None)
-    with serving(view, take=lambda message: desk.take(message, view)) as served:
-
-        async def order(number):
-            client = await served.connect()
-            for place in range(MOST_MESSAGES):
-                message = {"key": f"key of page {number}", "order": 0, "chosen": {"a": "1"}, "number": place}
-                await client.write_message(json.dumps(message))
-            return [await answered(client) for _ in range(MOST_MESSAGES)]
-
-        async def scene():
-            return await asyncio.gather(*map(order, range(20)))
-
-        answers = [one for some in play(scene()) for one in some]
-    assert sum("ordered" in one for one in answers) == len(sent) == MOST_OPEN
-    assert all("too many orders" in one["fault"] for one in answers if "ordered" not in one)
 
 
 def test_who_asks_too_often_is_let_go():
@@ -331,32 +278,6 @@ def test_who_asks_too_often_is_let_go():
 
 
 # ---- in a browser ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_the_page_shows_what_happens(page, served):
-    page.faults.clear()
-    page.open(served.address + "/")
-    page.wait_for("document.getElementById('connection').textContent === 'Live'")
-    assert page.text("h1") == "A delivery"
-    hostile = "<img src=x onerror=window.broken=1>"
-    served.do(lambda view: view.goal(140.0, "b", hostile))
-    page.wait_for("document.querySelectorAll('#goals tbody tr').length === 2")
-    assert page.texts("#goals code") == [GOAL, hostile]
-    plan = plan_of("move_base office2")
-    served.do(lambda view: view.begin("one"))
-    served.do(
-        lambda view: (view.begin("another"), view.plan(141.0, 1, 1, plan, (0.0, 0.0)), view.dispatched(141.0, plan))
-    )
-    page.wait_for("document.querySelector('#cycle li.now') !== null")
-    assert page.texts("#cycle li") == ["▶ move_base office2"]
-    served.do(lambda view: view.pose(142.0, 1.0, 1.0, 0.0))
-    page.wait_for("document.querySelector('#map .caption').textContent.includes('at office1')")
-    served.extra = {"core": False}
-    page.wait_for("document.getElementById('connection').textContent.startsWith('The core is not there')")
-    assert page.run("window.broken") is None
-    assert page.faults == []
 
 
 @pytest.mark.slow

@@ -197,7 +197,7 @@ def test_a_run_that_begins_too_late(replay, write, capsys):
     assert "the updates of cycle 1 are lacking" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("size", [0, 5, 100, 5000, -1, -500])
+@pytest.mark.parametrize("size", [0, 5, 5000, -1])
 def test_a_bag_that_is_cut_off(replay, write, capsys, size):
     path = write()
     path.write_bytes(path.read_bytes()[:size])

@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import extend_path
 
 import pytest
-from journal_runs import GOALS, changed, play
+from journal_runs import GOALS, play
 from shipped import shipped
 from told_runs import GOAL, LABELS, plan_of
 
@@ -147,11 +147,6 @@ def test_file_title_and_core_can_be_named(report, write, run, tmp_path):
     assert len(shown(to)["goals"]) == 1
 
 
-def test_of_several_cores_one_has_to_be_named(report, write, run, capsys):
-    assert report(write([*run("/red/"), *run("/blue/")]))[0] == 2
-    assert "the runs of 2 cores are in it" in capsys.readouterr().err
-
-
 def test_what_all_robots_share_may_lie_at_the_root(report, write, run, tmp_path):
     said = [(time, "/map" if topic == "/red/map" else topic, one) for time, topic, one in run("/red/")]
     assert report(write(said))[0] == 0
@@ -196,31 +191,7 @@ def test_a_map_without_cells_is_none(report, write, run, tmp_path):
     assert shown(tmp_path / "run.html")["about"]["map"] is None
 
 
-@pytest.mark.parametrize(
-    ("damage", "told"),
-    [
-        (lambda data: b"", "is no bag, or damaged"),
-        (lambda data: b"something else", "is no bag, or damaged"),
-        (lambda data: data[: len(data) // 2], "has no index"),
-        (lambda data: data[:4200] + bytes(300) + data[4500:], "is no bag, or damaged"),
-    ],
-    ids=["empty", "other", "cut", "zeros"],
-)
-def test_a_damaged_bag_is_told(report, write, run, capsys, damage, told):
-    path = write(run())
-    path.write_bytes(damage(path.read_bytes()))
-    assert report(path)[0] == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"report: {path}")
-    assert told in said
-    assert not path.with_suffix(".html").exists()
-
-
-def test_a_bag_without_a_core_and_files_that_are_not_there(report, write, run, tmp_path, capsys):
-    assert report(write([one for one in run() if "updates" not in one[1]]))[0] == 2
-    assert "no stream updates of a core" in capsys.readouterr().err
-    assert report(tmp_path / "nosuch.bag")[0] == 2
-    assert "nosuch.bag cannot be read: No such file" in capsys.readouterr().err
+def test_a_page_that_cannot_be_written(report, write, run, tmp_path, capsys):
     assert report(write(run()), "-o", tmp_path / "no" / "folder.html")[0] == 2
     assert "No such file or directory" in capsys.readouterr().err
 
@@ -262,14 +233,3 @@ def test_a_journal_has_a_report(report, journal, tmp_path):
     assert "no poses" in page["about"]["lacks"]
     assert report(journal) == (0, [f"report: {journal / 'journal.html'}"])
     assert report(journal / NAME)[0] == 0
-
-
-def test_a_damaged_journal_is_told(report, journal, tmp_path, capsys):
-    path = changed(journal / NAME, tmp_path / NAME, "UPDATE header SET run = 'other'")
-    assert report(path)[0] == 2
-    assert capsys.readouterr().err.startswith(f"report: {path}: the header is not as it was written; take another copy")
-    path.write_bytes(b"{}\n")
-    assert report(path)[0] == 2
-    assert f"{path}: it cannot be read as a journal (file is not a database)" in capsys.readouterr().err
-    assert report(tmp_path / "nosuch" / NAME)[0] == 2
-    assert "No such file or directory" in capsys.readouterr().err

@@ -76,13 +76,3 @@ def test_the_account_of_a_bag(messages, tmp_path):
     assert lines[lines.index("") :] == ["", "g(1): active", "robot: a", "actions: go x", "time: 1.0 s"]
     with pytest.raises(RecordingError, match="the core other is not in it"):
         watch_bag(path, "other", True, lines.append)
-
-
-def test_what_is_no_bag(messages, tmp_path):
-    from rosoclingo.nodes.watch import watch_bag
-
-    path = tmp_path / "run.bag"
-    path.write_text("no bag", encoding="utf-8")
-    for one in (path, tmp_path / "missing.bag"):
-        with pytest.raises(RecordingError, match=str(one)):
-            watch_bag(one, None, False, print)

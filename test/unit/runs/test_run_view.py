@@ -4,7 +4,7 @@ import json
 import math
 
 import pytest
-from told_runs import GOAL, delivery, plan_of
+from told_runs import GOAL, delivery
 
 from rosoclingo.runs import run_view
 from rosoclingo.runs.events import GoalTold
@@ -171,16 +171,6 @@ def test_a_status_that_is_none_and_a_goal_that_nobody_sent_are_passed_over():
     assert goal["states"][1:] == [[2.0, "rejected", "is refused"]]
 
 
-def test_actions_that_a_newcomer_is_told_again_are_there_once():
-    view = RunView()
-    plan = plan_of("go a")
-    view.goal(0.0, "a", "g(1)")
-    for _ in range(3):
-        view.dispatched(1.0, plan)
-    view.dispatched(2.0, ["_cancel(go,a,1)"])
-    assert len(records(view.changes(), "actions")) == 1
-
-
 def test_of_two_actions_of_an_interface_in_a_cycle_each_has_its_own_return():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
@@ -282,15 +272,6 @@ def test_the_log_tells_of_declarations_that_are_none_once():
     assert lines == [("note", "_draws(path,roads) has nothing drawn"), ("request", "g(1)")]
 
 
-def test_the_log_has_the_program_s_words():
-    view = RunView()
-    view.program(0.0, floor())
-    view.goal(10.0, "a", "g(1)")
-    view.dispatched(11.0, ["_action_lib(go,b,1)"])
-    view.finish()
-    assert [one["text"] for one in records(view.changes(), "log")] == ["g(1)", "goes to b"]
-
-
 def test_a_core_that_is_started_again_begins_with_cycle_1():
     view = RunView()
     view.begin("one")
@@ -344,16 +325,6 @@ def test_a_view_is_full_at_some_time(monkeypatch):
         view.status(float(number), str(number), 3, "")
     assert view.full
     assert not view.renewed().full
-
-
-def test_lines_that_wait_are_written_when_time_passes():
-    view = RunView()
-    view.update(0.0, "#step 1.\n_return(go,x,1).\n#end step.\n")
-    view.clock(0.5)
-    assert view.changes()["log"] == []
-    view.clock(2.0)
-    assert [one["kind"] for one in records(view.changes(), "log")] == ["update"]
-    assert view.seconds == 2.0
 
 
 def test_labels_come_with_the_program():
