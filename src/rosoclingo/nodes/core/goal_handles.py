@@ -63,24 +63,21 @@ class GoalHandles:
 
     def changed(self, event: GoalChanged) -> None:
         """Tell the client of a transition; the one to a cancelling state the action server has made itself."""
+        if event.outcome is not None:
+            self._end(event.key, event.event, event.outcome, event.message)
+            return
         handle = self._handles[event.key]
         if event.event is GoalEvent.ACCEPT:
             handle.set_accepted(f"{event.term} is accepted")
-        elif event.outcome is not None:
-            self._end(event.key, event.event, event.outcome, event.message)
         self.board.look(event.key, handle)
 
     def refused(self, event: GoalRefused) -> None:
         """Tell the client that its goal is not taken."""
-        handle = self._handles[event.key]
         self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
-        self.board.look(event.key, handle)
 
     def recall(self, key: str, message: str) -> None:
         """Tell the client that its goal, which the core has not heard of, is cancelled."""
-        handle = self._handles[key]
         self._end(key, GoalEvent.CANCEL, Outcome.CANCELED, message)
-        self.board.look(key, handle)
 
     def progress(self, event: GoalProgress) -> None:
         """Give the client feedback, and put the program's remark on the goal into its status."""
@@ -111,6 +108,7 @@ class GoalHandles:
         self._open[_node_of(handle)] -= 1
         self._remarks.pop(key, None)
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
+        self.board.look(key, handle)
         request, why = shortened(handle.get_goal().request), shortened(message, SHOWN)
         rospy.loginfo("goal '%s' %s: %s", request, outcome.name.lower(), why)
 

@@ -76,14 +76,15 @@ class CoreTopics:
 
     def actions_dispatched(self, event: ActionsDispatched) -> None:
         """Publish the actions of a cycle."""
-        self._look()
-        for message in _messages((action, action.atom) for action in event.actions):
-            self._out.publish(message)
+        self._send((action, action.atom) for action in event.actions)
 
     def actions_preempted(self, event: ActionsPreempted) -> None:
         """Publish the cancellations of actions."""
+        self._send((action, action.cancellation) for action in event.actions)
+
+    def _send(self, facts: Iterable[Tuple[Action, Symbol]]) -> None:
         self._look()
-        for message in _messages((action, action.cancellation) for action in event.actions):
+        for message in _messages(facts):
             self._out.publish(message)
 
     def return_taken(self, _event: object) -> None:
