@@ -21,7 +21,7 @@ def test_an_unknown_command_is_told_the_known_ones():
     code, said = dev("nosuch")
     assert code == 1
     assert "unknown command: nosuch" in said
-    assert "demo test lint bench exec exec-install exec-python38 shell setup help" in said
+    assert "demo test lint bench docs exec exec-install exec-python38 shell setup help" in said
 
 
 def test_an_unknown_scenario_is_told_the_known_ones_before_any_set_up():

@@ -12,7 +12,8 @@ from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_updates, s
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "rosoclingo"
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "doc").glob("*.md"))]
+SITE = {ROOT / "doc" / "index.md", ROOT / "doc" / "contributing.md"}  # of the site alone: its text comes from the root
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted({*(ROOT / "doc").glob("*.md")} - SITE)]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: A file of the repository, from its root.
 FILE = re.compile(
@@ -60,7 +61,15 @@ def test_the_index_has_every_page():
 
 
 def test_the_index_is_linked_from_the_front_page():
-    assert "doc/README.md" in links(ROOT / "README.md")
+    assert "doc/README.md" in {link.partition("#")[0] for link in links(ROOT / "README.md")}
+
+
+def test_the_site_has_every_page():
+    text = (ROOT / "doc" / "index.md").read_text(encoding="utf-8")
+    trees = re.findall(r"^```{toctree}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    listed = [line for tree in trees for line in tree.splitlines() if re.fullmatch(r"\w+", line)]
+    own = {path.stem for path in (ROOT / "doc").glob("*.md")} - {"README", "index"}
+    assert sorted(listed) == sorted({*own, "api"})
 
 
 # ---- what happens when something dies -------------------------------------------------------------------------------
