@@ -80,38 +80,40 @@ def requests(message: Message) -> Iterator[Request]:
         yield ProgressionError(1, 1, "a message without an update; write one that ends with '#endstep.'")
 
 
-class Inbox:
-    """Assembles a client's messages from the bytes that come in."""
+class MessageBuffer:
+    """The bytes of a client, from which its messages are taken one by one."""
 
     def __init__(self) -> None:
-        self._unfinished = bytearray()
-        self._skipping = False
+        self._data = bytearray()
+        self._is_skipping = False
 
-    def feed(self, data: bytes) -> List[Message]:
-        """Take ``data`` and return the messages that are complete by now, or dropped."""
-        *complete, rest = data.split(END)
-        taken = [self._take(piece, ends=True) for piece in complete] + [self._take(rest, ends=False)]
-        return [message for message in taken if message is not None]
+    @property
+    def is_full(self) -> bool:
+        """Whether the data suffice for a message."""
+        return len(self._data) >= MESSAGE_LIMIT
 
-    def _take(self, piece: bytes, ends: bool) -> Optional[Message]:
-        """Take a piece without NUL; ``ends`` tells that one follows it."""
-        if self._skipping:
-            self._skipping = not ends
+    def add(self, data: bytes) -> None:
+        """Append ``data``; the rest of a message that was too long is dropped."""
+        if self._is_skipping:
+            _, end, data = data.partition(END)
+            self._is_skipping = not end
+        self._data += data
+
+    def next_message(self) -> Optional[Message]:
+        """Take the next message, None if it is not complete."""
+        end = self._data.find(END, 0, MESSAGE_LIMIT)
+        if end < 0 and not self.is_full:
             return None
-        self._unfinished += piece
-        if len(self._unfinished) >= MESSAGE_LIMIT:
-            self._skipping = not ends
-            self._unfinished.clear()
+        if end < 0:
+            end = self._data.find(END)
+            self._is_skipping = end < 0
+            del self._data[: end + 1 if end >= 0 else None]
             return ProgressionError(1, 1, f"a message of {MESSAGE_LIMIT} bytes or more; send it in several updates")
-        return self._finish() if ends else None
-
-    def _finish(self) -> Message:
-        data = bytes(self._unfinished)
-        self._unfinished.clear()
+        data = bytes(self._data[:end])
+        del self._data[: end + 1]
         try:
             return data.decode("utf-8")
         except UnicodeDecodeError as fault:
             before = data[: fault.start].decode("utf-8")
             line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
-            text = f"no UTF-8 text: byte 0x{data[fault.start]:02x}, {fault.reason}"
-            return ProgressionError(line, column, text)
+            return ProgressionError(line, column, f"no UTF-8 text: byte 0x{data[fault.start]:02x}, {fault.reason}")

@@ -13,7 +13,7 @@ from typing import List, Optional, Union
 from rosoclingo.oclingo.errors import ProgressionError, SolverError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service import protocol
-from rosoclingo.oclingo.service.connection import Client
+from rosoclingo.oclingo.service.connection import ClientConnection
 from rosoclingo.oclingo.solving.results import SolveOutcome
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
@@ -54,10 +54,10 @@ class Service:
         self._solver = solver
         self._listener = listener
         self._time_limit = time_limit
-        self._clients: List[Client] = []
+        self._clients: List[ClientConnection] = []
         self._stopped = False
         self._bounded = False
-        self._served: Optional[Client] = None
+        self._served: Optional[ClientConnection] = None
 
     def run(self) -> None:
         """Serve until ``#stop.``; connections are closed however this ends."""
@@ -74,7 +74,7 @@ class Service:
                 client.close()
             self._listener.close()
 
-    def _next_client(self) -> Optional[Client]:
+    def _next_client(self) -> Optional[ClientConnection]:
         """Return a client that waits and put it last, so that each has its turn."""
         client = next((one for one in self._clients if one.waits), None)
         if client is not None:
@@ -84,24 +84,24 @@ class Service:
 
     def _pump(self, timeout: Optional[float]) -> None:
         """Read and write what can be, accept a client, close what is done; wait up to ``timeout`` for any of it."""
-        for client in [one for one in self._clients if one.done and one is not self._served]:
+        for client in [one for one in self._clients if one.is_done and one is not self._served]:
             self._clients.remove(client)
             client.close()
-        reading: List[Union[Client, socket.socket]] = [one for one in self._clients if one.reads]
+        reading: List[Union[ClientConnection, socket.socket]] = [one for one in self._clients if one.reads]
         if not self._stopped and len(self._clients) < CLIENT_LIMIT:
             reading.append(self._listener)
         writing = [one for one in self._clients if one.writes]
         readable, writable, _ = select.select(reading, writing, [], timeout if reading or writing else 0)
         for one in readable:
-            if isinstance(one, Client):
+            if isinstance(one, ClientConnection):
                 one.read()
             else:
                 with suppress(OSError):  # the client can have gone by now
-                    self._clients.append(Client(one.accept()[0]))
+                    self._clients.append(ClientConnection(one.accept()[0]))
         for client in writable:
             client.write()
 
-    def _serve(self, client: Client) -> None:
+    def _serve(self, client: ClientConnection) -> None:
         """Do what ``client`` asks for next."""
         request = client.take()
         if isinstance(request, ProgressionError):
@@ -114,7 +114,7 @@ class Service:
             self._solve(client, request)
             self._served = None
 
-    def _solve(self, client: Client, update: StreamUpdate) -> None:
+    def _solve(self, client: ClientConnection, update: StreamUpdate) -> None:
         bounded = self._bounded if update.step is None else update.bound is not None
         search = SearchWatch(time.monotonic(), bounded, self._time_limit)
 

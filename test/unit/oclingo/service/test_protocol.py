@@ -50,35 +50,42 @@ def test_updates_before_a_wrong_one_are_taken_the_rest_of_the_message_is_not():
     assert (fault.line, fault.column) == (2, 26)
 
 
+def feed(buffer, data):
+    """The messages that are complete with further data."""
+    buffer.add(data)
+    return list(iter(buffer.next_message, None))
+
+
 def test_bytes_that_are_no_text():
-    (message,) = protocol.Inbox().feed(b"#step 1.\n\xc3\xa4 \xff#endstep.\0")
+    (message,) = feed(protocol.MessageBuffer(), b"#step 1.\n\xc3\xa4 \xff#endstep.\0")
     (fault,) = protocol.requests(message)
     assert str(fault) == "2:3: no UTF-8 text: byte 0xff, invalid start byte"
 
 
 def test_a_message_without_end_is_dropped_once_and_up_to_its_end():
-    inbox = protocol.Inbox()
-    assert inbox.feed(b"x" * (protocol.MESSAGE_LIMIT - 1)) == []
-    (fault,) = inbox.feed(b"x")
+    buffer = protocol.MessageBuffer()
+    assert feed(buffer, b"x" * (protocol.MESSAGE_LIMIT - 1)) == []
+    assert not buffer.is_full
+    (fault,) = feed(buffer, b"x")
     assert "1:1: a message of 1000000 bytes or more" in str(fault)
-    assert inbox.feed(b"x" * protocol.MESSAGE_LIMIT) == []
-    assert inbox.feed(b"yz\0good\0") == ["good"]
+    assert feed(buffer, b"x" * protocol.MESSAGE_LIMIT) == []
+    assert feed(buffer, b"yz\0good\0") == ["good"]
 
 
 def test_a_long_message_with_its_end():
-    inbox = protocol.Inbox()
-    fault, good = inbox.feed(b"x" * protocol.MESSAGE_LIMIT + b"\0good\0")
-    assert isinstance(fault, ProgressionError)
+    buffer = protocol.MessageBuffer()
+    fault, good = feed(buffer, b"x" * protocol.MESSAGE_LIMIT + b"\0good\0")
+    assert "a message of" in str(fault)
     assert good == "good"
-    assert inbox.feed(b"x" * (protocol.MESSAGE_LIMIT - 1) + b"\0") == ["x" * (protocol.MESSAGE_LIMIT - 1)]
+    assert feed(buffer, b"x" * (protocol.MESSAGE_LIMIT - 1) + b"\0") == ["x" * (protocol.MESSAGE_LIMIT - 1)]
 
 
 @given(st.binary(max_size=200), st.lists(st.integers(0, 200)))
 def test_pieces_make_the_same_messages(data, cuts):
     edges = sorted({0, len(data), *(cut for cut in cuts if cut < len(data))})
-    inbox = protocol.Inbox()
-    received = [message for start, end in zip(edges, edges[1:]) for message in inbox.feed(data[start:end])]
-    assert list(map(str, received)) == list(map(str, protocol.Inbox().feed(data)))
+    buffer = protocol.MessageBuffer()
+    received = [message for start, end in zip(edges, edges[1:]) for message in feed(buffer, data[start:end])]
+    assert list(map(str, received)) == list(map(str, feed(protocol.MessageBuffer(), data)))
     assert len(received) == data.count(0)
 
 

@@ -207,7 +207,7 @@ def test_more_clients_than_are_served_at_a_time_wait(monkeypatch):
 
 @pytest.mark.slow
 def test_a_client_that_does_not_read_holds_nobody_up(monkeypatch):
-    monkeypatch.setattr(service_client, "OUTBOX_LIMIT", 10_000)
+    monkeypatch.setattr(service_client, "UNSENT_LIMIT", 10_000)
     with running("#cumulative t. { p(1..6,t) }.") as found:
         slow, client = found.client(), found.client()
         count = 60
