@@ -31,7 +31,7 @@ from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession
-from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
+from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, SearchLimits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_facts
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
@@ -371,7 +371,7 @@ class Grounding:
         self._session.close()
         assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first for cores
         blames = bool(blameable) and question.blames
-        limits = Limits(question.models, question.conflicts, question.best, question.advised)
+        limits = SearchLimits(question.models, question.conflicts, question.best, question.advised)
         answers: List[Reply] = []
         this = proxy(self)  # the control holds the callback, which must not hold the control
         with refusing(self.messages, self.program):

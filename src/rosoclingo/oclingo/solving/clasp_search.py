@@ -1,4 +1,4 @@
-"""Questions to clasp about what one control has ground, each with limits of its own, that can be stopped."""
+"""Searches of clasp in one control, each with its own limits, that can be stopped."""
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -7,25 +7,19 @@ import clingo
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 
 POLL = 0.002
-"""Seconds of wall time between two looks at the stop request while clasp searches."""
-
-SMALL = 1000
-"""Atoms of a program that is searched in place first, which spares a thread: most searches of it take less time."""
-
-FEW_CONFLICTS = 100
-"""Conflicts that such a search may take, a few milliseconds, as it hears of no stop."""
+"""Seconds of wall time between two polls of the stop while clasp searches."""
 
 Assumed = Sequence[Any]
 OnModel = Callable[[clingo.Model], None]
 
 
-class Limits(NamedTuple):
-    """How far a search goes.
+class SearchLimits(NamedTuple):
+    """The limits of a search.
 
     Attributes:
-        models: answers to find at most, 0 for all.
-        conflicts: those it may take at most, None for no limit.
-        best: where the program optimizes: whether to look for the best answers; else any will do.
+        models: the greatest number of answers to find, 0 for all.
+        conflicts: the greatest number of conflicts, None for no limit.
+        best: if the program optimizes, whether to find optimal answers; else any answers.
         advised: whether ``#heuristic`` counts.
 
     """
@@ -46,17 +40,12 @@ class ClaspSearch:
         self._options: Dict[str, str] = {}
 
     def run(
-        self, limits: Limits, assumed: Assumed, keep: OnModel, stopped: Callable[[], bool], blames: bool
+        self, limits: SearchLimits, assumed: Assumed, keep: OnModel, stopped: Callable[[], bool], blames: bool
     ) -> Tuple[clingo.SolveResult, List[int]]:
-        """Search within ``limits`` until ``stopped`` says so.
+        """Search within ``limits`` until ``stopped`` returns true; call ``keep`` with each model.
 
-        Returns the result, with the literals of those ``assumed`` because of which there is no answer if it ``blames``.
+        Returns the result and, if it ``blames`` and there is no answer, the ``assumed`` literals of an unsat core.
         """
-        few = FEW_CONFLICTS if limits.conflicts is None else min(limits.conflicts, FEW_CONFLICTS)
-        if limits.models == 1 and not blames and not (self._optimizes and limits.best) and self._is_small():
-            result = self.run_in_place(limits._replace(conflicts=few), assumed, keep)
-            if not result.unknown or few == limits.conflicts:
-                return result, []
         self._configure(limits)
         with self._control.solve(assumptions=assumed, on_model=keep, async_=True) as handle:
             while not handle.wait(POLL):
@@ -65,22 +54,19 @@ class ClaspSearch:
             result = handle.get()
             return result, handle.core() if blames and result.satisfiable is False else []
 
-    def run_in_place(self, limits: Limits, assumed: Assumed, keep: OnModel) -> clingo.SolveResult:
-        """Search within ``limits``, which have to see to it that this ends soon: it can't be stopped."""
+    def run_in_place(self, limits: SearchLimits, assumed: Assumed, keep: OnModel) -> clingo.SolveResult:
+        """Search without a thread; nothing can stop it, so ``limits`` have to end it soon."""
         self._configure(limits)
         return self._control.solve(assumptions=assumed, on_model=keep)
 
-    def _is_small(self) -> bool:
-        return len(self._control.symbolic_atoms) < SMALL
-
-    def _configure(self, limits: Limits) -> None:
-        """Set clasp's options that differ from those of the last search: to set one takes long."""
+    def _configure(self, limits: SearchLimits) -> None:
+        """Set the options of clasp that differ from those of the last search; setting one is slow."""
         conflicts = "umax" if limits.conflicts is None else str(limits.conflicts)
         options = {"models": str(limits.models), "solve_limit": f"{conflicts},umax"}
         if self._optimizes:
             options["opt_mode"] = "optN" if limits.best else "ignore"
         if self._advises:
-            options["heuristic"] = "Domain" if limits.advised else "Vsids,92"  # clingo's own, where nothing is said
+            options["heuristic"] = "Domain" if limits.advised else "Vsids,92"  # the second is clingo's default
         configuration = self._control.configuration
         for name, value in options.items():
             if self._options.get(name) != value:

@@ -12,7 +12,7 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
 from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession
-from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, Limits
+from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, SearchLimits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
 from rosoclingo.oclingo.solving.results import Answer, refusing
 from rosoclingo.oclingo.solving.stream_state import ForgottenSteps, StateItem, StreamState, TimedStatement
@@ -194,7 +194,7 @@ class ReactiveGrounding:
             if not model.cost or model.optimality_proven:
                 answers.append(frozenset(model.symbols(shown=True)) - hidden)
 
-        limits = Limits(models, None, best=True, advised=True)
+        limits = SearchLimits(models, None, best=True, advised=True)
         with refusing(self.messages, self.program):
             result, _ = self._clasp.run(limits, (), keep, stopped, blames=False)
         if result.interrupted or result.unknown:
