@@ -4,9 +4,6 @@ A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :clas
 :class:`StreamUpdate` and answers each. Pure Python on clingo; no ROS, no threads.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
 from rosoclingo.oclingo.errors import (
     DroppedError,
     Fault,
@@ -33,10 +30,8 @@ from rosoclingo.oclingo.progression.updates import (
     commitment,
     fact,
 )
-
-if TYPE_CHECKING:
-    from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
-    from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.reactive_solver import ReactiveSolver
+from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 
 __all__ = [
     "Answer",
@@ -68,12 +63,3 @@ __all__ = [
     "parse_update",
     "parse_updates",
 ]
-
-_SOLVER = {"ReactiveSolver": "reactive_solver", **dict.fromkeys(("Answer", "SolveOutcome", "SolveResult"), "results")}
-
-
-def __getattr__(name: str) -> Any:
-    """Return what is of the solver, which is not loaded for who only reads programs."""
-    if name not in _SOLVER:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"rosoclingo.oclingo.solving.{_SOLVER[name]}"), name)

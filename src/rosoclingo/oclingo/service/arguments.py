@@ -1,4 +1,4 @@
-"""Values on a command line; argparse tells whoever wrote them what is wrong."""
+"""Values on a command line; argparse reports what is wrong with them."""
 
 import argparse
 from typing import Dict, Sequence

@@ -7,6 +7,7 @@ import re
 import shutil
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Callable, ContextManager, List, NoReturn, Optional, Sequence, Tuple
 
@@ -14,7 +15,7 @@ from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
-from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, SearchProgress, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
@@ -50,7 +51,7 @@ MakeSolver = Callable[..., ContextManager[StreamSolver]]
 
 
 def make_parser() -> argparse.ArgumentParser:
-    """Return the parser of the command line, but for what tells how to check."""
+    """Return the parser of the command line, without the options of the check."""
     parser = argparse.ArgumentParser(prog="oclingo", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument(
         "words",
@@ -73,7 +74,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def _add_search(parser: argparse.ArgumentParser) -> None:
-    """Add how answers are searched."""
+    """Add the options of the search."""
     parser.add_argument("--imax", type=positive, metavar="N", help="ground no step beyond N (default: no limit)")
     parser.add_argument(
         "--shortest",
@@ -97,7 +98,7 @@ def _add_search(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_modes(parser: argparse.ArgumentParser) -> None:
-    """Add where updates come from and where answers go."""
+    """Add the options for the source of updates and for the output."""
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument(
         "--stream", metavar="FILE", help="play the updates of FILE (- is standard input), print answers as tables"
@@ -172,11 +173,12 @@ def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
     if options.stream is None and not options.interactive:
         return _serve(solver, options)
     if options.interactive:
-        _prepare_terminal()
+        with suppress(ImportError):  # lines can be edited and recalled if the system has it
+            import readline  # noqa: F401, PLC0415
         Session(solver, _output(options), options.time_limit).ask()
         return 0
     bound = BOUND if options.bound is None else options.bound
-    session = Session(solver, _output(options), options.time_limit, bound, Progress(sys.stderr))
+    session = Session(solver, _output(options), options.time_limit, bound, SearchProgress(sys.stderr))
     if options.stream == "-":
         session.play(sys.stdin, "<stdin>")
     else:
@@ -212,38 +214,29 @@ def _output(options: argparse.Namespace) -> Output:
     return TextOutput(sys.stdout, max(shutil.get_terminal_size((100, 24)).columns, 60), echo)
 
 
-def _prepare_terminal() -> None:
-    """Let lines be edited and recalled, where the system can."""
-    try:
-        import readline  # noqa: F401, PLC0415
-    except ImportError:
-        return
-
-
 def _files_and_models(words: Sequence[str]) -> Tuple[List[str], int]:
-    """Part the positional arguments; empty ones count for nothing, the last number is the number of models."""
+    """Return program files and number of models; the last number that is no file counts, empty words do not."""
     numbers = [word for word in words if word.isdigit() and word.isascii() and not Path(word).exists()]
     files = [word for word in words if word and word not in numbers]
     return files or ["-"], int(numbers[-1]) if numbers else 1
 
 
 def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: Sequence[str]) -> None:
-    """Refuse options that don't go together."""
+    """Refuse options that exclude each other."""
     serves = options.stream is None and not options.interactive
-    if options.json and serves and not options.check:
-        parser.error("--json needs --stream, --interactive or --check")
-    if options.check and options.interactive:
-        parser.error("--check looks at files, it doesn't go with --interactive")
-    if not serves and (options.port is not None or options.host is not None):
-        parser.error("--host and --port are the service's, they don't go with --stream or --interactive")
-    if options.bound is not None and options.stream is None:
-        parser.error("--bound needs --stream")
-    if options.plan_time is not None and not options.shortest:
-        parser.error("--plan-time needs --shortest")
-    if "-" in files and (options.stream == "-" or options.interactive):
-        parser.error("standard input holds updates: name a program file")
-    if files.count("-") > 1:
-        parser.error("standard input can be read once only")
+    reads_updates = options.stream == "-" or options.interactive
+    address = options.port is not None or options.host is not None
+    for is_wrong, text in (
+        (options.json and serves and not options.check, "--json needs --stream, --interactive or --check"),
+        (options.check and options.interactive, "--check looks at files, it doesn't go with --interactive"),
+        (address and not serves, "--host and --port are the service's, they don't go with --stream or --interactive"),
+        (options.bound is not None and options.stream is None, "--bound needs --stream"),
+        (options.plan_time is not None and not options.shortest, "--plan-time needs --shortest"),
+        ("-" in files and reads_updates, "standard input holds updates: name a program file"),
+        (files.count("-") > 1, "standard input can be read once only"),
+    ):
+        if is_wrong:
+            parser.error(text)
 
 
 def _source(file: str) -> Source:

@@ -8,30 +8,28 @@ from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 
 
-class Progress:
-    """Tells how far a search is and for how long it goes on: on one line of a terminal, else on a new one at times."""
+class SearchProgress:
+    """Reports the progress of a search: on one line of a terminal, else on a new line every ten seconds."""
 
     def __init__(self, stream: IO[str]) -> None:
-        self._stream, self._live = stream, stream.isatty()
-        self._wait = 1.0 if self._live else 10.0
-        self._told = 0.0
+        self._stream, self._is_live = stream, stream.isatty()
+        self._interval = 1.0 if self._is_live else 10.0
+        self._last = 0.0  # seconds of the search up to the last report
         self._width = 0
 
-    def searching(self, seconds: float, what: str, reached: int) -> None:
-        """Tell that ``what`` is searched for since so many ``seconds``, ``reached`` is its horizon; call it often."""
-        if seconds < self._told:
-            self._told = 0.0  # another search
-        if seconds - self._told >= self._wait:
-            self._told = seconds
+    def report(self, seconds: float, what: str, reached: int) -> None:
+        """Report the horizon that the search of ``what`` has ``reached`` after ``seconds``; to be called often."""
+        if seconds - self._last >= self._interval:
+            self._last = seconds
             text = f"{what}: at step {reached}, no answer yet after {seconds:.0f} s"
-            self._write(f"\r{text:<{self._width}}" if self._live else f"{text}\n")
+            self._write(f"\r{text:<{self._width}}" if self._is_live else f"{text}\n")
             self._width = len(text)
 
-    def over(self) -> None:
-        """A search is over: leave nothing of the line."""
-        if self._live and self._told:
+    def clear(self) -> None:
+        """Clear the line at the end of a search."""
+        if self._is_live and self._last:
             self._write("\r" + " " * self._width + "\r")
-        self._told = 0.0
+        self._last = 0.0
 
     def _write(self, text: str) -> None:
         self._stream.write(text)
@@ -51,7 +49,7 @@ class TextOutput:
             self._write(str(update))
 
     def result(self, update: StreamUpdate, result: SolveResult) -> None:
-        """Print what came of the update."""
+        """Print the result of an update."""
         for warning in result.warnings:
             self._write(f"Warning: {warning}\n")
         for number, answer in enumerate(result.answers, 1):
@@ -65,11 +63,11 @@ class TextOutput:
         self._write("\n")
 
     def refused(self, update: StreamUpdate, text: str) -> None:
-        """Print why an update was not taken."""
+        """Print why an update was refused."""
         self._write(f"Error: {text}\n\n")
 
     def fault(self, place: str, text: str) -> None:
-        """Print what is wrong with the text of an update; ``place`` is file, line and column."""
+        """Print the error in the text of an update; ``place`` is file, line and column."""
         self._write(f"{place}: {text}\n\n")
 
     def _write(self, text: str) -> None:
@@ -89,10 +87,10 @@ class JsonOutput:
         self._stream = stream
 
     def sent(self, update: StreamUpdate) -> None:
-        """Print nothing, the update comes with its result."""
+        """Print nothing: the update is printed with its result."""
 
     def result(self, update: StreamUpdate, result: SolveResult) -> None:
-        """Print an update with what came of it."""
+        """Print an update with its result."""
         self._write(
             update=str(update),
             step=result.step,
@@ -106,11 +104,11 @@ class JsonOutput:
         )
 
     def refused(self, update: StreamUpdate, text: str) -> None:
-        """Print an update that was not taken, and why."""
+        """Print a refused update, and why."""
         self._write(update=str(update), error=text)
 
     def fault(self, place: str, text: str) -> None:
-        """Print what is wrong with the text of an update."""
+        """Print the error in the text of an update."""
         self._write(place=place, error=text)
 
     def _write(self, **members: Any) -> None:

@@ -5,7 +5,7 @@ warnings, its answers, and one item that ends it: ``End of Step.``, ``UNSAT at s
 error ``Input:`` is said once more.
 """
 
-from typing import Iterator, List, Optional, Union
+from typing import Iterator, Optional, Union
 
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.progression.parser import iterate_updates

@@ -1,4 +1,4 @@
-"""Playing updates to a solver: from a stream file, or from somebody who types them."""
+"""Sends updates to a solver: from a stream file, or from a prompt."""
 
 import signal
 import sys
@@ -11,7 +11,7 @@ from typing import Iterable, Iterator, List, Optional, Union
 from rosoclingo.oclingo.errors import ProgressionError, SolverError
 from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.service.output import JsonOutput, Progress, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, SearchProgress, TextOutput
 from rosoclingo.oclingo.service.protocol import Request
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
@@ -21,7 +21,7 @@ _PROMPT, _PROMPT_MORE = "oclingo> ", "    ...> "
 Output = Union[TextOutput, JsonOutput]
 
 
-class Assembler:
+class UpdateAssembler:
     """Assembles updates from lines, each as soon as it is complete."""
 
     def __init__(self) -> None:
@@ -34,44 +34,37 @@ class Assembler:
         """Whether an update has begun and is not complete."""
         return bool(self._pending.strip())
 
-    def feed(self, line: str) -> List[Request]:
-        """Take a line and return the updates that are complete by now.
+    def feed(self, line: str, is_last: bool = False) -> List[Request]:
+        """Return the updates that are complete with ``line``; if it ``is_last``, an update without end is a fault.
 
-        Where there is a fault, it comes last, its line counted from the first line of all; what is pending behind it
-        is forgotten.
+        A fault is the last of them; its line counts from the first line of all. The rest of the text is dropped.
         """
         self._pending += line
         self._may_end = self._may_end or "#end" in line or "#stop" in line
-        return self._parse(last=False) if self._may_end and "." in line else []
-
-    def finish(self) -> List[Request]:
-        """Return what is left at the end of the text; an update without end is a fault."""
-        return self._parse(last=True)
-
-    def forget(self) -> None:
-        """Forget what is pending."""
-        self._before += self._pending.count("\n")
-        self._pending, self._may_end = "", False
-
-    def _parse(self, last: bool) -> List[Request]:
-        text = self._pending
-        found: List[Request] = []
+        if not is_last and not (self._may_end and "." in line):
+            return []
+        text, found = self._pending, []  # type: str, List[Request]
         try:
             found.extend(iterate_updates(text))
         except ProgressionError as error:
             end = (text.count("\n") + 1, len(text) - text.rfind("\n"))
-            if not last and (error.line, error.column) == end:
+            if not is_last and (error.line, error.column) == end:
                 return []  # it goes on
             found.append(ProgressionError(self._before + error.line, error.column, error.message))
-        self.forget()
+        self.clear()
         return found
+
+    def clear(self) -> None:
+        """Drop an update that is not complete."""
+        self._before += self._pending.count("\n")
+        self._pending, self._may_end = "", False
 
 
 class Session:
-    """A stream of updates to one solver, and what is printed of it.
+    """Sends a stream of updates to one solver and prints the results.
 
     Attributes:
-        failed: whether something was no update, or refused.
+        failed: whether a text was no update, or an update was refused.
         unsatisfiable: whether an update had no answer up to its bound.
 
     """
@@ -82,11 +75,12 @@ class Session:
         output: Output,
         time_limit: Optional[float] = None,
         bound: int = 0,
-        progress: Optional[Progress] = None,
+        progress: Optional[SearchProgress] = None,
     ) -> None:
-        """Play to ``solver``; a search ends after ``time_limit`` seconds, or ``bound`` steps if its update names none.
+        """Send updates to ``solver``.
 
-        Without a bound, 0, a search for what there is none of may have no end. ``progress`` tells of long ones.
+        A search ends after ``time_limit`` seconds, or ``bound`` steps if its update names no bound (0: no bound).
+        ``progress`` reports on long searches.
         """
         self._solver, self._output, self._time_limit = solver, output, time_limit
         self._bound, self._progress = bound, progress
@@ -95,27 +89,27 @@ class Session:
         self.failed = self.unsatisfiable = False
 
     def play(self, lines: Iterable[str], name: str) -> None:
-        """Play the updates of the text ``name`` until ``#stop.`` or its end; faults are printed and passed over."""
-        assembler = Assembler()
+        """Send the updates of the text ``name`` until ``#stop.`` or its end; faults are printed and skipped."""
+        assembler = UpdateAssembler()
         for line in lines:
             if not self._take(assembler.feed(line), name):
                 return
-        self._take(assembler.finish(), name)
+        self._take(assembler.feed("", is_last=True), name)
 
     def ask(self, name: str = "<input>") -> None:
         """Ask for updates at a prompt until ``#stop.`` or the end of the input (Ctrl-D).
 
-        Ctrl-C ends a search; at the prompt it forgets what was typed of an update.
+        Ctrl-C ends a search; at the prompt it drops the update that was begun.
         """
-        assembler, prompts = Assembler(), sys.stdin.isatty()
+        assembler, prompts = UpdateAssembler(), sys.stdin.isatty()
         while True:
             try:
                 line = input((_PROMPT_MORE if assembler.pending else _PROMPT) if prompts else "") + "\n"
             except EOFError:
-                self._take(assembler.finish(), name)
+                self._take(assembler.feed("", is_last=True), name)
                 return
             except KeyboardInterrupt:
-                assembler.forget()
+                assembler.clear()
                 sys.stdout.write("\n")
                 continue
             with self._interruptible():
@@ -123,7 +117,7 @@ class Session:
                     return
 
     def _take(self, requests: Iterable[Request], name: str) -> bool:
-        """Play the updates among ``requests`` and print the faults; False where ``#stop.`` was among them."""
+        """Send the updates among ``requests`` and print the faults; return False after ``#stop.``"""
         for request in requests:
             if isinstance(request, ProgressionError):
                 self.failed = True
@@ -161,18 +155,18 @@ class Session:
             return self._solver.update(update, partial(self._must_end, time.monotonic(), what))
         finally:
             if self._progress is not None:
-                self._progress.over()
+                self._progress.clear()
 
     def _must_end(self, start: float, what: str) -> bool:
         """Whether a search that began at ``start`` must end."""
         if self._progress is not None:
-            self._progress.searching(time.monotonic() - start, what, self._solver.reached)
+            self._progress.report(time.monotonic() - start, what, self._solver.reached)
         late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
         return late or self._interrupted
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:
-        """Let Ctrl-C end the search, and only that."""
+        """Let Ctrl-C end only the search."""
 
         def interrupt(number: int, frame: object) -> None:
             self._interrupted = True

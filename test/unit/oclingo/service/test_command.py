@@ -15,7 +15,7 @@ from plain_walk import program_text
 from service_helpers import Client
 
 from rosoclingo.checking.oclingo_command import main
-from rosoclingo.oclingo.service.output import Progress
+from rosoclingo.oclingo.service.output import SearchProgress
 
 ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = ROOT / "scripts" / "oclingo"
@@ -168,12 +168,12 @@ def test_long_searches_show_how_far_they_are_and_how_long_they_take():
     lines, screen = io.StringIO(), io.StringIO()
     screen.isatty = lambda: True
     for stream in (lines, screen):
-        progress = Progress(stream)
+        progress = SearchProgress(stream)
         for tenths in range(221):
-            progress.searching(tenths / 10, "update of step 1, up to step 101", tenths // 4)
-        progress.over()
-        progress.searching(0.0, "update of step 2", 2)
-        progress.over()
+            progress.report(tenths / 10, "update of step 1, up to step 101", tenths // 4)
+        progress.clear()
+        progress.report(0.0, "update of step 2", 2)
+        progress.clear()
     told = "update of step 1, up to step 101: at step {}, no answer yet after {} s".format
     assert lines.getvalue() == told(25, 10) + "\n" + told(50, 20) + "\n"
     assert screen.getvalue().startswith("\r" + told(2, 1) + "\r" + told(5, 2) + "\r")

@@ -4,7 +4,7 @@ import clingo
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import ProgressionError, SolveOutcome, SolveResult, StreamUpdate
+from rosoclingo.oclingo import SolveOutcome, SolveResult, StreamUpdate
 from rosoclingo.oclingo.service import protocol
 
 
