@@ -1,0 +1,253 @@
+"""Updates of all kinds, one after the other: their answers and ignored heads, however the program is ground."""
+
+import pytest
+from stream_logs import copied, cut, texts
+from stream_play import SOLVERS, atoms, drop_grounding, play, solver_of
+
+from rosoclingo.oclingo import DroppedError, ReactiveSolver, SolveOutcome, parse_atom, parse_update
+from rosoclingo.planning.solver import PlanSolver
+
+IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
+E = "#cumulative t. #external e(t). c(t) :- e(t). #volatile t."
+OPEN = "#external e/1. a(X) :- e(X). #cumulative t. b(X,t) :- e(X). #volatile t."
+SEEN = "{ a }. #external sees/1. #cumulative t. u(t) :- sees(t). #volatile t."
+XY = "{ x ; y }. #cumulative t. #volatile t."
+OPPOSITES = "- | x q(1) | y -q(1)"
+LOOP = "{ a }. #cumulative t. #external e(t). #external f(t). #external g(t). d(t) :- e(t), a. #volatile t."
+
+#: A program and its updates; ``=>`` precedes the answers, of which ``-`` is empty, and ``!`` the ignored heads.
+STREAMS = [
+    # open signatures, externals, and heads that only the stream knows
+    (OPEN, "#step 3. => -", "e(n). => a(n) b(n,1) b(n,2) b(n,3) e(n)"),
+    (E, "#step 1. e(1). => c(1) e(1)", "e(1). e(1). => c(1) e(1)", "#step 2. e(1). => c(1) e(1)"),
+    (E, "#step 1. e(3). #volatile. e(2). => -", "#step 3. => c(3) e(3)"),
+    ("#cumulative t. #external e(t) : t != 2.", "#step 2. e(2). e(3). => - ! e(2)", "#step 3. => e(3)"),
+    ("#cumulative t. #external e(t). { e(t+1) }.", "#step 1.", "e(2). => - | e(2) ! e(2)"),
+    ("#external x. #cumulative t. #external e(t). x :- e(t), t = 1.", "#step 1.", "#step 2. x. e(2). => e(2) ! x"),
+    ("p. #cumulative t. #external e(t). { m(t) }.",
+     "#step 1. p. m(1). e(0). e(5) :- m(1). => p | p m(1) ! m(1) e(0)"),
+    (E, "#step 1. new. #volatile. old. => new old", "#step 2. #volatile. old. => new old", "#step 3. => new"),
+    (E, "#step 1. new :- e(1). #forget 1. => -", "#step 2. => -", "#step 3. new. => - ! new"),
+    # one definition after the other
+    ("{ a }. " + E, "#step 1. e(1) :- a. => - | a c(1) e(1)", "e(1). => - | a c(1) e(1) ! e(1)"),
+    ("{ a }. " + E, "#step 1. #volatile. e(1). #cumulative. e(1). :- a. => c(1) e(1)",
+     "e(1) :- a. => c(1) e(1) ! e(1)"),
+    (E, "#step 1. e(1). #volatile. e(1). => c(1) e(1)", "e(1) :- x. => c(1) e(1) ! e(1)"),
+    (E, "#step 1. #volatile. e(1). => c(1) e(1)", "#assert : x. e(1). => c(1) e(1)", "#retract : x. => -",
+     "e(1). => c(1) e(1)"),
+    *(
+        (E, f"#step 1. {section} e(1) :- e(1). e(1) :- not e(1), e(1). => -", "#step 2. e(1). => c(1) e(1)",
+         "#step 3. e(1) :- not e(2). => c(1) e(1) ! e(1)")
+        for section in ("", "#volatile.", "#assert : x.")
+    ),
+    # lifetimes
+    (E, "#step 3.", "#step 1. #volatile : 2. e(1). => -", "#step 1. #volatile : 3. e(1). => c(1) e(1)", "#step 4. => -"),
+    ("{ a }. #cumulative t. #volatile t. :- t < 3.", "#step 1. #volatile : 0. :- a. => -", "#step 1. => - | a"),
+    ("#cumulative t. #external e(t). #forget t : t-1.", "#step 3. e(2). e(3). => e(2) e(3)",
+     "#step 4. e(1). e(3). => e(2) e(3) ! e(1)"),
+    ("#cumulative t. #external e(t). #forget t : t.", "#step 2. => -", "#step 2. e(2). => e(2)"),
+    ("#cumulative t. #external e(t).", "#step 2. #forget 1..2. e(1). => e(1)", "#step 2. e(2). => e(1) ! e(2)"),
+    (E, "#step 1. e(1).", "#step 2. e(2).", "#withdraw e(1). => c(2) e(2)"),
+    # bodies
+    (E, "#step 1. e(1) :- fresh(x). => -", "#step 2. => -", "fresh(x). => c(1) e(1) fresh(x)"),
+    ("#cumulative t. #external e(t). d(t).", "#step 1. e(1) :- d(3). => d(1)", "#step 3. => d(1) d(2) d(3) e(1)"),
+    ("#cumulative t. #external e(t). d(t) :- e(t). c(t) :- d(t).", "#step 1.", "#volatile. e(1) :- c(1).",
+     "e(1) :- d(1). => -"),
+    *(
+        (LOOP, "#step 1.", f"{rules} => - | a")
+        for rules in ("f(1) :- d(1). e(1) :- f(1). g(1) :- d(1).", "g(1) :- d(1). e(1) :- f(1). f(1) :- d(1).",
+                      "e(1) :- f(1). f(1) :- d(1). g(1) :- d(1).")
+    ),
+    # opposites
+    ("{ x }. #cumulative t.", "#step 1. => - | x", "-x. => -x"),
+    ("{ -p(1..2) }. #external e. #cumulative t.", "#step 1. p(1). p(2) :- e. => p(1) | p(1) -p(2)"),
+    (XY, f"#step 1. q(1) :- x. -q(1) :- y. => {OPPOSITES}"),
+    (XY, "#step 1. q(1) :- x.", f"-q(1) :- y. => {OPPOSITES}"),
+    (XY, "#step 1. -q(1) :- y.", f"#step 2. q(1) :- x. => {OPPOSITES}"),
+    (XY, "#step 1. #volatile. q(1) :- x.", "#step 2. -q(1) :- y. q(1) :- x.", f"#step 3. => {OPPOSITES}"),
+    # no answer
+    ("#external x. #cumulative t. #external e(t). c(t) :- e(t). :- e(1).", "#step 1 : 0. e(1). => ",
+     "#step 2 : 0. e(2). x. c(2). => ! c(2)"),
+    # what a plan's stream has as well
+    *(
+        (SEEN, "#step 1. :- sees(5), a. => - | a", update)
+        for update in ("sees(5). => sees(5)", "#volatile. sees(5). => sees(5)", "sees(5) :- a. => -")
+    ),
+    ("{ a }. #cumulative t. #external e(t). #external f(t). #volatile t : 3. :- a, t = 1.",
+     "#step 1. #volatile : 2. e(1). #forget 1. => e(1)", "#step 2. => e(1)", "#step 3. => -", "#step 4. => - | a",
+     "e(1). f(1). => e(1) | a e(1) ! f(1)"),
+]  # fmt: skip
+
+
+def check_answers(solver, line):
+    """Play an update and compare its answers and warnings."""
+    update, _, expected = line.partition(" =>")
+    result = play(solver, update)
+    if expected:
+        answers, _, ignored = expected.partition("!")
+        assert texts(result) == {frozenset(one.split()) - {"-"} for one in answers.split("|") if one.strip()}, update
+        assert [one for one in result.warnings if "declared" in one] == list(map(IGNORED.format, ignored.split()))
+
+
+@pytest.mark.parametrize("regrounds", [False, True])
+@pytest.mark.parametrize(("program", "updates"), [(program, updates) for program, *updates in STREAMS])
+def test_stream_has_the_expected_answers(program, updates, regrounds):
+    solver = solver_of(program if "#volatile" in program else program + " #volatile t.", models=0)
+    for line in updates:
+        if regrounds:
+            drop_grounding(solver)
+        check_answers(solver, line)
+
+
+@pytest.mark.parametrize(("program", "updates"), [(program, updates) for program, *updates in STREAMS[-4:]])
+def test_planner_has_the_answers_of_the_incremental_solver(program, updates):
+    solver = solver_of(program, PlanSolver, models=0)
+    for line in updates:
+        check_answers(solver, line)
+
+
+@pytest.mark.parametrize("cycle", ["t-2", "t-1", "t", "t+1", "t+2"])
+def test_closed_cycle_gets_no_action_of_a_later_step(cycle):
+    solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", models=0)
+    play(solver, "#step 3. #closed 3.")
+    result = play(solver, "#step 5.")
+    assert len(result.answers) == 16
+    assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
+
+
+def test_closed_cycle_allows_no_unsupported_action():
+    text = "d(x,t). c(t). c(t) :- d(x,t), not _action_lib(go,y,t). { _action_lib(go,Y,t) : d(Y,t) } :- c(t)."
+    solver = solver_of(f"#cumulative t. {text} #volatile t.", models=0)
+    play(solver, "#step 1. #closed 1.")
+    assert len(play(solver, "#step 2.").answers) == 2
+
+
+def test_closed_cycles_end_at_the_present_with_committed_actions():
+    solver = solver_of("#cumulative t. { _action_lib(go,x,t) }. #volatile t.", models=0)
+    result = play(solver, "#step 3. #closed 0..2. :- not _action_lib(go,x,1).")
+    assert sorted(sorted(str(atom)[-2] for atom in answer) for answer in result.answers) == [["1"], ["1", "3"]]
+    assert len(play(solver, "#step 4. #closed 3..9. :- not _action_lib(go,x,3).").answers) == 1
+    assert len(play(solver, "#step 5.").answers) == 2
+    result = play(solver, "#step 2. #anew.")
+    assert (result.step, solver.horizon, len(result.answers)) == (2, 2, 4)
+
+
+def test_cycles_before_the_first_are_not_closed():
+    solver = solver_of("#cumulative t. _action_lib(go,x,t-1). #volatile t.")
+    result = play(solver, "#step 2. #closed 0..1. :- not _action_lib(go,x,1).")
+    assert result.outcome is SolveOutcome.SATISFIABLE
+    assert sorted(solver.state.closed) == [1]
+
+
+def test_closed_cycle_keeps_its_executed_actions():
+    solver = solver_of("#cumulative t. { _action_lib(go,(x;y),t) }. #volatile t.", models=0)
+    play(solver, "#step 1.")
+    for _ in range(2):
+        answers = play(solver, "#step 2 : 0. #closed 1..1. :- not _action_lib(go,x,1).").answers
+        assert len(answers) == 4
+        assert not any(parse_atom("_action_lib(go,y,1)") in answer for answer in answers)
+        drop_grounding(solver)
+
+
+@SOLVERS
+def test_facts_of_an_unsatisfiable_stream_count_after_a_withdrawal(kind):
+    text = "{ a }. #cumulative t. #external e(t). { m(t) }. c(t) :- e(t). :- e(1). #volatile t. :- a. :- m(t)."
+    solver = solver_of(text, kind)
+    assert play(solver, "#step 1 : 0. e(1).").permanent
+    result = play(solver, "#step 3 : 0. e(3). m(3).")
+    assert (result.outcome, result.warnings) == (SolveOutcome.UNSATISFIABLE, (IGNORED.format("m(3)"),))
+    assert {"c(3)", "e(3)"} <= set(atoms(play(solver, "#step 3 : 0. #withdraw e(1).")))
+
+
+def test_repeated_updates_reach_the_horizon_of_a_stopped_search():
+    external = solver_of(E)
+    looks = iter([False] * 3)
+    update = parse_update("#step 9. e(9). #endstep.")
+    assert external.update(update, lambda: next(looks, True)).outcome is SolveOutcome.INTERRUPTED
+    reader = ReactiveSolver(external.program)
+    reader.take_again(update, external.horizon)
+    assert reader.horizon == external.horizon < 9
+    assert {"c(9)", "e(9)"} <= set(atoms(play(reader, "#step 9.")))
+
+
+@pytest.mark.parametrize("ahead", ["", "q(t) :- p(t+1)."])  # which no step sees that is ground alone
+def test_repeated_updates_reach_the_horizon_of_the_search(ahead):
+    solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.")
+    update = parse_update("#step 1. #endstep.")
+    found = solver.update(update)
+    reader = ReactiveSolver(solver.program)
+    reader.take_again(update, solver.horizon)
+    assert reader.horizon == solver.horizon >= 5
+    assert atoms(reader.solve()) == atoms(found)
+
+
+ALWAYS, IF_A, NEVER = (
+    [["a", "r(x,2)", "w(x,2)"], ["r(x,2)", "w(x,2)"]],
+    [[], ["a", "r(x,2)", "w(x,2)"]],
+    [[], ["a"]],
+)
+
+
+@pytest.mark.parametrize(
+    ("update", "now", "later"),
+    [
+        ("r(x,2).", ALWAYS, ALWAYS),
+        ("r(x,2) :- a.", IF_A, IF_A),
+        ("r(x,2) :- a. r(x,2).", ALWAYS, ALWAYS),
+        ("r(x,2). r(x,2) :- a.", ALWAYS, ALWAYS),
+        ("r(x,2) :- y.", NEVER, NEVER),
+        ("#volatile. r(x,2).", ALWAYS, NEVER),
+        ("#volatile : 1. r(x,2).", ALWAYS, NEVER),
+        ("#volatile : 2. r(x,2).", ALWAYS, ALWAYS),
+        ("#volatile. r(x,2). #cumulative. r(x,2) :- a.", ALWAYS, IF_A),
+        ("r(x,2) :- a. #volatile. r(x,2).", ALWAYS, IF_A),
+        ("#assert : z. r(x,2).", ALWAYS, ALWAYS),
+        ("r(x,2). #retract : z.", ALWAYS, ALWAYS),
+        ("#withdraw r(x,2). r(x,2).", ALWAYS, ALWAYS),
+        ("#anew. r(x,2).", ALWAYS, ALWAYS),
+    ],
+)
+@pytest.mark.parametrize("before", [[], ["#step 1."]])
+@pytest.mark.parametrize("rule", ["w(X,t) :- r(X,t).", ""])
+@SOLVERS
+def test_open_predicate_can_be_defined_in_any_section(kind, rule, before, update, now, later):
+    """Whether the program is ground up to that step before or with the update; the same updates lead readers there."""
+    solver = solver_of(f"{{ a }}. #external r/2. #cumulative t. {rule} #volatile t.", kind, models=0)
+    if not rule:
+        now, later = ([[atom for atom in one if atom[0] != "w"] for one in answers] for answers in (now, later))
+    for text in (*before, f"#step 2. {update}"):
+        result = play(solver, text)
+    assert sorted(map(sorted, texts(result))) == now
+    assert not any("declared external" in warning for warning in result.warnings)
+    for one in (solver, *readers_of(solver, [*before, f"#step 2. {update}"])):
+        assert sorted(map(sorted, texts(one.solve()))) == now
+        assert sorted(map(sorted, texts(play(one, "#step 3.")))) == later
+
+
+def readers_of(solver, played):
+    """Solvers that know what was played without a search of it."""
+    readers = [type(solver)(solver.program, models=0) for _ in range(2)]
+    if isinstance(solver, PlanSolver):
+        for reader, log in zip(readers, (copied(solver.log), cut(solver))):
+            reader.restore(log)
+        return readers
+    for text in played:
+        for reader in readers:
+            reader.take_again(parse_update(text + " #endstep."), solver.horizon)
+    drop_grounding(readers[1])
+    return readers
+
+
+def test_lapsed_facts_of_an_open_predicate_are_not_kept():
+    solver = solver_of("#external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.")
+    for step in (1, 2, 3):
+        play(solver, f"#step {step}. #volatile. r(x,1).")
+    assert len(solver.state.items) == 1
+
+
+def test_dropped_update_leaves_the_state_unchanged():
+    solver = solver_of("#external e/1. #cumulative t. b(X,t) :- e(X). #volatile t.")
+    play(solver, "#step 1. #volatile. new(x).")
+    with pytest.raises(DroppedError):
+        solver.update(parse_update("#step 1. e(1). #endstep."), None, lambda: True)
+    assert atoms(solver.solve()) == ["new(x)"]
