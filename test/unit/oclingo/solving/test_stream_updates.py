@@ -41,7 +41,8 @@ STREAMS = [
         for section in ("", "#volatile.", "#assert : x.")
     ),
     # lifetimes
-    (E, "#step 3.", "#step 1. #volatile : 2. e(1). => -", "#step 1. #volatile : 3. e(1). => c(1) e(1)", "#step 4. => -"),
+    (E, "#step 3.", "#step 1. #volatile : 2. e(1). => -", "#step 1. #volatile : 3. e(1). => c(1) e(1)",
+     "#step 4. => -"),
     ("{ a }. #cumulative t. #volatile t. :- t < 3.", "#step 1. #volatile : 0. :- a. => -", "#step 1. => - | a"),
     ("#cumulative t. #external e(t). #forget t : t-1.", "#step 3. e(2). e(3). => e(2) e(3)",
      "#step 4. e(1). e(3). => e(2) e(3) ! e(1)"),
