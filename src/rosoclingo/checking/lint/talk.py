@@ -10,7 +10,7 @@ from rosoclingo.checking.lint.argument_values import STATUS, ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.first_steps import Trial
+from rosoclingo.oclingo.program.first_steps import TrialGrounding
 from rosoclingo.oclingo.program.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, parted
@@ -48,7 +48,7 @@ def missing_words(survey: Survey) -> List[Fault]:
     return found
 
 
-def demanded_actions(survey: Survey, trial: Optional[Trial]) -> List[Fault]:
+def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fault]:
     """Return a fault if each of the first steps demands an action, in a program without statuses."""
     places = survey.defining.get(ACTION, ())
     if trial is None or not places or STATUS in survey.defining or not trial.demands(ACTION):

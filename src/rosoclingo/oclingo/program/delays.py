@@ -43,6 +43,7 @@ class Delays:
     """What the rules of ``parts`` say of all predicates; ``constants`` are the program's."""
 
     def __init__(self, parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> None:
+        self._known: Dict[Signature, int] = {}
         self._timed: Dict[Signature, None] = {}
         self._edges: List[Tuple[Signature, Signature, int]] = []
         self._constraints: List[List[_Timed]] = []
@@ -58,8 +59,11 @@ class Delays:
 
         0 where no rule tells. None where nothing tells that the last argument is a cycle.
         """
-        if signature not in self._timed:
-            return None
+        if signature in self._timed and signature not in self._known:
+            self._known[signature] = self._delay(signature)
+        return self._known.get(signature)
+
+    def _delay(self, signature: Signature) -> int:
         seen = self._spread({signature: 0})
         found = [seen[ACTION]] if ACTION in seen else []
         found += [least for atoms in self._constraints for least in self._least(atoms, seen)]

@@ -51,7 +51,7 @@ def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol])
     return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
 
 
-class Trial:
+class TrialGrounding:
     """The first steps of a program, ground for a look at them; without their end where there is too much to ground.
 
     Attributes:

@@ -80,13 +80,13 @@ class RelaxedProgram(ReactiveProgram):
         ]
         return program
 
-    def _collect(self) -> None:
+    def adapt_parts(self) -> None:
+        """Relax the constraints."""
         texts, names = RuleTexts(self.texts), {one.name for one in self.texts}
         showing = any(shows(statement) for part in self.parts for statement in part.statements)
         self.parts = [self._relax(part, texts, names) for part in self.parts]
         free = "".join(f"{{ {WHOLE}({rule.number}) }}.\n" for rule in self.constraints)
         self.parts[0].statements += _parse(free + (f"#show {BROKEN}/3." if showing else ""))
-        super()._collect()
 
     @property
     def constraints(self) -> List[NamedRule]:
