@@ -9,10 +9,19 @@ from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.dialect import GRINGO3_WORDS, STEP_DIRECTIVES, Dialect, SourceFile
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError, aggregate_of, parse
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, TranslationError
-from rosoclingo.oclingo.gringo3.optimization import OptimizationTranslator
-from rosoclingo.oclingo.gringo3.rewriter import Rewriting, domain_atoms
-from rosoclingo.oclingo.gringo3.rules import RuleTranslator
-from rosoclingo.oclingo.gringo3.terms import Element, Naming, alternatives, has_interval, has_pool, show
+from rosoclingo.oclingo.gringo3.optimization import OptimizationWriter
+from rosoclingo.oclingo.gringo3.rewriter import Rewriting
+from rosoclingo.oclingo.gringo3.rules import RuleWriter
+from rosoclingo.oclingo.gringo3.terms import (
+    Element,
+    Naming,
+    alternatives,
+    domain_atoms,
+    has_interval,
+    has_pool,
+    show,
+    variables,
+)
 from rosoclingo.oclingo.gringo3.visibility import ShowStatement, Visibility, signature, signatures_of
 
 MARK = "% dialect: clingo 5"
@@ -178,8 +187,8 @@ class FileTranslator:
         self.warnings: List[str] = []
         self.faults: List[Fault] = []
         self.own_text = ""
-        self._rules = RuleTranslator(self.rewriting, program.naming)
-        self._optimization = OptimizationTranslator(self.rewriting, program.naming, self._file)
+        self._rules = RuleWriter(program.naming)
+        self._optimization = OptimizationWriter(program.naming, self._file)
         self._step = ""
 
     @property
@@ -192,11 +201,11 @@ class FileTranslator:
 
     def run(self) -> None:
         """Translate all statements."""
-        for number, tree in enumerate(self._evidence.trees):
+        for number in range(len(self._evidence.trees)):
             tokens = self.source.statement(number)
             try:
                 if self._is_gringo3(number):
-                    self._statement(tree, tokens)
+                    self._statement(number, tokens)
                 else:
                     self._leave(tokens)
             except UntranslatableError as error:
@@ -210,13 +219,17 @@ class FileTranslator:
         statement = self._evidence.dialect_of(number)
         return statement is Dialect.GRINGO3 or (statement is Dialect.EITHER and self._dialect is Dialect.GRINGO3)
 
-    def _statement(self, tree: Union[SyntaxNode, UntranslatableError], tokens: Sequence[SourceToken]) -> None:
+    def _statement(self, number: int, tokens: Sequence[SourceToken]) -> None:
+        tree = self._evidence.trees[number]
         if isinstance(tree, UntranslatableError):
             if tokens[0].text in STEP_DIRECTIVES:
                 return  # the loader says how the directive is written
             raise tree
-        if tree.kind in _TRANSLATIONS:
-            _TRANSLATIONS[tree.kind](self, tree)
+        if tree.kind == "display":
+            place = (self._name, self.faults, self.rewriting, self.source.ranges[number])
+            self._program.visibility.add(ShowStatement(*place, self._step, tree, self._domains(tree)))
+        elif tree.kind in _WRITERS:
+            self.rewriting.replace(*self.source.ranges[number], _WRITERS[tree.kind](self, tree))
         if tree.kind != "const":
             self._program.constants.note(self._file, tokens)
         self._program.seen_variables.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
@@ -225,37 +238,31 @@ class FileTranslator:
         """Leave a statement of clingo 5 as it is."""
         if tokens[0].text == "#program":
             self._step = tokens[3].text if len(tokens) > 5 and tokens[2].text == "(" else ""
-        if domain_atoms(tokens, self._program.domains):
+        if domain_atoms([one.text for one in tokens], self._program.domains):
             message = "a variable that #domain declares cannot stand in a statement of clingo 5"
             raise UntranslatableError(tokens[0], message, "use another variable")
         self._program.visibility.leave(self.source.text[tokens[0].start : tokens[-1].end], self._step)
 
     def _domains(self, node: SyntaxNode) -> List[str]:
-        return domain_atoms(self.rewriting.tokens_of(node), self._program.domains)
+        return domain_atoms(variables([node]), self._program.domains)
 
-    def _rule(self, rule: SyntaxNode) -> None:
-        self._rules.translate(rule, self._domains(rule))
+    def _rule(self, rule: SyntaxNode) -> str:
         heads = [part for part in rule.parts if part.kind != "body"][:1]
         literals = [one for head in heads for one in ([head] if head.kind == "literal" else _literals(head))]
         literals = [one for one in literals if one.kind == "literal" and one.children[0] != "not"]
         self._program.visibility.define([found for one in literals for found in signatures_of(one)], self._step)
+        return self._rules.rule(rule, self._domains(rule))
 
-    def _weak(self, weak: SyntaxNode) -> None:
-        names = self._rules.weak_body(weak, self._domains(weak))
-        self._optimization.weak(weak, weak.span[1], self._step, names)
+    def _weak(self, weak: SyntaxNode) -> str:
+        return self._optimization.weak(weak, *self._rules.weak(weak, self._domains(weak)), self._step)
 
-    def _part(self, part: SyntaxNode) -> None:
+    def _part(self, part: SyntaxNode) -> str:
         """Begin a part; the name behind its directive is its parameter, or in brackets behind today's name."""
         names = [token for token in part.tokens if token.type == "IDENTIFIER"]
         self._step = str(names[-1]) if len(names) > (part.kind == "program") else ""
-        self._terms(part)
+        return _shown(part)
 
-    def _terms(self, directive: SyntaxNode) -> None:
-        for term in directive.parts:
-            if self.rewriting.is_special(term):
-                self.rewriting.put(term, show(term))
-
-    def _const(self, const: SyntaxNode) -> None:
+    def _const(self, const: SyntaxNode) -> str:
         term, name = const.parts[0], str(const.tokens[1])
         if has_pool(term) or has_interval(term):
             message = "a constant of a pool or a range cannot be translated"
@@ -263,64 +270,56 @@ class FileTranslator:
         if any(part.kind == "variable" for part in term.walk()):
             raise UntranslatableError(const, "a constant cannot hold a variable")
         self._program.constants.define(const, name)
-        self._terms(const)
+        return _shown(const)
 
-    def _domain(self, domain: SyntaxNode) -> None:
+    def _domain(self, domain: SyntaxNode) -> str:
         literal = domain.parts[0]
         atom = literal.parts[0].parts[0] if literal.parts[0].kind == "signed" else literal.parts[0]
         terms = atom.parts[0].parts if atom.parts else []
         if not terms or any(term.kind != "variable" or term.text == "_" for term in terms):
             raise UntranslatableError(literal, "#domain takes an atom whose arguments are variables")
-        variables = [term.text for term in terms]
-        early = [variable for variable in variables if variable in self._program.seen_variables]
+        names = [term.text for term in terms]
+        early = [name for name in names if name in self._program.seen_variables]
         if early:
             message = f"#domain does not reach the statements above it that use {', '.join(early)}"
             self.warnings.append(f"{self._name}:{domain.line}:{domain.column}: {message}")
-        self._program.domains.append((show(literal), variables))
-        self.rewriting.put(domain, "")
+        self._program.domains.append((show(literal), names))
+        return ""
 
-    def _display(self, display: SyntaxNode) -> None:
-        self._program.visibility.add(
-            ShowStatement(self._name, self.faults, self.rewriting, self._step, display, self._domains(display)),
-        )
-
-    def _external(self, external: SyntaxNode) -> None:
+    def _external(self, external: SyntaxNode) -> str:
         declared = external.parts[0]
         if declared.kind == "signature":
             self._program.visibility.define([signature(declared)], self._step)
-            return
+            return _shown(external)
         element = Element.of(declared)
         self._program.visibility.define(signatures_of(element.literal), self._step)
-        conditions = tuple(found for condition in element.conditions for found in alternatives(condition))
-        if self.rewriting.is_special(declared):
-            self.rewriting.put(declared, str(element._replace(conditions=conditions)))
-        else:
-            self._rules.chain(declared)
-        domains = self._domains(declared)
-        if domains:
-            joint = ", " if conditions else " : "
-            self.rewriting.insert(declared.span[1], joint + ", ".join(domains))
+        conditions = [show(found) for condition in element.conditions for found in alternatives(condition)]
+        conditions += self._domains(declared)
+        return f"#external {show(element.literal)}{' : ' if conditions else ''}{', '.join(conditions)}."
 
-    def _optimize(self, statement: SyntaxNode) -> None:
-        self._optimization.optimize(statement, self._program.levels, self._step, self._program.domains)
+    def _optimize(self, statement: SyntaxNode) -> str:
         self._program.levels += 1
+        return self._optimization.optimize(statement, self._program.levels - 1, self._step, self._program.domains)
 
-    def _compute(self, statement: SyntaxNode) -> None:
-        self._optimization.compute(statement, self._program.domains)
+    def _compute(self, statement: SyntaxNode) -> str:
+        return self._optimization.compute(statement, self._program.domains)
 
 
-_TRANSLATIONS: Dict[str, Callable[[FileTranslator, SyntaxNode], None]] = {
+_WRITERS: Dict[str, Callable[[FileTranslator, SyntaxNode], str]] = {
     "rule": FileTranslator._rule,
     "weak": FileTranslator._weak,
     **dict.fromkeys(("base", "program", "part"), FileTranslator._part),
-    **dict.fromkeys(("forget", "iinit"), FileTranslator._terms),
+    **dict.fromkeys(("forget", "iinit"), lambda translator, directive: _shown(directive)),
     "const": FileTranslator._const,
     "domain": FileTranslator._domain,
-    "display": FileTranslator._display,
     "external": FileTranslator._external,
     "optimize": FileTranslator._optimize,
     "compute": FileTranslator._compute,
 }
+
+
+def _shown(directive: SyntaxNode) -> str:
+    return " ".join(map(show, directive.children))
 
 
 def _literals(head: SyntaxNode) -> List[SyntaxNode]:

@@ -61,6 +61,15 @@ def variables(nodes: Iterable[SyntaxNode]) -> List[str]:
     return [name for name in dict.fromkeys(names) if name != "_"]
 
 
+Domains = Sequence[Tuple[str, Sequence[str]]]
+"""Atoms declared by ``#domain``, each with its variables."""
+
+
+def domain_atoms(names: Iterable[str], domains: Domains) -> List[str]:
+    """The atoms of those declarations that one of the variables belongs to."""
+    return [atom for atom, own in domains if not set(names).isdisjoint(own)]
+
+
 def _rebuilt(node: SyntaxNode, children: Sequence[Union[SyntaxNode, Token]]) -> SyntaxNode:
     return SyntaxNode(node.data, list(children))
 

@@ -7,7 +7,7 @@ the statements mean therefore depends on all files together, so they are collect
 import contextlib
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-import clingo.ast
+from clingo.ast import AST, ASTType, Transformer, parse_string
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import SyntaxNode
@@ -35,11 +35,12 @@ def signatures_of(literal: SyntaxNode) -> List[Signature]:
 
 
 class ShowStatement(NamedTuple):
-    """A ``#show`` or ``#hide``: its file, with its faults and edits, its part's parameter, the atoms of ``#domain``."""
+    """A ``#show`` or ``#hide``: its file, its faults and edits, its place in it, its part's parameter."""
 
     file: str
     faults: List[Fault]
     rewriting: Rewriting
+    place: Tuple[int, int]
     step: str
     node: SyntaxNode
     domains: Sequence[str]
@@ -106,7 +107,7 @@ class Visibility:
             self._read_what_was_left()
         for statement in self._statements:
             try:
-                statement.rewriting.put(statement.node, self._text(statement))
+                statement.rewriting.replace(*statement.place, self._text(statement))
             except UntranslatableError as refusal:
                 statement.faults.append(refusal.fault(statement.file))
 
@@ -181,51 +182,45 @@ def _show_signature(signature: Signature) -> str:
     return "#show {}/{}.".format(*signature)
 
 
-def head_signatures(text: str) -> List[Tuple[str, int]]:
+def head_signatures(text: str) -> List[Signature]:
     """The signatures of the atoms in the heads of statements, or declared external; clingo stops at a faulty statement.
 
     Only ASCII goes to clingo: its Python module ends the process when a message cuts another character in two.
     """
-    found: List[Tuple[str, int]] = []
+    atoms = _Atoms()
     plain = text.encode("ascii", "replace").decode("ascii")
     with contextlib.suppress(RuntimeError):  # clingo will name the fault when the program is loaded
-        clingo.ast.parse_string(plain, lambda node: found.extend(_of_statement(node)), logger=lambda *message: None)
-    return list(dict.fromkeys(found))
+        parse_string(plain, atoms.collect, logger=lambda code, message: None)
+    return list(atoms.found)
 
 
-def _of_statement(node: clingo.ast.AST) -> List[Tuple[str, int]]:
-    if node.ast_type is clingo.ast.ASTType.Rule:
-        return _Atoms().of(node.head)
-    return _Atoms().of(node.atom) if node.ast_type is clingo.ast.ASTType.External else []
-
-
-class _Atoms(clingo.ast.Transformer):
-    """Collects the signatures of symbolic atoms outside conditions."""
+class _Atoms(Transformer):
+    """Collects the signatures of the atoms that statements define or declare."""
 
     def __init__(self) -> None:
-        self._found: List[Tuple[str, int]] = []
+        self.found: Dict[Signature, None] = {}
 
-    def of(self, node: clingo.ast.AST) -> List[Tuple[str, int]]:
-        """The signatures of the atoms below a node."""
-        self.visit(node)
-        return self._found
+    def collect(self, statement: AST) -> None:
+        """Collect those of a statement."""
+        if statement.ast_type in (ASTType.Rule, ASTType.External):
+            self.visit(statement.head if statement.ast_type == ASTType.Rule else statement.atom)
 
-    def visit_SymbolicAtom(self, node: clingo.ast.AST) -> clingo.ast.AST:
-        """Note an atom; ``-p`` is a unary operation on the term ``p``."""
-        negative = node.symbol.ast_type is clingo.ast.ASTType.UnaryOperation
-        self._note(node.symbol.argument if negative else node.symbol, "-" if negative else "")
+    def visit_SymbolicAtom(self, node: AST) -> AST:
+        """Note an atom."""
+        self._note(node.symbol, "")
         return node
 
-    def visit_ConditionalLiteral(self, node: clingo.ast.AST) -> clingo.ast.AST:
+    def visit_ConditionalLiteral(self, node: AST) -> AST:
         """Look at the literal, not at its condition."""
         self.visit(node.literal)
         return node
 
-    def _note(self, term: clingo.ast.AST, sign: str) -> None:
-        if term.ast_type is clingo.ast.ASTType.Function:
-            self._found.append((sign + term.name, len(term.arguments)))
-        elif term.ast_type is clingo.ast.ASTType.Pool:
+    def _note(self, term: AST, sign: str) -> None:
+        if term.ast_type == ASTType.UnaryOperation:
+            self._note(term.argument, "-")
+        elif term.ast_type == ASTType.Pool:
             for alternative in term.arguments:
                 self._note(alternative, sign)
-        elif term.ast_type is clingo.ast.ASTType.SymbolicTerm:
-            self._found.append((sign + term.symbol.name, len(term.symbol.arguments)))
+        else:
+            of = term if term.ast_type == ASTType.Function else term.symbol
+            self.found[sign + of.name, len(of.arguments)] = None
