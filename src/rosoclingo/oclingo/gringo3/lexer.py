@@ -64,29 +64,14 @@ _KINDS = dict(TokenKind.__members__)
 _COMMENT_MARKS = re.compile(r"%\*|\*%|%[^\n]*")
 
 
-def tokens(text: str) -> List[SourceToken]:
+def tokens(text: str) -> Sequence[SourceToken]:
     """All tokens of a text; the last one is of kind :attr:`TokenKind.END`."""
-    return list(_tokens(text))
+    return _pieces(text)[0]
 
 
-@lru_cache(maxsize=32)  # a program's texts are asked for several times, by what it includes and by its checks
-def _tokens(text: str) -> Tuple[SourceToken, ...]:
-    found: List[SourceToken] = []
-    line, begin = 1, 0  # where the line begins
-    for name, start, end in (*_scan(text), ("END", len(text), len(text))):
-        if name in _KINDS:
-            found.append(SourceToken(_KINDS[name], text[start:end], start, end, line, start - begin + 1))
-        newlines = text.count("\n", start, end)
-        if newlines:
-            line, begin = line + newlines, text.rindex("\n", start, end) + 1
-    return tuple(found)
-
-
-def comments(text: str) -> Iterator[str]:
+def comments(text: str) -> Sequence[str]:
     """All comments of a text that end with their line, without the leading ``%``."""
-    for match in _scan(text):
-        if match[0] == "LINE_COMMENT":
-            yield text[match[1] + 1 : match[2]]
+    return _pieces(text)[1]
 
 
 def statements(all_tokens: Sequence[SourceToken]) -> Iterator[Tuple[int, int]]:
@@ -130,23 +115,27 @@ _VALUES = ("true", "false", "free", "release")
 """The values that can stand in brackets behind an ``#external``."""
 
 
-@lru_cache(maxsize=32)
-def _scan(text: str) -> Tuple[Tuple[str, int, int], ...]:
-    """Return what a text is made of, with the space and the comments, in order."""
-    return tuple(_pieces(text))
-
-
-def _pieces(text: str) -> Iterator[Tuple[str, int, int]]:
-    offset = 0
-    while offset < len(text):
-        match = _TOKEN.match(text, offset)
-        name, end = (str(match.lastgroup), match.end()) if match else ("UNKNOWN", offset + 1)
+@lru_cache(maxsize=32)  # a program's texts are asked for several times, by what it includes and by its checks
+def _pieces(text: str) -> Tuple[Sequence[SourceToken], Sequence[str]]:
+    found: List[SourceToken] = []
+    remarks: List[str] = []
+    start, line, begin = 0, 1, 0  # where the line begins
+    while start < len(text):
+        match = _TOKEN.match(text, start)
+        name, end = (str(match.lastgroup), match.end()) if match else ("UNKNOWN", start + 1)
         if name == "BLOCK_COMMENT":
             end = _end_of_comment(text, end)
-            name = "BLOCK_COMMENT" if end > 0 else "UNKNOWN"
-            end = end if end > 0 else len(text)
-        yield name, offset, end
-        offset = end
+            name, end = (name, end) if end > 0 else ("UNKNOWN", len(text))
+        if name == "LINE_COMMENT":
+            remarks.append(text[start + 1 : end])
+        elif name in _KINDS:
+            found.append(SourceToken(_KINDS[name], text[start:end], start, end, line, start - begin + 1))
+        newlines = text.count("\n", start, end)
+        if newlines:
+            line, begin = line + newlines, text.rindex("\n", start, end) + 1
+        start = end
+    found.append(SourceToken(TokenKind.END, "", start, start, line, start - begin + 1))
+    return found, remarks
 
 
 def _end_of_comment(text: str, offset: int) -> int:

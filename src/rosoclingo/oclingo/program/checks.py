@@ -10,29 +10,25 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, STEPS
 from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.survey import Place, places, written
 from rosoclingo.oclingo.progression.terms import Signature
 
-KEYWORDS = {
-    signature.name: signature
-    for signature in (
-        ACTION,
-        RETURN,
-        FAILED,
-        Signature("_request", 2),
-        Signature("_status", 3),
-        Signature("_explain", 3),
-        Signature("_cancel", 3),
-        Signature("_refuse", 3),
-        Signature("_never", 2),
-        Signature("_says", 2),
-        STEPS,
-    )
+_FORMS = {
+    "_action_lib": "(Action,Parameter,C)",
+    "_return": "(Action,Value,C)",
+    "_failed": "(Action,Value,C)",
+    "_request": "(Goal,C)",
+    "_status": "(Id,Status,C)",
+    "_explain": "(What,Text,C)",
+    "_cancel": "(Action,Parameter,C)",
+    "_refuse": "(Fact,Text,C)",
+    "_never": "(Text,C)",
+    "_says": "(Action,Text)",
+    "_steps": "(Number,C)",
 }
+KEYWORDS = {name: Signature(name, form.count(",") + 1) for name, form in _FORMS.items()}
 """The predicates by which a program talks to rosoclingo."""
 
 
@@ -49,25 +45,9 @@ def wrong_arities(parts: Sequence[Part]) -> List[Fault]:
         keyword = KEYWORDS.get(signature.name, signature)
         if signature.arity != keyword.arity:
             message = f"keyword {signature.name} with {signature.arity} arguments"
-            found.append(place.fault("keyword-arity", message, f"write {_form(keyword)}"))
+            mend = f"write {signature.name}{_FORMS[signature.name]}"
+            found.append(place.fault("keyword-arity", message, mend))
     return found
-
-
-def _form(keyword: Signature) -> str:
-    forms = {
-        "_request": "_request(Goal,C)",
-        "_action_lib": "_action_lib(Action,Parameter,C)",
-        "_return": "_return(Action,Value,C)",
-        "_failed": "_failed(Action,Value,C)",
-        "_cancel": "_cancel(Action,Parameter,C)",
-        "_status": "_status(Id,Status,C)",
-        "_explain": "_explain(What,Text,C)",
-        "_refuse": "_refuse(Fact,Text,C)",
-        "_never": "_never(Text,C)",
-        "_says": "_says(Action,Text)",
-        "_steps": "_steps(Number,C)",
-    }
-    return forms[keyword.name]
 
 
 def missing_parts(parts: Sequence[Part]) -> List[Fault]:
@@ -121,14 +101,9 @@ def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol
         return False
     if not use.part.parameter:
         return True
-    for mine, its in zip(_arguments(use), _arguments(declaration)):
+    for mine, its in zip(use.occurrence.arguments, declaration.occurrence.arguments):
         ahead = time_offset(mine, use.part.parameter, constants)
         known = time_offset(its, declaration.part.parameter, constants)
         if ahead is not None and known is not None:
             return ahead > known
     return False
-
-
-def _arguments(place: Place) -> Sequence[Node]:
-    term = place.occurrence.term
-    return list(term.arguments) if term.ast_type == ASTType.Function else []

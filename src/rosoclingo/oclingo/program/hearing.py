@@ -6,6 +6,7 @@ relays an atom, ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule
 """
 
 from functools import cached_property, lru_cache
+from itertools import islice
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -52,7 +53,6 @@ class Hearing:
     def __init__(self, program: ReactiveProgram) -> None:
         self._program = program
         self._sights: Dict[Signature, List[_Sight]] = {}
-        self._tables: Dict[Signature, Optional[List[Tuple[clingo.Symbol, bool]]]] = {}
 
     @classmethod
     @lru_cache(maxsize=1)
@@ -237,50 +237,39 @@ class Hearing:
         """The predicates that follow from base alone, independently of facts from outside."""
         program = self._program
         found = fixed_signatures(program.parts) - program.external_signatures
-        edges = [
-            (one.signature, {other.signature for other in atoms if not other.head})
-            for part in program.parts
-            for statement, atoms in part.found
-            if statement.ast_type == ASTType.Rule
-            for one in atoms
-            if one.head
-        ]
         open_ones = (program.head_signatures | program.external_signatures) - found
-        while True:
-            more = {head for head, body in edges if body & open_ones} - open_ones
-            if not more:
-                return found - open_ones
-            open_ones |= more
+        before = -1
+        while before < len(open_ones):
+            before = len(open_ones)
+            for part in program.parts:
+                for _, atoms in part.found:
+                    if any(one.signature in open_ones for one in atoms if not one.head):
+                        open_ones |= {one.signature for one in atoms if one.head}
+        return found - open_ones
 
     def _table(self, signature: Signature) -> Optional[List[Tuple[clingo.Symbol, bool]]]:
         """Return the atoms of a predicate of base, each with True if it is certain; None for too many atoms."""
-        if signature not in self._tables:
-            self._tables[signature] = self._ground(signature)
-        return self._tables[signature]
+        if self._base is None:
+            return None
+        found = self._base.symbolic_atoms.by_signature(*signature)
+        atoms = [(one.symbol, one.is_fact) for one in islice(found, _MOST + 1)]
+        return None if len(atoms) > _MOST else atoms
 
-    def _ground(self, signature: Signature) -> Optional[List[Tuple[clingo.Symbol, bool]]]:
+    @cached_property
+    def _base(self) -> Optional[clingo.Control]:
+        """The ground rules of base; None where clingo cannot ground them."""
         control = self._control()
         try:
             with ProgramBuilder(control) as builder:
                 builder.add(parse("")[0].ast)
-                for statement in self._cone(signature):
-                    builder.add(statement.ast)
+                for part in self._program.parts:
+                    for one in part.statements if part.name == "base" else ():
+                        if one.ast_type == ASTType.Rule:
+                            builder.add(one.ast)
             control.ground([("base", [])])
         except RuntimeError:
             return None
-        atoms = [(one.symbol, one.is_fact) for one in control.symbolic_atoms.by_signature(*signature)]
-        return None if len(atoms) > _MOST else atoms
-
-    def _cone(self, signature: Signature) -> List[Node]:
-        """Return the rules on which a predicate depends."""
-        rules = [one for part in self._program.parts for one in part.found if one[0].ast_type == ASTType.Rule]
-        wanted, found = {signature}, []  # type: Set[Signature], List[Node]
-        while True:
-            more = [one for one in rules if any(atom.head and atom.signature in wanted for atom in one[1])]
-            if len(more) == len(found):
-                return found
-            found = [statement for statement, _ in more]
-            wanted |= {atom.signature for _, atoms in more for atom in atoms}
+        return control
 
     def _misfits(self, sight: _Sight, atom: clingo.Symbol) -> Iterator[Misfit]:
         """Yield the values in an atom that a rule excludes."""

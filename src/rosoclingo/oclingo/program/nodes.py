@@ -12,10 +12,6 @@ from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequenc
 #: The attributes of nodes of a kind, and those of them that have nodes; clingo works them out anew for each node.
 _KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
 
-#: Arguments of atoms of which clingo says nothing alone, so that their ``AST`` need not know where they stand; with the
-#: literals of atoms, of which it says nothing either, two of three nodes.
-_ARGUMENTS = (ASTType.Variable, ASTType.SymbolicTerm, ASTType.Function)
-
 _COMMENTS = (getattr(ASTType, "Comment", None),)  # of clingo 5.7 and later
 
 
@@ -52,8 +48,6 @@ class Node:
             value = str(self.ast)
         elif name[:1] != "_" and name in self._keys[0]:
             value = _plain(getattr(self.ast, name))
-            if name == "location" and "place" in self.__dict__:
-                value = _moved(value, self.place)
         else:
             raise AttributeError(f"no attribute: {name}")
         self.__dict__[name] = value
@@ -96,30 +90,18 @@ class Node:
         twin.__dict__.update(_of_nodes(attributes))
         return twin
 
-    def move(self, place: Callable[[Position], Position], above: Optional[ASTType] = None) -> None:
-        """Let it and all below it stand elsewhere; for nodes that nobody has looked at.
-
-        What is ``above`` is told to the terms of an atom.
-        """
-        kind = self.ast_type
-        argument = above == ASTType.Function and kind in _ARGUMENTS
-        if argument or (kind == ASTType.Literal and self.atom.ast_type == ASTType.SymbolicAtom):
-            self.__dict__["place"] = place
-        elif "location" in self._keys[0]:
-            self.ast.location = self.__dict__["location"] = _moved(self.ast.location, place)
-        terms = kind == ASTType.SymbolicAtom or (kind == ASTType.Function and above is not None)
-        for one in self.children:
-            one.move(place, kind if terms else None)
+    def move(self, place: Callable[[Position], Position]) -> None:
+        """Let it and all below it stand elsewhere."""
+        for one in self.nodes:
+            if "location" in one._keys[0]:
+                begin, end = one.location.begin, one.location.end
+                one.ast.location = one.__dict__["location"] = Location(place(begin), place(end))
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, AST):
         return Node(value)
     return [_plain(one) for one in value] if isinstance(value, (ASTSequence, StrSequence)) else value
-
-
-def _moved(location: Location, place: Callable[[Position], Position]) -> Location:
-    return Location(place(location.begin), place(location.end))
 
 
 def _of_nodes(attributes: Mapping[str, Any]) -> Dict[str, Any]:
