@@ -18,13 +18,13 @@ Build = Callable[[Snapshot, int], Grounding]
 
 
 class Asking:
-    """A snapshot and its grounding, which is built and extended as questions need it.
+    """A snapshot and its grounding, which is extended as questions need it.
 
     Attributes:
         program: the reactive logic program.
         snapshot: the snapshot of the history.
         block: the number of steps to ground at once; 1 if further steps can invalidate an answer.
-        grounding: the grounding, None before the first question.
+        grounding: the grounding.
         seconds: wall time spent in clingo's search so far.
         is_stopped: the stop of the running strategy.
 
@@ -33,10 +33,10 @@ class Asking:
     def __init__(
         self, program: ReactiveProgram, snapshot: Snapshot, build: Build, block: int, limit: Optional[int] = None
     ) -> None:
-        """Prepare for questions without grounding anything; no step after ``limit`` is ever ground."""
+        """Ground the program up to the horizon of ``snapshot``; no step after ``limit`` is ever ground."""
         self.program, self.snapshot, self.block = program, snapshot, block
         self._build, self._limit = build, limit
-        self.grounding: Optional[Grounding] = None
+        self.grounding = build(snapshot, snapshot.horizon)
         self.seconds = 0.0
         self.is_stopped: Stop = lambda: False
 
@@ -70,8 +70,8 @@ class Asking:
 
     @property
     def horizon(self) -> int:
-        """The last step that is ground, or that the first question will ground."""
-        return self.snapshot.horizon if self.grounding is None else self.grounding.horizon
+        """The last step that is ground."""
+        return self.grounding.horizon
 
     def may_grow(self, horizon: int) -> bool:
         """Return whether bound and limit allow a step after ``horizon``."""
@@ -84,17 +84,14 @@ class Asking:
 
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the possible actions of the cycles ``first`` to ``last`` that are not closed."""
-        return self.ground().actions(first, last)
+        return self.grounding.actions(first, last)
 
-    def ground(self, horizon: int = 0) -> Grounding:
-        """Return the grounding with all steps up to ``horizon``; build it or extend it in pieces if necessary."""
-        if self.grounding is None:
-            self.grounding = self._new_grounding(self.snapshot.horizon)
-        for last in pieces(self.grounding.horizon + 1, horizon, horizon if self.grounding.is_cyclic else PIECE):
+    def ground(self, horizon: int) -> None:
+        """Extend the grounding in pieces up to ``horizon``; raises StoppedError."""
+        for last in pieces(self.horizon + 1, horizon, horizon if self.grounding.is_cyclic else PIECE):
             if self.is_stopped():
                 raise StoppedError
-            self.grounding = self._extended(self.grounding, last)
-        return self.grounding
+            self._extend(last)
 
     # ---- Implementation ----------------------------------------------------------------------------------------------
 
@@ -104,31 +101,28 @@ class Asking:
             raise StoppedError
         if question.until is not None and question.until():
             return UNKNOWN
-        grounding = self.ground(question.last)
+        self.ground(question.last)
         if stopped():
             raise StoppedError
         start = time.perf_counter()
-        reply = grounding.ask(question, stopped)
+        reply = self.grounding.ask(question, stopped)
         self.seconds += time.perf_counter() - start
         if reply.satisfiable is None and stopped():
             raise StoppedError
         return reply
 
-    def _extended(self, grounding: Grounding, horizon: int) -> Grounding:
-        """Return the extended grounding, or a new one if it cannot grow.
+    def _extend(self, horizon: int) -> None:
+        """Extend the grounding, or build a new one that forgets the same externals if it cannot grow.
 
         Rules that define the same atom at several steps, or that close a loop, have to be ground in one call of clingo.
         """
-        if not grounding.is_cyclic:
+        if not self.grounding.is_cyclic:
             try:
-                grounding.grow_to(horizon)
-                return grounding
+                self.grounding.grow_to(horizon)
             except DroppedError:
                 raise
-            except SolverError:
-                pass  # any other error occurs again
-        return self._new_grounding(horizon)
-
-    def _new_grounding(self, horizon: int) -> Grounding:
-        """Return a new grounding that forgets the same externals as one that has grown to ``horizon``."""
-        return self._build(self.snapshot.with_horizon(horizon, self.program), horizon)
+            except SolverError:  # any other error occurs again
+                pass
+            else:
+                return
+        self.grounding = self._build(self.snapshot.with_horizon(horizon, self.program), horizon)

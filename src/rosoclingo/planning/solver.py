@@ -101,11 +101,10 @@ class PlanSolver(PlanningSolver):
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
     def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
-        before = self.snapshot
+        before, start, began = self.snapshot, time.perf_counter(), time.process_time()
         check_horizon_limit(update, self.horizon, self._horizon_limit)
         asking = self._asking(before.with_update(update, self.program), stopped)
         self._searched, self._under_way = None, lambda: asking.horizon
-        start, began = time.perf_counter(), time.process_time()
         strategy: Strategy[SearchResult]
         if self._plan_time is None:
             strategy = shortest(asking, self.models, self._hint)
@@ -173,12 +172,9 @@ class PlanSolver(PlanningSolver):
 
     def _warnings(self, asking: Asking) -> Iterator[str]:
         """Yield warnings about the last update, and new remarks of clingo."""
-        grounding = asking.grounding
-        if grounding is None:
-            yield from asking.snapshot.warnings
-            return
-        yield from grounding.warnings
-        for one in grounding.messages.new_remarks(self.program.parameter_at) if grounding.messages.said else ():
+        yield from asking.grounding.warnings
+        messages = asking.grounding.messages
+        for one in messages.new_remarks(self.program.parameter_at) if messages.said else ():
             if str(one) not in self.remarks:
                 self.remarks.add(str(one))
                 yield str(one)
@@ -189,7 +185,7 @@ class PlanSolver(PlanningSolver):
 
     def _predicted(self, asking: Asking, reply: Reply, proven: bool) -> FrozenSet[clingo.Symbol]:
         """Return the predicted returns; a plan that is ``proven`` shortest has to remain shortest."""
-        if not asking.snapshot.is_steady or asking.grounding is None or asking.grounding.is_cyclic:
+        if not asking.snapshot.is_steady or asking.grounding.is_cyclic:
             return frozenset()
         return reply.predicted.certain if proven else reply.predicted.returns
 
@@ -206,17 +202,14 @@ class PlanSolver(PlanningSolver):
         if plan is None or plan.shortest or self.models != 1:
             return None
         halt = stopped or never
-        start, (asking, returns) = time.perf_counter(), self._last_search(halt)
-        if asking.grounding is not None and asking.grounding.is_cyclic:
-            return None
-        place = self.step, self.snapshot.min_horizon
+        start, place = time.perf_counter(), (self.step, self.snapshot.min_horizon)
         if self._improvement is None or not self._improvement.moves_to(plan, *place):
             self._improvement = Improvement(plan, *place)
         try:
-            reply = asking.run(self._improvement.run(asking), halt)
-        except DroppedError:  # stopped while grounding
-            self._searched = None
+            asking, returns = self._last_search(halt)
+        except DroppedError:
             return None
+        reply = None if asking.grounding.is_cyclic else asking.run(self._improvement.run(asking), halt)
         if reply is None:
             return None
         if not returns <= reply.predicted.returns:  # the returns since the search do not allow this plan
@@ -284,8 +277,7 @@ class PlanSolver(PlanningSolver):
 
     def probed_atoms(self) -> List[clingo.Symbol]:
         """Return all atoms that can be true at the steps ground for the last hypothetical question."""
-        grounding = None if self._probed is None else self._probed.asking.grounding
-        return [] if grounding is None else grounding.possible_atoms
+        return [] if self._probed is None else self._probed.asking.grounding.possible_atoms
 
     # ---- Checkpoints -------------------------------------------------------------------------------------------------
 
@@ -304,9 +296,9 @@ class PlanSolver(PlanningSolver):
     def _solve_again(self, plan: Plan) -> None:
         """Ground the whole history and find the predicted answer, which has exactly the actions of ``plan``."""
         asking = self._asking(self.snapshot, never)
-        grounding, horizon = asking.ground(), max(plan.horizon, self.snapshot.min_horizon)
-        actions = grounding.actions(self.program.first_step, grounding.horizon)
-        grounding.ask(Question(horizon, horizon, plan.fixing(actions)), never)
+        horizon = max(plan.horizon, self.snapshot.min_horizon)
+        actions = asking.actions(self.program.first_step, asking.horizon)
+        asking.grounding.ask(Question(horizon, horizon, plan.fixing(actions)), never)
         self._searched = _Cached(self.log.key, asking)
 
     @property
@@ -323,8 +315,7 @@ class PlanSolver(PlanningSolver):
             searched = None
         if searched is not None and self._steps_to_check >= LEAST_STEPS:
             self._checked_until = end_of_past(self.program, snapshot)
-            grounding = searched.asking.grounding
-            compact = None if grounding is None else compacted(grounding, snapshot)
+            compact = compacted(searched.asking.grounding, snapshot)
         if compact is None and not always and not self.log.is_longer(self._log_limit, snapshot):
             return
         self._replace_log(self.log.checkpoint(compact or snapshot))

@@ -140,7 +140,8 @@ class Soon:
             if not self._idles or last > self._asking.last(last):
                 return UNKNOWN
             self._end = last
-        actions = self._asking.ground(self._end).actions(self._asking.step, last + 1)
+        self._asking.ground(self._end)
+        actions = self._asking.actions(self._asking.step, last + 1)
         if not plan.actions.issubset(actions):
             return Reply(False)
         given = plan.fixing(actions)
@@ -212,7 +213,7 @@ class Soon:
         more = (self._end - asking.step) // (4 if self._program.advises and not refuted else 2)
         last = self._end + (max(asking.block, more) if self._idles else 1)
         if self._claimed is None:
-            steps = asking.ground().claimed_steps() if self._idles else 0
+            steps = asking.grounding.claimed_steps() if self._idles else 0
             self._claimed = asking.step + steps - 1
             last = max(last, self._claimed + steps // 4)
         return asking.last(last)
