@@ -13,7 +13,7 @@ alone, after all others, with twice the time each time.
 """
 
 import math
-from typing import Callable, Container, List, Optional, Sequence, Set
+from typing import Callable, Container, List, Optional, Sequence
 
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.records import Record
@@ -53,11 +53,9 @@ class Admission:
         self, live: Callable[[], List[Goal]], at_once: int = 0, overtaking_limit: int = 0, seconds: float = 0.0
     ) -> None:
         self._live, self._limit, self._most, self._wanted = live, overtaking_limit, at_once, SHARE * seconds
-        self._waiting: Set[Goal] = set()
         self._room = self._first = FIRST if seconds else None
         self._growth = FASTER
         self.now, self.stuck, self.left = 0.0, 0, False
-        self._in_hand: Set[Goal] = set()  # they could not be deferred
 
     @property
     def size(self) -> Optional[int]:
@@ -67,31 +65,18 @@ class Admission:
     @property
     def waiting(self) -> List[Goal]:
         """The goals that wait, oldest first."""
-        return [goal for goal in self._live() if goal in self._waiting]
+        return [goal for goal in self._live() if goal.waits]
 
     @property
     def served(self) -> List[Goal]:
         """The goals that do not wait, oldest first."""
-        return [goal for goal in self._live() if goal not in self._waiting]
-
-    def waits(self, goal: Goal) -> bool:
-        """Whether a goal waits."""
-        return goal in self._waiting
-
-    def add(self, goal: Goal) -> None:
-        """Let a live goal wait."""
-        self._waiting.add(goal)
-
-    def remove(self, goal: Goal) -> None:
-        """Record that a goal waits no longer."""
-        self._waiting.discard(goal)
+        return [goal for goal in self._live() if not goal.waits]
 
     def end(self, goal: Goal) -> None:
         """Record that a live goal ends; it has overtaken the older ones unless it waited."""
         live = self._live()
-        for other in live[: live.index(goal)] if goal not in self._waiting else ():
+        for other in live[: live.index(goal)] if not goal.waits else ():
             other.overtaken += 1
-        self.remove(goal)
 
     # -- who is admitted
 
@@ -107,7 +92,7 @@ class Admission:
         return next((goal for goal in self._movable if goal.tries), None)
 
     def admit(self) -> List[Goal]:
-        """Return the goals whose turn it is; they wait no longer."""
+        """Return the waiting goals whose turn it is."""
         served, ready, first = len(self.served), self._ready, self.first
         if self.tried is not None or not ready:
             return []
@@ -120,9 +105,7 @@ class Admission:
         if self._most:
             room = min(room, self._most - served)
         alone = next((place for place, goal in enumerate(fit, 1) if goal.tries), len(fit))
-        chosen = fit[: max(0, min(room, alone))]
-        self._waiting.difference_update(chosen)
-        return chosen
+        return fit[: max(0, min(room, alone))]
 
     @property
     def joinable(self) -> List[Goal]:
@@ -138,7 +121,7 @@ class Admission:
         """The waiting goals, oldest first, that do not rest and are not newer than the goal that comes first."""
         live, first = self._live(), self.first
         older = live if first is None else live[: live.index(first) + 1]
-        return [goal for goal in older if goal in self._waiting and goal.rests_until <= self.now]
+        return [goal for goal in older if goal.waits and goal.rests_until <= self.now]
 
     @property
     def _movable(self) -> List[Goal]:
@@ -180,11 +163,12 @@ class Admission:
         goals = self._movable
         least = min((goal.tries for goal in goals), default=0)
         rivals = any(goal.tries < least for goal in self._ready)
-        return goals if rivals and not self._in_hand.issuperset(goals) else []
+        return goals if rivals and not all(goal.in_hand for goal in goals) else []
 
     def defer(self, goals: Sequence[Goal]) -> None:
         """Let goals wait again; a single one that took too long says nothing of the room for others."""
-        self._waiting.update(goals)
+        for goal in goals:
+            goal.waits = True
         self.limit(len(self.served))
         if not self.served:
             self._room = self._first
@@ -197,7 +181,8 @@ class Admission:
     def stay(self, goals: Sequence[Goal]) -> None:
         """Record that no goal can be deferred, nor these, which are in hand: the next search has more time."""
         self.stuck += bool(goals or not self._movable)  # the tries of a single goal are counted
-        self._in_hand.update(goals)
+        for goal in goals:
+            goal.in_hand = True
 
     def give_time(self) -> None:
         """Record that the solver accepted no update in time: the next search has more."""
@@ -207,7 +192,8 @@ class Admission:
     def go_on(self) -> None:
         """Record that there is something else to plan for."""
         self.stuck = 0
-        self._in_hand.clear()
+        for goal in self._live():
+            goal.in_hand = False
 
     # -- limits of a search
 
@@ -220,8 +206,8 @@ class Admission:
     @property
     def unhurried(self) -> bool:
         """Whether a search can go on until something arrives, since there is nothing else to plan for."""
-        nothing_else = self._in_hand or len(self._movable) + len(self._ready) <= 1
-        return self.patience > 1 and not self.in_vain() and bool(nothing_else)
+        nothing_else = any(goal.in_hand for goal in self._live()) or len(self._movable) + len(self._ready) <= 1
+        return self.patience > 1 and not self.in_vain() and nothing_else
 
     def why_left(self, cancelled: Container[str], new: bool) -> str:
         """Return why a search is interrupted, empty if it is not: cancels of goals of these keys, or a ``new`` goal.
@@ -241,18 +227,9 @@ class Admission:
     # -- what is written down
 
     def record(self) -> Record:
-        """Return the state as plain values, all but that of the goals."""
+        """Return the state as plain values."""
         return {"stuck": self.stuck, "room": self._room, "growth": self._growth}
-
-    def record_of(self, goal: Goal) -> Record:
-        """Return, as plain values, whether a goal waits, and whether it is known to be in hand."""
-        return {"waits": goal in self._waiting, "in_hand": goal in self._in_hand}
 
     def restore(self, record: Record) -> None:
         """Restore from :meth:`record`."""
         self.stuck, self._room, self._growth = record["stuck"], record["room"], record["growth"]
-
-    def restore_goal(self, goal: Goal, waits: bool, in_hand: bool) -> None:
-        """Restore a goal from :meth:`record_of`."""
-        self._waiting.update([goal] * waits)
-        self._in_hand.update([goal] * in_hand)

@@ -75,10 +75,9 @@ class GoalManager:
         except GoalError as error:
             self._tell(GoalRefused(self._cycle(), key, text, str(error)))
             return
-        self._goals[key] = goal
-        self.queue.add(goal)
+        self._goals[key], goal.waits = goal, True
         self._admit()
-        if self.queue.waits(goal):
+        if goal.waits:
             before = self.queue.first or self.queue.tried
             why = f"{self.queue.size} goals at a time are planned for" if before is None else f"first comes {before}"
             self.tell_wait([goal], why)
@@ -196,7 +195,7 @@ class GoalManager:
             left[0].tries += 1
             left[0].rests_until = float("inf")  # the search has taken time: the rest begins at the next tick
         for goal in left:
-            self.queue.add(goal)
+            goal.waits = True
         self._wait(left, "the solver could not take it in time")
 
     def _wait(self, goals: Sequence[Goal], why: str) -> None:
@@ -210,8 +209,7 @@ class GoalManager:
 
     def record(self) -> Record:
         """Return the goals, oldest first, and what is known of the room for them, as plain values."""
-        goals = {f"goal:{goal.key}": {**goal.record(), **self.queue.record_of(goal)} for goal in self.live}
-        return {**goals, "queue": self.queue.record()}
+        return {**{f"goal:{goal.key}": goal.record() for goal in self.live}, "queue": self.queue.record()}
 
     def restore(self, record: Record) -> None:
         """Go on from a record, before anything else has come."""
@@ -219,13 +217,12 @@ class GoalManager:
             goal = Goal(key, symbol_of(fields["term"]), self._changed)
             goal.restore(fields)
             self._goals[key] = goal
-            self.queue.restore_goal(goal, fields["waits"], fields["in_hand"])
         self.queue.restore(record["queue"])
 
     def join(self, goals: Iterable[Goal]) -> None:
         """Goals that wait are fed now, whatever room there is."""
         for goal in goals:
-            self.queue.remove(goal)
+            goal.waits = False
             self._feeder.add_goal(goal)
 
     def tell_wait(self, goals: Iterable[Goal], why: str) -> None:

@@ -89,7 +89,7 @@ class GoalError(ValueError):
 
 
 #: The fields of a goal that its record has as they are.
-RECORDED = ("request_cycle", "known", "refused", "overtaken", "together", "tries")
+RECORDED = ("request_cycle", "known", "refused", "overtaken", "together", "tries", "waits", "in_hand")
 
 
 class Goal:
@@ -100,6 +100,7 @@ class Goal:
     the program has said something of it, ``refused`` whether that was that it rejects the goal. ``overtaken`` counts
     the goals that came later and have ended before it, ``together`` is how many goals a plan with it was for, at most;
     ``tries`` counts how often no plan was found in time for it alone; it is not fed before the time ``rests_until``.
+    ``waits`` tells whether it is queued, ``in_hand`` that it could not be deferred.
     ``remark`` is the program's latest text about the accepted goal, empty for none.
     ``observer`` is called with the goal and the event after each transition.
     """
@@ -115,6 +116,7 @@ class Goal:
         self.refused = False
         self.overtaken = self.together = 0
         self.tries = 0
+        self.waits = self.in_hand = False
         self.rests_until = float("-inf")
         self.message = self.remark = ""
         self._observer = observer

@@ -163,7 +163,7 @@ class Preparations:
     def _complete(self, join: Join) -> Batch:
         """Return the update in which requests join."""
         self.join, self._cycles = None, max(1, 3 * self._cycles // 4)
-        self._goals.join(goal for goal in goals_of(join.requests) if self._goals.queue.waits(goal))
+        self._goals.join(goal for goal in goals_of(join.requests) if goal.waits)
         return self._feeder.next_update(join.cycle, join.over, join.requests)
 
     def _is_late(self, planner: Planner, batch: Batch, rest: Batch) -> bool:

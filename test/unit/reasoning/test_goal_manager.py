@@ -18,10 +18,9 @@ def test_the_end_of_one_lets_the_next_in():
 
 def test_one_that_waits_is_cancelled():
     clients = Clients(at_once=1).add(1, 2, 3)
-    goal = clients.goal(2)
-    assert clients.goals.queue.waits(goal)
+    assert clients.goal(2).waits
     clients.goals.cancel("g2")
-    assert not clients.goals.queue.waits(goal)
+    assert clients.waiting == [3]
     clients.goals.cancel("g1")
     assert clients.feed() == ["_request(go(3),2)"]
     assert clients.ends() == [("g2", Outcome.CANCELED), ("g1", Outcome.CANCELED)]
