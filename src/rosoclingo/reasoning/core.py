@@ -9,7 +9,7 @@ from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.deferral import defer
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
-from rosoclingo.reasoning.explanations import Explanations, streams_of
+from rosoclingo.reasoning.explanations import Explanations, refusals, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
 from rosoclingo.reasoning.goals import Goal, Outcome
@@ -19,7 +19,6 @@ from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Preparations
 from rosoclingo.reasoning.present import Present
 from rosoclingo.reasoning.recovery import Recovery, forget_history, recover, settle
-from rosoclingo.reasoning.refusals import refusals
 from rosoclingo.reasoning.repair import repair
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
 from rosoclingo.reasoning.settings import CoreSettings

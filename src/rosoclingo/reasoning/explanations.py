@@ -1,13 +1,14 @@
-"""Reasons in words: a program's terms as text, its ``_explain(What,Text,C)`` atoms, and why a goal is given up."""
+"""Reasons in words: why a goal is given up or a fact refused; ``_explain(What,Text,C)`` and ``_refuse(Fact,Text,C)``."""
 
-from typing import Callable, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from functools import lru_cache
+from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from clingo import Symbol, SymbolType
 
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
-from rosoclingo.reasoning.keywords import EXPLAIN, is_keyword, name_of
+from rosoclingo.reasoning.keywords import EXPLAIN, REFUSE, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
 
 
@@ -86,3 +87,21 @@ def streams_of(unmet: Sequence[UnmetGoal], stream: Stream) -> Iterator[Tuple[Unm
 def _joined(things: Sequence[T], words: Callable[[T], str]) -> str:
     texts: List[str] = list(dict.fromkeys(words(thing) for thing in things))
     return " and ".join(texts)
+
+
+def refusals(answer: FrozenSet[Symbol], facts: Iterable[Observation]) -> Iterator[Tuple[str, str]]:
+    """Yield why no heed is taken of some of the ``facts`` of an update, and who told them, given its answer."""
+    texts = _read(answer)
+    for fact in facts if texts else ():
+        if fact.atom in texts:
+            yield (
+                f"'{fact.sent}' from '{fact.origin}' is ignored: {text_of(texts[fact.atom])}",
+                fact.origin,
+            )
+
+
+@lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
+def _read(answer: FrozenSet[Symbol]) -> Dict[Symbol, Symbol]:
+    """The texts of what is refused."""
+    refused = (atom.arguments for atom in answer if is_keyword(atom, REFUSE) and len(atom.arguments) == 3)
+    return {fact: text for fact, text, _ in refused}

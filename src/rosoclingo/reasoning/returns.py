@@ -54,7 +54,7 @@ MOST_WAITING, MOST_TEXT = 10000, 1 << 24
 
 
 class ReturnError(ValueError):
-    """A return is rejected: it answers no action that is under way; the text says why."""
+    """A return or another fact is rejected: nothing waits for it, or it must not be stated; the text says why."""
 
 
 class Dispatch:
@@ -151,10 +151,6 @@ class Dispatch:
             if action in self.actions:
                 return action
         return None
-
-
-class FactError(ValueError):
-    """A fact is rejected: no interface may state it, or the program does not declare it; the text says why."""
 
 
 #: Limits of the remembered facts that name their cycle, to recognize repeated ones: their number, and characters.
@@ -284,12 +280,12 @@ class ExecutionMonitor:
         """Report a fault of the fact ``text`` as a problem."""
         try:
             yield
-        except (ProgressionError, KeywordError, ReturnError, FactError) as error:
+        except (ProgressionError, KeywordError, ReturnError) as error:
             message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
             self._tell(Problem(self._cycle(), message, origin))
 
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
-        """Raises KeywordError for a malformed return, ReturnError when no action waits for it, FactError."""
+        """Raises KeywordError for a malformed return, ReturnError for a fact that nothing waits for or that is not allowed."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
             if self._dispatch is None:
@@ -300,7 +296,7 @@ class ExecutionMonitor:
             self._check(atom)
             self._text = self._text if self._feeder.waiting else 0
             if self._feeder.waiting >= MOST_WAITING or 0 < self._text > MOST_TEXT - size:
-                raise FactError(f"{self._feeder.waiting} facts wait for the next update already")
+                raise ReturnError(f"{self._feeder.waiting} facts wait for the next update already")
             if size > SHORT or not self._is_known(atom):
                 self._text += size
                 self._tell(FactTaken(self._cycle(), atom))
@@ -368,12 +364,12 @@ class ExecutionMonitor:
         self._feeder.add_fact(atom, origin, self._cycle())
 
     def _check(self, atom: Symbol) -> None:
-        """Raises FactError when ``atom`` is one of the core's own keywords or no external of the program."""
+        """Raises ReturnError when ``atom`` is one of the core's own keywords or no external of the program."""
         signature = (atom.name, len(atom.arguments))
         if signature in RESERVED:
-            raise FactError("{}/{} is for the core and the program only".format(*signature))
+            raise ReturnError("{}/{} is for the core and the program only".format(*signature))
         if not self._program.declares_external(*signature):
-            raise FactError("the program declares no external {}/{}".format(*signature))
+            raise ReturnError("the program declares no external {}/{}".format(*signature))
 
 
 def too_many_facts(number: int, origin: str) -> str:
@@ -383,7 +379,7 @@ def too_many_facts(number: int, origin: str) -> str:
 
 
 def _read(text: str) -> Symbol:
-    """The atom of a fact's text; raises ProgressionError, and FactError for one that is too long."""
+    """The atom of a fact's text; raises ProgressionError, and ReturnError for one that is too long."""
     if len(text) > LONGEST:
-        raise FactError(f"it is too long: write at most {LONGEST} characters")
+        raise ReturnError(f"it is too long: write at most {LONGEST} characters")
     return parse_atom(text)

@@ -84,15 +84,3 @@ def test_a_journal_has_as_many_of_the_latest_as_it_has_room_for(monkeypatch):
     assert terms(goals) == [1, 2, 3, 4]
     monkeypatch.setattr(given_up, "ROOM", sizes[3] - 1)
     assert goals.record() == {}
-
-
-def test_goals_that_are_remembered_are_bounded_in_size(monkeypatch):
-    goals, text = GivenUpGoals(), "#step 1.\n" + "".join(f"seen({number})." for number in range(1000)) + "\n#end step."
-    monkeypatch.setattr(given_up, "MEMORY", 3 * len(text))
-    for number in range(6):
-        goals.add(unmet(number, text))
-    assert 1 <= len(goals.terms) <= 3
-    assert goals.find("key 5") is not None
-    monkeypatch.setattr(given_up, "MEMORY", 1)
-    goals.add(unmet(6, text))
-    assert len(goals.terms) == 1, "the last one is remembered, however long it is"
