@@ -1,4 +1,4 @@
-"""Reasons in words: why a goal is given up or a fact refused; ``_explain(What,Text,C)`` and ``_refuse(Fact,Text,C)``."""
+"""Reasons in words: why a goal is given up, by ``_explain(What,Text,C)``, and a fact refused, by ``_refuse/3``."""
 
 from functools import lru_cache
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar

@@ -285,7 +285,7 @@ class ExecutionMonitor:
             self._tell(Problem(self._cycle(), message, origin))
 
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
-        """Raises KeywordError for a malformed return, ReturnError for a fact that nothing waits for or that is not allowed."""
+        """Raises KeywordError for a malformed return, ReturnError for a fact that nobody waits for or may state."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
             if self._dispatch is None:
