@@ -7,9 +7,11 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, Halt, Outcome
-from rosoclingo.reasoning.settings import JOINING
-from rosoclingo.reasoning.stream_planner import unwatched
+from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
+from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.settings import JOINING, CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt, unwatched
 
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 

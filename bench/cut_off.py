@@ -15,7 +15,8 @@ from deliveries import floor_named, random_requests
 from figures import Figure, parse, write
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.reasoning import GoalChanged, Outcome
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.goals import Outcome
 
 
 class Run(PooledCore):

@@ -34,7 +34,7 @@ from planning_domains import DOMAINS, check
 from planning_domains.task import require
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 SIZES = ("small", "middle", "large")
 

@@ -17,11 +17,11 @@ from figures import Figure, parse, write
 from long_run import add_run, answer, load
 
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.database import Header, file_of, read
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.settings import CoreSettings
 
 
 class Run:

@@ -16,7 +16,7 @@ from acting_core import ENCODINGS, PooledCore, returned
 from figures import Figure, parse, write
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import GoalProgress, PlanMade
+from rosoclingo.reasoning.events import GoalProgress, PlanMade
 
 OFFICES = ["office1", "office2", "office3", "office4"]
 ROOMS = ["hallway", "kitchen", "living_room", "bathroom", "study", "bedroom"]

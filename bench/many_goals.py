@@ -45,7 +45,7 @@ from deliveries import World, actions_of_route, floor_named, pddl_of, random_req
 from figures import Figure, parse, write
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 HOWS = ("once", "stream")
 

@@ -12,7 +12,7 @@ from actionlib_msgs.msg import GoalStatus
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 
 from rosoclingo.common.action_clients import cancel_goal
-from rosoclingo.reasoning import Outcome
+from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.keywords import CORE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))

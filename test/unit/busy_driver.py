@@ -7,7 +7,8 @@ from core_driver import Driver, shortest
 
 from rosoclingo.oclingo.progression.updates import Volatile
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings, Halt
+from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt
 
 #: Errands do(What,Id), one a cycle, the oldest first but far ones last; never cannot be done. Known while open.
 ERRANDS = """

@@ -11,8 +11,10 @@ from shipped import shipped
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, StreamUpdate
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import Core, CoreSettings, GoalChanged, GoalProgress, GoalRefused, Halt, Problem
-from rosoclingo.reasoning.stream_planner import SearchWatch, unwatched
+from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.events import GoalChanged, GoalProgress, GoalRefused, Problem
+from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt, SearchWatch, unwatched
 
 #: One errand per goal ``do(What,Id)``; see the file.
 ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()

@@ -26,7 +26,7 @@ import re
 import pytest
 
 from rosoclingo.oclingo import DroppedError, SolveOutcome, SolverError
-from rosoclingo.reasoning import ActionsPreempted
+from rosoclingo.reasoning.events import ActionsPreempted
 
 FAULTS = {"refused": SolverError, "dropped": DroppedError, "undecided": SolveOutcome.INTERRUPTED}
 

@@ -1,9 +1,11 @@
 """Clients of a goal manager without a solver: what they ask for, what reaches the program, and what they are told."""
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalProgress, Outcome
+from rosoclingo.reasoning.events import GoalChanged, GoalProgress
 from rosoclingo.reasoning.goal_manager import GoalManager
+from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: A program that hears every request.
 HEARING = "#external _request/2. #program cumulative(t). asked(G,t) :- _request(G,t)."

@@ -6,11 +6,11 @@ from contextlib import closing
 
 from core_driver import soon
 
-from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram
 
 GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]

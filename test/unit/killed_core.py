@@ -11,12 +11,14 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, GoalChanged, GoalRefused, GoalState
+from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, GoalRefused
+from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.settings import CoreSettings
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
 KINDS = ("walk", "run", "quick", "never", "nonsense")

@@ -7,7 +7,7 @@ from rosoclingo.oclingo import Literal, Statement, StreamUpdate, Volatile, commi
 from rosoclingo.oclingo.program.action_rules import is_action_of
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: A robot goes where somebody wants it; what fails is given up. A sensor tells of closed places, which nothing heeds.
 VISITS = """

@@ -16,7 +16,7 @@ from rosoclingo.msg import GoalState, GoalStates, InterfaceIO, ROSoClingoActionG
 from std_msgs.msg import UInt32
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.reasoning import Outcome
+from rosoclingo.reasoning.goals import Outcome
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

@@ -14,7 +14,7 @@ from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionRes
 from rosoclingo.common.action_servers import start_server
 from rosoclingo.nodes.core import goal_handles
 from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, GoalServer
-from rosoclingo.reasoning import GoalRefused
+from rosoclingo.reasoning.events import GoalRefused
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

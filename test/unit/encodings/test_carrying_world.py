@@ -9,7 +9,10 @@ from hypothesis import strategies as st
 from shipped import shipped
 
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import ActionsDispatched, Core, CoreSettings, GoalChanged, GoalRefused, Halt, Problem
+from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, GoalRefused, Problem
+from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt
 
 FILES = {"office": ("mailbot.lp", "office.lp"), "house": ("house.lp", "home.lp")}
 DOMAINS = {"office": OFFICE, "house": HOUSE}

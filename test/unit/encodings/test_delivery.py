@@ -11,7 +11,7 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.signatures import Signature, occurrences
 from rosoclingo.oclingo.program.sources import Source, read_sources
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 FILES = sorted((ENCODINGS / "delivery").glob("*.lp"))

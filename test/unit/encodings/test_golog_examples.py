@@ -8,7 +8,7 @@ from core_driver import Driver
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 DATA = Path(__file__).resolve().parents[2] / "data" / "golog"
 

@@ -7,7 +7,7 @@ from golog_programs import ENCODINGS
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 GOLOG = ENCODINGS / "golog"
 

@@ -8,7 +8,7 @@ from golog_programs import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: Actions named act, of which one is not possible while ``no(Action)`` holds; fluents are what somebody tells.
 DOMAIN = """

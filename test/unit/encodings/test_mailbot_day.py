@@ -7,7 +7,7 @@ from core_driver import Driver, shortest, soon
 from golog_programs import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.scenario import Scenario
 
 FILES = ("mailbot.lp", "office.lp", "golog/mailbot_day.golog")

@@ -13,8 +13,8 @@ from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.explanations import text_of
+from rosoclingo.reasoning.settings import CoreSettings
 
 ROW = tuple((number, number + 1) for number in range(1, 6))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))

@@ -4,7 +4,8 @@ import pytest
 from core_driver import PLANS, Driver
 from shipped import ENCODINGS, shipped
 
-from rosoclingo.reasoning import CoreSettings, PlanMade
+from rosoclingo.reasoning.events import PlanMade
+from rosoclingo.reasoning.settings import CoreSettings
 
 UPDATE_1 = """
 #step 1.

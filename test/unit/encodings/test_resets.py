@@ -4,7 +4,8 @@ import pytest
 from core_driver import Driver
 from shipped import shipped
 
-from rosoclingo.reasoning import ActionsPreempted, CoreSettings
+from rosoclingo.reasoning.events import ActionsPreempted
+from rosoclingo.reasoning.settings import CoreSettings
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from golog_programs import ENCODINGS
 
 from rosoclingo.golog.golog_command import main
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram
 
 DOMAIN = f"""

@@ -8,7 +8,7 @@ from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.core import loading as module
 from rosoclingo.nodes.core.loading import CoreParameters, core_parameters, load_program
 from rosoclingo.oclingo import ProgramError, ReactiveSolver
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 
 @pytest.fixture

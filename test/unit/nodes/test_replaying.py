@@ -10,8 +10,9 @@ from journal_runs import changed, play
 from shipped import shipped
 
 import rosoclingo
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
+from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal.database import NAME
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"

@@ -10,9 +10,10 @@ from core_scripts import play, scripts
 
 from rosoclingo.oclingo import SolveOutcome, SolveResult, parse_atom
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.reasoning import CoreSettings, GoalProgress, PlanMade
+from rosoclingo.reasoning.events import GoalProgress, PlanMade
 from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.returns import MOST_FACTS
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: Two arms work in one cycle.
 ARMS = """

@@ -17,16 +17,11 @@ from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, Sol
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import (
-    ActionsDispatched,
-    CoreSettings,
-    GoalProgress,
-    Halt,
-    PlanMade,
-    UpdateSent,
-    stream_planner,
-)
+from rosoclingo.reasoning import stream_planner
+from rosoclingo.reasoning.events import ActionsDispatched, GoalProgress, PlanMade, UpdateSent
 from rosoclingo.reasoning.input_feeder import PAUSE
+from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt
 
 ALONE = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
 RAIN = ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n"

@@ -17,16 +17,10 @@ from shipped import shipped
 from stream_replay import check_replay
 
 from rosoclingo.planning import compaction, solver
-from rosoclingo.reasoning import (
-    ActionsDispatched,
-    ActionsPreempted,
-    CoreSettings,
-    GoalChanged,
-    GoalRefused,
-    PlanMade,
-    stream_planner,
-)
+from rosoclingo.reasoning import stream_planner
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, GoalRefused, PlanMade
 from rosoclingo.reasoning.returns import DONE
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import unwatched
 
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')

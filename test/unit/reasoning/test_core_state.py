@@ -5,8 +5,8 @@ import pickle
 import pytest
 from core_driver import Driver
 
-from rosoclingo.reasoning import PlanMade, Problem
 from rosoclingo.reasoning.core_state import FRESH, Health, Level
+from rosoclingo.reasoning.events import PlanMade, Problem
 from rosoclingo.reasoning.keywords import shortened
 from rosoclingo.reasoning.log_throttle import FEW, MANY, MOST_ORIGINS, QUIET, LogThrottle
 

@@ -8,7 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, Statement, StreamUpdate, fact, parse_atom, parse_updates
-from rosoclingo.reasoning import CoreSettings, UpdateSent
+from rosoclingo.reasoning.events import UpdateSent
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: A goal go(Room,Id) is met by one action. What is seen in a cycle may deny what was done then, or what else is seen.
 SIGHTS = """

@@ -6,11 +6,12 @@ import clingo
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, GoalEvent, GoalState, Outcome, TaskPlan
+from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, update_status
-from rosoclingo.reasoning.goals import TERMINAL
+from rosoclingo.reasoning.goals import TERMINAL, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
+from rosoclingo.reasoning.settings import CoreSettings
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "statuses.md").read_text()
 PROGRAM = ReactiveProgram.from_text("#external _request/2.\n#program cumulative(t).\nasked(G,t) :- _request(G,t).\n")

@@ -3,7 +3,8 @@
 import pytest
 from goal_clients import Clients
 
-from rosoclingo.reasoning import GoalRefused, GoalState, Outcome
+from rosoclingo.reasoning.events import GoalRefused
+from rosoclingo.reasoning.goals import GoalState, Outcome
 
 
 def test_the_end_of_one_lets_the_next_in():

@@ -5,8 +5,9 @@ import pytest
 from core_driver import Driver
 
 from rosoclingo.oclingo import parse_term
-from rosoclingo.reasoning import Goal, GoalEvent, extract_plan
+from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, Status, update_status
+from rosoclingo.reasoning.goals import Goal, GoalEvent
 
 
 def answer(*atoms):

@@ -4,19 +4,20 @@ import pytest
 from core_driver import Driver
 
 from rosoclingo.oclingo import parse_term
-from rosoclingo.reasoning import (
+from rosoclingo.reasoning.events import UpdateSent
+from rosoclingo.reasoning.goals import (
+    CANCELLING,
     TERMINAL,
     TRANSITIONS,
+    UNDECIDED,
     Goal,
     GoalError,
     GoalEvent,
     GoalState,
     Outcome,
     TransitionError,
-    UpdateSent,
     read_goal,
 )
-from rosoclingo.reasoning.goals import CANCELLING, UNDECIDED
 from rosoclingo.reasoning.keywords import LONGEST
 
 

@@ -6,7 +6,7 @@ import pytest
 from core_driver import Driver, Leaving
 
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning import GoalProgress, PlanMade
+from rosoclingo.reasoning.events import GoalProgress, PlanMade
 
 #: A goal do(N,Id) takes the actions do(1) to do(N) one after the other; all but the first are put off, for no reason.
 SLOW = """

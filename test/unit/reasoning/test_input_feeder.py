@@ -3,7 +3,7 @@ import json
 import pytest
 
 from rosoclingo.oclingo import Statement, StreamUpdate, parse_atom, parse_term, parse_update
-from rosoclingo.reasoning import Goal, Outcome
+from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import action_of
 

@@ -11,8 +11,11 @@ from test_plans_that_go_out import Office
 
 from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Halt, Outcome, admission
-from rosoclingo.reasoning.stream_planner import unwatched
+from rosoclingo.reasoning import admission
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.reasoning.stream_planner import Halt, unwatched
 
 FLOOR = (4, ((1, 2), (2, 3), (3, 4)), 1, 3)
 

@@ -1,8 +1,9 @@
 import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_term
-from rosoclingo.reasoning import Action, KeywordError
 from rosoclingo.reasoning.keywords import (
+    Action,
+    KeywordError,
     action_of,
     cancellation,
     identifier_of,

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from workloads import sized
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.reasoning import ActionsPreempted, CoreSettings, StateChanged, UpdateSent
+from rosoclingo.reasoning.events import ActionsPreempted, StateChanged, UpdateSent
 from rosoclingo.reasoning.input_feeder import MOST_TURNS
+from rosoclingo.reasoning.settings import CoreSettings
 
 STORM = "#external _storm/1.\n#program cumulative(t).\n:- _action_lib(walk,_,t), _storm(C), C <= t.\n"
 MUST = "#external _must/1.\n:- _must(t), not _action_lib(rest,9,t).\n"

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, GoalChanged
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.settings import CoreSettings
 
 ROOMS = ("hall", "den", "attic", "loft")
 

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning import GoalProgress, Halt, PlanMade, Problem
+from rosoclingo.reasoning.events import GoalProgress, PlanMade, Problem
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.returns import DONE
+from rosoclingo.reasoning.stream_planner import Halt
 
 #: So many cycles without an action that the solver no longer grounds the one before them.
 IDLE = 40

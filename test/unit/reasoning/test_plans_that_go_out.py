@@ -12,7 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import fewest_steps, neighbours, program
 
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.settings import CoreSettings
 
 LOOKS = 300  # of an improvement at whether it is to stop
 

@@ -6,7 +6,7 @@ from core_scripts import play, preempted, scripts
 from office_world import World
 from shipped import shipped
 
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
 TOGETHER = """

@@ -10,7 +10,9 @@ from test_plans_that_go_out import Office, Run
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome, ReturnTaken
+from rosoclingo.reasoning.events import GoalChanged, ReturnTaken
+from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.settings import CoreSettings
 
 
 class Noting(PlanSolver):

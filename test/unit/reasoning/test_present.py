@@ -6,7 +6,7 @@ from core_driver import PLANS, Driver, soon
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, StateChanged
+from rosoclingo.reasoning.events import ActionsDispatched, StateChanged
 from rosoclingo.reasoning.present import Present
 
 LAMP = """

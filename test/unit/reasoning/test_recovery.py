@@ -16,7 +16,8 @@ from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import GoalUnmet, Halt
+from rosoclingo.reasoning.events import GoalUnmet
+from rosoclingo.reasoning.stream_planner import Halt
 
 #: ``lock`` and ``open`` exclude each other.
 EXCLUSIVE = (

@@ -7,11 +7,12 @@ from core_driver import Driver
 from core_programs import BATTERY
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.reasoning import CoreSettings, FactTaken, Problem, ReturnTaken
+from rosoclingo.reasoning.events import FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.observations import MEMORY, Observation
 from rosoclingo.reasoning.returns import EXECUTED, ExecutionMonitor
+from rosoclingo.reasoning.settings import CoreSettings
 
 MOST_FACTS = 3
 

@@ -11,7 +11,8 @@ from stream_replay import check_replay
 from test_core import Procrastinator
 
 from rosoclingo.oclingo import DroppedError, SolverError
-from rosoclingo.reasoning import Core, CoreSettings
+from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Situation
 
 DOCUMENT = Path(__file__).resolve().parents[3] / "doc" / "statuses.md"

@@ -6,7 +6,8 @@ from core_programs import FAILED, STATUS, fetch
 from core_scripts import play
 from stream_replay import check_replay
 
-from rosoclingo.reasoning import CoreSettings, StateChanged
+from rosoclingo.reasoning.events import StateChanged
+from rosoclingo.reasoning.settings import CoreSettings
 
 UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
 

@@ -12,7 +12,9 @@ from workloads import sized
 
 from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.history import Plan
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt
 
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))

@@ -9,8 +9,10 @@ from office_world import OFFICES, World
 from shipped import shipped
 from workloads import sized
 
-from rosoclingo.reasoning import CoreSettings, GoalChanged, Outcome
 from rosoclingo.reasoning.admission import SHARE
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.settings import CoreSettings
 
 MANY = min(1000, 3 * settings.default.max_examples // 2)  # goals in a long run
 

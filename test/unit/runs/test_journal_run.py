@@ -6,7 +6,7 @@ from journal_runs import GOALS, changed, play
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import ActionsDispatched, UpdateSent
+from rosoclingo.reasoning.events import ActionsDispatched, UpdateSent
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordingError

@@ -10,9 +10,10 @@ from journal_runs import BEGIN, GOALS, LASTS, changed, play
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
-from rosoclingo.reasoning import ActionsDispatched, CoreSettings, PlanMade, UpdateSent
+from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import checksum
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.journal_run import LACKS, TIMELESS, journal_view
 
 LABELS = {"office1": {"x": 1.0, "y": 2.0}, "office2": {"x": 5.0, "y": 2.0, "yaw": 1.5}}

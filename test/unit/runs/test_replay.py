@@ -10,7 +10,7 @@ from stream_replay import recorded
 
 from rosoclingo.checking.oclingo_command import main as oclingo
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import CycleVerdict, Replay, summary
 

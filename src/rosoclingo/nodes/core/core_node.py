@@ -23,28 +23,27 @@ from rosoclingo.nodes.core.unmet_goals import UnmetGoals
 from rosoclingo.oclingo import DroppedError
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import (
+from rosoclingo.reasoning.core_state import Health, Level, Report
+from rosoclingo.reasoning.events import (
     ActionsDispatched,
     ActionsPreempted,
     Event,
     GoalChanged,
     GoalProgress,
     GoalRefused,
-    GoalState,
-    Halt,
-    Outcome,
     PlanMade,
     Problem,
     ReturnTaken,
     StateChanged,
     UpdateSent,
 )
-from rosoclingo.reasoning.core_state import Health, Level, Report
+from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.reasoning.settings import JOINING
+from rosoclingo.reasoning.stream_planner import Halt
 from rosoclingo.runs.recorded_run import RunProgram
 
 #: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.

@@ -11,10 +11,10 @@ from actionlib_msgs.msg import GoalStatus
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.nodes.core.board import SHOWN, GoalBoard
-from rosoclingo.reasoning import Action, Goal, GoalChanged, GoalEvent, GoalProgress, GoalRefused, GoalState, Outcome
-from rosoclingo.reasoning.goals import TRANSITIONS
+from rosoclingo.reasoning.events import GoalChanged, GoalProgress, GoalRefused
+from rosoclingo.reasoning.goals import TRANSITIONS, Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.journal.keeper import ClientGoal
-from rosoclingo.reasoning.keywords import shortened
+from rosoclingo.reasoning.keywords import Action, shortened
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
     GoalEvent.SUCCEED: ServerGoalHandle.set_succeeded,

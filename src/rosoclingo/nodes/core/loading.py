@@ -13,8 +13,8 @@ from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, 
 from rosoclingo.oclingo.program.constants import given_values
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.oclingo.program.survey import LABELS, label_facts
-from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal.resuming import RESUMES
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
 PLANS = ("soon", "shortest")

@@ -8,8 +8,8 @@ from std_msgs.msg import String, UInt32
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO, State, TaskPlan
-from rosoclingo.reasoning import Action, ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
-from rosoclingo.reasoning.keywords import CORE, run_of
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
+from rosoclingo.reasoning.keywords import CORE, Action, run_of
 
 
 class CoreTopics:

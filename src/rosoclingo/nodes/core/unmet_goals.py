@@ -8,7 +8,7 @@ import rospy
 from rosoclingo.common.worker import Worker, ending
 from rosoclingo.oclingo import ReactiveProgram, SolverError
 from rosoclingo.planning.workers.explanation import explain_in_worker
-from rosoclingo.reasoning import GoalUnmet
+from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.srv import Explain, ExplainResponse
 

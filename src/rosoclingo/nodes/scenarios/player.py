@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from rosoclingo.msg import InterfaceIO, TaskPlan
 from rosoclingo.nodes.goal_client import CoreClient, SentGoal
 from rosoclingo.oclingo import OclingoError, parse_update
-from rosoclingo.reasoning import GoalError, read_goal
+from rosoclingo.reasoning.goals import GoalError, read_goal
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
 
 #: Seconds of wall time between two looks at the clock.

@@ -12,8 +12,8 @@ from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.checking.verifying.ways import StateNode, Step, circles
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.settings import CoreSettings
 
 GO = ActionEnd(Action(Function("go"), Function("hall"), 1), Function("hall"))
 

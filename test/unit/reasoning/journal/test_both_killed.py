@@ -16,7 +16,7 @@ from killed_core import HAPPENED, KEYS, KILLS, Fate, KilledError, Play, World
 from shipped import shipped
 
 from rosoclingo.interfaces.memory import ActionMemory
-from rosoclingo.reasoning import GoalState
+from rosoclingo.reasoning.goals import GoalState
 
 
 class Interfaces(World):

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play
 
-from rosoclingo.reasoning import CoreSettings
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, group_of, history
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: Sections of the journal that are the keeper's own, and not the core's.
 KEEPERS = {"client", "unmet"}

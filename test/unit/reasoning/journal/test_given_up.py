@@ -10,7 +10,8 @@ from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
-from rosoclingo.reasoning import GoalUnmet, given_up
+from rosoclingo.reasoning import given_up
+from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
 
 

@@ -11,7 +11,7 @@ from killed_core import KILLS, Fate, Play, World
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning import GoalState
+from rosoclingo.reasoning.goals import GoalState
 
 #: Actions step(I,N) and tidy(I) of goal I; which steps are left is a fluent, ball one that somebody tells.
 DOMAIN = """

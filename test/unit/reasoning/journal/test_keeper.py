@@ -12,21 +12,14 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import (
-    ActionsDispatched,
-    ActionsPreempted,
-    CoreSettings,
-    GoalChanged,
-    GoalRefused,
-    GoalState,
-    Outcome,
-    ReturnTaken,
-)
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, GoalRefused, ReturnTaken
+from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.settings import CoreSettings
 
 
 class KilledError(Exception):

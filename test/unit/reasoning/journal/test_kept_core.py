@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning import CoreSettings, GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
+from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.journal.database import changes
 from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.settings import CoreSettings
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
 
