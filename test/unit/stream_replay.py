@@ -4,7 +4,7 @@ from rosoclingo.oclingo import parse_updates
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, Problem, UpdateSent
 from rosoclingo.runs.recorded_run import RunCollector
-from rosoclingo.runs.replay import AGREEING, Replay, CycleVerdict
+from rosoclingo.runs.replay import AGREEING, CycleVerdict, Replay
 
 
 def replayed(program, stream):

@@ -71,11 +71,11 @@ class _Finder:
     def __init__(self, planner: Planner, impasse: Impasse) -> None:
         self._planner, self._impasse, self._step = planner, impasse, impasse.step - 1
         self._look = impasse.watch()
-        told = facts_of(one for pool in self.pools() for one in pool)
-        self._known = told.union(action.atom for action in impasse.executed)
-        present = (impasse.clock.at_present(one.atom, self._step) for one in impasse.facts if self._is_late(one))
-        further = sorted(frozenset(present) - told)
-        ways = [way for way in Way if way is Way.KEPT or impasse.goals]
+        observed = [one for pool in self.pools() for one in pool]
+        self._known = facts_of(observed).union(action.atom for action in impasse.executed)
+        present = (impasse.clock.at_present(one.atom, self._step) for one in observed if self._is_late(one))
+        further = sorted(frozenset(present) - self._known)
+        ways = [way for way in Way if way is Way.KEPT or impasse.goals]  # a search without goals is easier
         self._trials = [Trials(planner, impasse, way, self._known, further) for way in ways]
 
     def pools(self) -> Iterator[Tuple[Observation, ...]]:

@@ -49,11 +49,11 @@ class Impasse(NamedTuple):
 
 
 class Way(Enum):
-    """How goals are dropped: not at all, in the next update, or as if they had never been sent."""
+    """How goals are dropped: in the next update, as if they had never been sent, or not at all."""
 
-    KEPT = 0
-    CANCELLED = 1
-    WITHHELD = 2
+    CANCELLED = 0
+    WITHHELD = 1
+    KEPT = 2
 
 
 class Trials:

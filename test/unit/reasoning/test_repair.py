@@ -150,6 +150,8 @@ def changes(world):
         (World("_a(1)", ["_a(1)", "_a(5)"]), ["_a(1) -"]),
         (World("_a(1) _a(5)", ["_a(1)"]), ["_a(1) _a(5)"]),
         (World("_a(1) _a(2)", ["_a(1)", "_a(2)"]), ["_a(1) _a(5)", "_a(2) _a(5)"]),
+        (World("_c(5)", ["_b(2)"], old="_b(2)"), ["_b(2) _b(5)"]),
+        (World("_c(5)", ["_b(2)", "_b(5) _c(5)"], old="_b(2)"), ["_b(2) -"]),
         # the first of what was done that can't be
         (World("_a(2)", ["_a(2) go(x)"], done="go,w,1 go,x,2 go,y,3 go,z,4"), ["_a(2) _a(5) go(x)"]),
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1 go,x,2 go,y,3"), ["_a(2) _a(5) go(w)"]),
