@@ -22,8 +22,8 @@ BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def test_the_table_is_that_of_the_kinds():
-    rows = re.findall(r"^\| `([\w-]+)` \| (\w+) \| (.*) \|$", PAGE, re.MULTILINE)
-    assert rows == [(name, kind.severity, kind.meaning) for name, kind in KINDS.items()]
+    rows = re.findall(r"^\| `([\w-]+)` \| (\w+) \| \S.* \|$", PAGE, re.MULTILINE)
+    assert sorted(rows) == sorted(KINDS.items())
 
 
 def matches(shown, printed):

@@ -7,9 +7,10 @@ import shutil
 import sys
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from rosoclingo.checking.lint.linting import Finding, findings, is_error, lint_sources
+from rosoclingo.checking.lint.kinds import LintFinding
+from rosoclingo.checking.lint.linting import findings, is_error, lint_sources
 from rosoclingo.checking.lint.stream_lint import lint_stream
 from rosoclingo.checking.more import More
 from rosoclingo.checking.verifying import verify_option
@@ -21,7 +22,7 @@ from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS, con
 from rosoclingo.oclingo.unread import ends_unread
 
 if TYPE_CHECKING:
-    from rosoclingo.checking.trial_plans import Trial
+    from rosoclingo.checking.trial_plans import TrialPlan
     from rosoclingo.checking.verifying.verification import Verification
 
 CLEAN, FOUND, UNREADABLE = 0, 1, 2
@@ -96,7 +97,7 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
     unreadable: List[Fault] = []
     sources = [source for file in options.files for source in _read(file, unreadable)]
     stream = _read(options.stream, unreadable) if options.stream else []
-    added: List[Source] = []  # other than files of the command line
+    added: List[Source] = []  # to the program, without a file of the command line
     try:
         constants = constants_of(options.const)
         parse_constants(constants)
@@ -108,18 +109,64 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
         return UNREADABLE
     try:
         with _nothing_dropped():
-            found, files, program = _look([*sources, *added], constants, stream, options, more)
-        usable = program if program is not None and not program.faults else None
-        trials = _trials(usable, stream, options, more) if usable is not None else []
-        verdict = verify_option.run(usable, options, more) if usable is not None else None
+            report, program = _lint([*sources, *added], constants, stream, options, more)
+        if program is not None and not program.faults:
+            trials, verification = _trials(program, stream, options, more), verify_option.run(program, options, more)
+            report = report._replace(trials=trials, verification=verification)
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
     own = {one.name for one in added}
-    named = {name: text for name, text in files if name not in own}
-    (_print_json if options.json else _print_text)(found, named, trials, verdict, sys.stdout)
-    failed = any(one.answer is None or one.fault for one in trials) or (verdict is not None and not verdict.clean)
-    return FOUND if found or failed else CLEAN
+    report = report._replace(files={name: text for name, text in report.files.items() if name not in own})
+    width = max(shutil.get_terminal_size((100, 24)).columns, 60)
+    sys.stdout.write(json.dumps(report.to_message(), indent=2) + "\n" if options.json else report.text(width))
+    return FOUND if report.failed else CLEAN
+
+
+class _Report(NamedTuple):
+    """The findings, the names and texts of the files, the plans that were tried, and the verification."""
+
+    found: Sequence[LintFinding]
+    files: Dict[str, str]
+    trials: "Sequence[TrialPlan]" = ()
+    verification: "Optional[Verification]" = None
+
+    @property
+    def errors(self) -> int:
+        """The number of errors."""
+        return sum(map(is_error, self.found))
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is any finding, a request without a plan, or a stream that breaks the program."""
+        unplanned = any(one.answer is None or one.fault for one in self.trials)
+        return bool(self.found) or unplanned or (self.verification is not None and not self.verification.clean)
+
+    def text(self, width: int) -> str:
+        """Return the report as a compiler prints it."""
+        lines = {name: text.splitlines() for name, text in self.files.items()}
+        parts = []
+        for fault, severity in self.found:
+            place = f"{fault.file}:{fault.line}:{fault.column}" if fault.line else fault.file
+            mend = f" ({fault.mend})" if fault.mend else ""
+            parts.append(f"{place}: {severity}: {fault.message}{mend} [{fault.kind}]\n")
+            parts.append(_shown(fault, lines.get(fault.file, ())))
+        counts = [_counted(self.errors, "error"), _counted(len(self.found) - self.errors, "warning")]
+        parts.append(f"{', '.join(filter(None, counts)) or 'nothing'} in {_counted(len(self.files), 'file')}\n")
+        parts += [f"\n{one.text(width)}" for one in self.trials]
+        parts += [] if self.verification is None else [f"\n{self.verification.text()}"]
+        return "".join(parts)
+
+    def to_message(self) -> Dict[str, Any]:
+        """Return the report as a value for JSON."""
+        findings = [{**vars(one.fault), "severity": one.severity} for one in self.found]
+        warnings = len(self.found) - self.errors
+        report = {"errors": self.errors, "warnings": warnings, "files": list(self.files), "findings": findings}
+        if self.trials:
+            report["plans"] = [one.to_message() for one in self.trials]
+        if self.verification is not None:
+            report["verify"] = self.verification.to_message()
+        return report
 
 
 @contextmanager
@@ -137,44 +184,43 @@ def _nothing_dropped() -> Iterator[None]:
 
 def _trials(
     program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, more: Optional[More]
-) -> "List[Trial]":
-    """Try the requests, if there are any, after the stream; errors of its syntax are reported elsewhere."""
+) -> "List[TrialPlan]":
+    """Try the requests, if there are any, after the stream; errors of its syntax are findings already."""
     if not options.plan:
         return []
     from rosoclingo.checking.trial_plans import Trials  # noqa: PLC0415 much to load, and rarely asked for
 
-    trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[Trial]
+    trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[TrialPlan]
     for source in stream:
         with suppress(ProgressionError):
             found += trials.play(parse_updates(source.text))
     kinds = more.requests(program) if more is not None else ()
-    asked = [trials.samples(kinds) if text is None else [trials.request(text)] for text in options.plan]
-    return found + [one for some in asked for one in some]
+    for text in options.plan:
+        found += trials.samples(kinds) if text is None else [trials.request(text)]
+    return found
 
 
-def _look(
+def _lint(
     sources: Sequence[Source],
     constants: Dict[str, str],
     stream: Sequence[Source],
     options: argparse.Namespace,
     more: Optional[More],
-) -> Tuple[List[Finding], List[Tuple[str, str]], Optional[ReactiveProgram]]:
-    """Return the findings, all files that were looked at, and the program where it could be read."""
+) -> Tuple[_Report, Optional[ReactiveProgram]]:
+    """Return the findings and files, and the program if it could be read."""
     program, faults = lint_sources(sources, constants)
     grave = faults if program is None else program.faults
-    files = [(one.name, one.text) for one in (sources if program is None else program.texts)]
-    for one in stream:
-        files.append((one.name, one.text))
-        # without a program there is only its syntax to be looked at
-        faults = faults + ([] if program is None else lint_stream(program, one.text, one.name))
+    files = [(one.name, one.text) for one in (*(sources if program is None else program.texts), *stream)]
+    if program is not None:
+        faults = [*faults, *(fault for one in stream for fault in lint_stream(program, one.text, one.name))]
     if more is not None:
         others = more.look(options, program)
         faults, files = faults + others.faults, files + others.files
-    return findings(faults, files, grave), files, program
+    return _Report(findings(faults, files, grave), dict(files)), program
 
 
 def _read(file: str, unreadable: List[Fault]) -> List[Source]:
-    """Return the text of a file, standard input for ``-``; where it can't be read that is noted."""
+    """Return the text of a file, standard input for ``-``; note if it can't be read."""
     if file == "-":
         return [Source("<stdin>", sys.stdin.read(), Path())]
     try:
@@ -182,34 +228,6 @@ def _read(file: str, unreadable: List[Fault]) -> List[Source]:
     except ProgramError as error:
         unreadable += error.faults
         return []
-
-
-def _print_text(
-    found: Sequence[Finding],
-    files: Dict[str, str],
-    trials: "Sequence[Trial]",
-    verdict: "Optional[Verification]",
-    output: TextIO,
-) -> None:
-    lines = {name: text.splitlines() for name, text in files.items()}
-    for one in found:
-        output.write(f"{_place(one.fault)}: {one.severity}: {_words(one.fault)} [{one.fault.kind}]\n")
-        output.write(_shown(one.fault, lines.get(one.fault.file, ())))
-    errors = sum(map(is_error, found))
-    counts = [_counted(errors, "error"), _counted(len(found) - errors, "warning")]
-    output.write("{} in {}\n".format(", ".join(filter(None, counts)) or "nothing", _counted(len(files), "file")))
-    width = max(shutil.get_terminal_size((100, 24)).columns, 60)
-    output.writelines(f"\n{one.text(width)}" for one in trials)
-    if verdict is not None:
-        output.write(f"\n{verdict.text()}")
-
-
-def _place(fault: Fault) -> str:
-    return f"{fault.file}:{fault.line}:{fault.column}" if fault.line else fault.file
-
-
-def _words(fault: Fault) -> str:
-    return fault.message + (f" ({fault.mend})" if fault.mend else "")
 
 
 _WIDEST = 200  # columns of a line that are shown
@@ -227,34 +245,6 @@ def _shown(fault: Fault, lines: Sequence[str]) -> str:
 
 def _counted(number: int, what: str) -> str:
     return "" if not number else f"{number} {what}{'s' * (number > 1)}"
-
-
-def _print_json(
-    found: Sequence[Finding],
-    files: Dict[str, str],
-    trials: "Sequence[Trial]",
-    verdict: "Optional[Verification]",
-    output: TextIO,
-) -> None:
-    errors = sum(map(is_error, found))
-    report: Dict[str, Any] = {"errors": errors, "warnings": len(found) - errors, "files": list(files)}
-    report["findings"] = [
-        {
-            "kind": one.fault.kind,
-            "severity": one.severity,
-            "file": one.fault.file,
-            "line": one.fault.line,
-            "column": one.fault.column,
-            "message": one.fault.message,
-            "mend": one.fault.mend,
-        }
-        for one in found
-    ]
-    if trials:
-        report["plans"] = [one.to_message() for one in trials]
-    if verdict is not None:
-        report["verify"] = verdict.to_message()
-    output.write(json.dumps(report, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -23,11 +23,12 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import WhyNot
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.minimal_sets import UndecidedError
+from rosoclingo.planning.question import Stop
 from rosoclingo.planning.solver import PlanSolver
 
 
 @dataclass(frozen=True)
-class Trial:
+class TrialPlan:
     """What came of a request, or of an update of the stream.
 
     Attributes:
@@ -79,9 +80,9 @@ class Trials:
         self._hearing = Hearing.of(program)
         self._played = False
 
-    def play(self, updates: Iterable[StreamUpdate]) -> List[Trial]:
+    def play(self, updates: Iterable[StreamUpdate]) -> List[TrialPlan]:
         """Take updates, and return what came of those that have no answer."""
-        found: List[Trial] = []
+        found: List[TrialPlan] = []
         for update in updates:
             bounded = replace(update, bound=self._steps) if update.bound is None else update
             trial = self._try(bounded, f"update of step {self._solver.step if update.step is None else update.step}")
@@ -90,7 +91,7 @@ class Trials:
                 found.append(trial)
         return found
 
-    def request(self, text: str) -> Trial:
+    def request(self, text: str) -> TrialPlan:
         """Try a request; the stream is as it was before then. Raises ProgramError where it is none."""
         log = self._solver.log
         step = log.step + 1 if self._played else log.step
@@ -98,18 +99,18 @@ class Trials:
         facts = self._facts(text, step)
         unheard = next((one for one in facts if one.match("_request", 2) and not self._hearing.hears(one)), None)
         if unheard is not None:
-            return Trial(text, fault=f"no rule of the program can see it: {self._hearing.advice(unheard)}")
+            return TrialPlan(text, fault=f"no rule of the program can see it: {self._hearing.advice(unheard)}")
         try:
             return self._try(StreamUpdate(step, self._steps, (*past, *map(Statement, facts))), text)
         finally:
             self._solver.restore(log)
 
-    def samples(self, kinds: Kinds = ()) -> List[Trial]:
+    def samples(self, kinds: Kinds = ()) -> List[TrialPlan]:
         """Try requests of each kind, up to the first with something to do; without kinds those of the rules."""
         return [self._sample(texts) for texts in kinds or sample_requests(self._program)]
 
-    def _sample(self, texts: Iterable[str]) -> Trial:
-        clock, trial = self._clock(), Trial("a sample", fault="no request could be made of the names in the facts")
+    def _sample(self, texts: Iterable[str]) -> TrialPlan:
+        clock, trial = self._clock(), TrialPlan("a sample", fault="no request could be made of the names in the facts")
         for text in texts:
             trial = self.request(text)
             if any(map(is_action, trial.answer or ())) or clock():
@@ -138,34 +139,25 @@ class Trials:
         cycle = step if term.match("cancel", 1) else step + 1
         return clingo.Function("_request", [term, clingo.Number(cycle)])
 
-    def _try(self, update: StreamUpdate, name: str) -> Trial:
+    def _try(self, update: StreamUpdate, name: str) -> TrialPlan:
         before = self._solver.log
         try:
             result = self._solver.update(update, self._clock())
             if result.outcome is SolveOutcome.SATISFIABLE:
-                return Trial(name, result.answers[-1], result.horizon, fault=_ignored(result))
+                return TrialPlan(name, result.answers[-1], result.horizon, fault=_ignored(result))
             if result.outcome is SolveOutcome.INTERRUPTED:
-                return Trial(name, fault=f"no plan was found in {self._seconds:g} s")
+                return TrialPlan(name, fault=f"no plan was found in {self._seconds:g} s")
             stream = Stream(before, update, (update.bound or 0))
-            return Trial(name, why=explain(self._program, stream, self._clock()))
+            return TrialPlan(name, why=explain(self._program, stream, self._clock()))
         except UndecidedError:
-            return Trial(name, fault=f"no plan; it was not found out in {self._seconds:g} s why")
+            return TrialPlan(name, fault=f"no plan; it was not found out in {self._seconds:g} s why")
         except SolverError as error:
-            return Trial(name, fault=str(error))
+            return TrialPlan(name, fault=str(error))
 
-    def _clock(self) -> "_Clock":
-        return _Clock(self._seconds)
-
-
-class _Clock:
-    """Tells that so many seconds of wall time are over."""
-
-    def __init__(self, seconds: float) -> None:
-        self._end = time.monotonic() + seconds
-
-    def __call__(self) -> bool:
-        """Tell whether they are."""
-        return time.monotonic() >= self._end
+    def _clock(self) -> Stop:
+        """Return a stop after the seconds of a search."""
+        end = time.monotonic() + self._seconds
+        return lambda: time.monotonic() >= end
 
 
 def _ignored(result: SolveResult) -> str:

@@ -75,29 +75,18 @@ class ArgumentValues:
         return self._misfit(term_signature(term), [*zip(*(one.arguments for one in patterns))])
 
     def disjoint(self, number: int) -> Optional[Disjoint]:
-        """Return where the rule of this number joins what has nothing in common."""
-        assert self._reach is not None
-        rule = self.rules[number]
-        known: Dict[str, Tuple[Condition, FrozenSet[clingo.Symbol]]] = {}
-        conditions = [one for one in rule.body if not self._is_free(one.signature) and len(one.patterns) == 1]
-        for condition in conditions if len(conditions) > 1 and not self._reach.applies(number) else ():
-            for name, its in self._bound(condition).items():
-                if name not in known:
-                    known[name] = condition, its
-                elif not any(map(names_of, its | known[name][1])) and not its & known[name][1]:
-                    return Disjoint(name, condition, its, *known[name])
+        """Return two atoms of a rule, given by its number, that have no value in common for a variable."""
+        known: Dict[str, Tuple[Condition, Set[clingo.Symbol]]] = {}
+        body = [one for one in self.rules[number].body if not self._is_free(one.signature) and len(one.patterns) == 1]
+        for condition in body if len(body) > 1 else ():
+            arguments = condition.patterns[0].arguments
+            for position, one in enumerate(arguments):
+                values = self._column(condition.signature, position, _first(arguments)) if is_variable(one) else ()
+                if values and known.setdefault(one.name, (condition, values))[1].isdisjoint(values):
+                    other, others = known[one.name]
+                    if not any(map(names_of, [*values, *others])):
+                        return Disjoint(one.name, condition, frozenset(values), other, frozenset(others))
         return None
-
-    def _bound(self, condition: Condition) -> Dict[str, FrozenSet[clingo.Symbol]]:
-        """Return the values that a condition leaves to its variables."""
-        found: Dict[str, Set[clingo.Symbol]] = {}
-        pattern = condition.patterns[0]
-        for atom in self._atoms(condition.signature):
-            bound: Dict[str, clingo.Symbol] = {}
-            if fits(pattern, atom, bound):
-                for name in names_of(pattern) - {ANY.name}:
-                    found.setdefault(name, set()).add(bound.get(name, ANY))
-        return {name: frozenset(values) for name, values in found.items()}
 
     def _is_free(self, signature: Signature) -> bool:
         return self._reach is None or signature in self._reach.free or len(self._atoms(signature)) > _MOST
@@ -108,18 +97,25 @@ class ArgumentValues:
     def _misfit(self, signature: Signature, arguments: Sequence[Patterns]) -> Optional[Misfit]:
         if self._is_free(signature) or not self._atoms(signature):
             return None
-        first = arguments[0][0] if arguments and len(arguments[0]) == 1 and not names_of(arguments[0][0]) else None
+        first = _first(arguments[0]) if arguments and len(arguments[0]) == 1 else None
         for position, patterns in enumerate(arguments):
             if not any(one == ANY or is_variable(one) for one in patterns):
-                values = self._column(signature, position, first if position else None)
-                if not any(fits(one, value, {}) for one in patterns for value in values):
+                values = self._column(signature, position, first)
+                known = ANY in values or not values.isdisjoint(patterns)
+                if not known and not any(fits(one, value, {}) for one in patterns for value in values):
                     return position, sorted(values)
         return None
 
     def _column(self, signature: Signature, position: int, first: Optional[clingo.Symbol]) -> Set[clingo.Symbol]:
-        """Return the values of an argument, of atoms with this ``first`` argument only unless it is None."""
+        """Return the values of an argument; those of further arguments if the first one is ``first``, unless None."""
+        first = first if position else None
         key = signature, position, first
         if key not in self._columns:
             rows = map(arguments_in, self._atoms(signature))
             self._columns[key] = {row[position] for row in rows if first is None or fits(first, row[0], {})}
         return self._columns[key]
+
+
+def _first(arguments: Sequence[clingo.Symbol]) -> Optional[clingo.Symbol]:
+    """Return the first argument if it is ground."""
+    return arguments[0] if arguments and not names_of(arguments[0]) else None

@@ -1,11 +1,11 @@
 """All that may be wrong with a program, at once and in order; what a comment silences is left out."""
 
-from typing import Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.checking.lint.constants import words_for_numbers
 from rosoclingo.checking.lint.exchanged import exchanged, exchanged_words
-from rosoclingo.checking.lint.kinds import ERROR, KINDS, WARNING, Finding
+from rosoclingo.checking.lint.kinds import ERROR, KINDS, LintFinding
 from rosoclingo.checking.lint.lone_names import odd_words
 from rosoclingo.checking.lint.other_systems import libraries, of_other_systems
 from rosoclingo.checking.lint.predicates import disjoint, never_matching, odd_rules, unfounded, unused
@@ -61,22 +61,28 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
         found += [*missing_words(survey), *demanded_actions(survey, trial), *statuses(survey, values)]
         found += [*statuses_at_the_end(survey), *hidden(survey), *like_cancel(survey), *idle_words(program)]
         found += [*histories(survey), *other_steps(survey), *exchanged_words(survey)]
-    known = {(one.file, one.line, one.column) for one in found}
-    found += [one for one in odd_words(survey) if (one.file, one.line, one.column) not in known]
-    found = _without_doubles(found)
-    proven = {(one.file, one.line, one.column) for one in found if one.kind == "redefinition"}
-    return [one for one in found if one.kind != "no-step" or (one.file, one.line, one.column) not in proven]
+    known = set(map(_place, found))
+    found += [one for one in odd_words(survey) if _place(one) not in known]
+    kinds: Dict[Tuple[str, int, int], Set[str]] = {}
+    for one in found:
+        kinds.setdefault(_place(one), set()).add(one.kind)
+    return [one for one in found if _SAID_BY.get(one.kind) not in kinds[_place(one)]]
 
 
-def _without_doubles(found: Sequence[Fault]) -> List[Fault]:
-    """Return the faults without clingo's messages about statements that are not interpreted."""
-    passive = {(one.file, one.line, one.column) for one in found if one.kind == "not-interpreted"}
-    grave = {(one.file, one.line, one.column) for one in found if one.kind == "syntax"}
-    doubles = {"undefined-operation": passive, "clingo": passive, "not-interpreted": grave}
-    return [one for one in found if (one.file, one.line, one.column) not in doubles.get(one.kind, ())]
+_SAID_BY = {
+    "undefined-operation": "not-interpreted",
+    "clingo": "not-interpreted",
+    "not-interpreted": "syntax",
+    "no-step": "redefinition",
+}
+"""Kinds that are left out where another one reports the same fault."""
 
 
-def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[Finding]:
+def _place(fault: Fault) -> Tuple[str, int, int]:
+    return fault.file, fault.line, fault.column
+
+
+def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[LintFinding]:
     """Return the faults that no comment in ``texts`` silences, each once, in the order of files and lines.
 
     Those that are ``grave``, a program's own faults, are errors whatever their kinds are, and can't be silenced.
@@ -86,16 +92,13 @@ def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ())
     silences, errors = Silences(listed), set(grave)
     reported = dict.fromkeys([*faults, *silences.faults])
     found = [
-        Finding(one, ERROR if one in errors else KINDS[one.kind].severity)
+        LintFinding(one, ERROR if one in errors else KINDS[one.kind])
         for one in reported
         if one in errors or not silences.covers(one)
     ]
     return sorted(found, key=lambda one: (order.get(one.fault.file, len(order)), one.fault.line, one.fault.column))
 
 
-def is_error(finding: Finding) -> bool:
+def is_error(finding: LintFinding) -> bool:
     """Tell whether a finding keeps the program from being used."""
     return finding.severity == ERROR
-
-
-__all__ = ["ERROR", "WARNING", "Finding", "findings", "is_error", "lint_program", "lint_sources"]

@@ -83,7 +83,11 @@ def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
         known = [one for one in (derived or rule.head.patterns) if not is_variable(one.arguments[1])]
         words = {_word(one.arguments[1]) for one in known}
         given |= words
-        fault = _strange(rule, words) or (None if derived else _unreachable(rule, values))
+        fault = _strange(rule, words)
+        if fault is None and not derived:
+            word = written(parted(rule.head.term)[1][1])
+            message = f"no goal can ever be {word} by this rule: nothing satisfies its body"
+            fault = _at(rule, "unreachable-status", message, "see to its body")
         if fault is not None:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
     misspelt = any(one.kind == "status-word" and "succeeded meant" in one.mend for one in found.values())
@@ -106,22 +110,6 @@ def _strange(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
         return None
     message = f"{strange[0]} is no status: it is one of {', '.join(WORDS)}"
     return _at(rule, "status-word", message, likely_value(strange[0], WORDS))
-
-
-def _unreachable(rule: HeadRule, values: ArgumentValues) -> Optional[Fault]:
-    word = parted(rule.head.term)[1][1]
-    for atom in rule.body:
-        if not values.is_possible(atom.signature):
-            why = f"{atom.signature} is never true"
-            break
-        if values.misfitting(atom.term, rule.parameter) is not None:
-            why = f"{written(atom.term)} is never true"
-            break
-    else:
-        why = "no values of its variables fit all of the body"
-    return _at(
-        rule, "unreachable-status", f"no goal can ever be {written(word)} by this rule: {why}", "see to its body"
-    )
 
 
 def _at(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:

@@ -47,7 +47,7 @@ from rosoclingo.planning.explaining.atom_patterns import (
 _MOST = 50_000  # ground rules
 _MOST_WAYS = 64  # to write one rule
 _DEEPEST = 6  # levels of a term that are compared
-_BY_RULE, _APPLIES = f"{OWN}_by_rule", f"{OWN}_applies"
+_BY_RULE = f"{OWN}_by_rule"
 _ANYTHING = clingo.Function("_")
 
 _OPERATORS = {
@@ -175,10 +175,6 @@ class Reach:
             self._atoms[signature] = [one.symbol for one in islice(found, most)]
         return self._atoms[signature]
 
-    def applies(self, rule: int) -> bool:
-        """Return whether the conditions of a rule, given by its number, can hold together; for several known ones."""
-        return self._control.symbolic_atoms[clingo.Function(_APPLIES, [clingo.Number(rule)])] is not None
-
     def derived_by(self, rule: int) -> List[clingo.Symbol]:
         """Return the atoms that a rule of the numbered predicates derives, given by its number."""
         if self._by_rule is None:
@@ -281,8 +277,6 @@ class Reach:
             values = {name: clingo.Function(name) for name in bound}
             for test in product(*tests):
                 body = ", ".join([*map(str, way), *test])
-                if len(conditions) > 1:
-                    yield f"{_APPLIES}({number}) :- {body}."
                 for head in (filled(pattern, values) for pattern in rule.head.patterns):
                     yield f"{head} :- {body}."
                     if numbered:
@@ -341,11 +335,10 @@ def _growing(rules: Sequence[HeadRule]) -> Dict[int, Set[str]]:
     for number, rule in enumerate(rules):
         heads = list(_depths(rule.head))
         for name, depth, argument in (one for condition in rule.body for one in _depths(condition)):
-            for other, its_depth, head in heads:
-                if name == other:
-                    edges.setdefault(argument, set()).add((head, its_depth - depth))
-                    if its_depth > depth:
-                        deeper.setdefault((argument, head, its_depth - depth), []).append((number, name))
+            for head, growth in ((head, other - depth) for its, other, head in heads if its == name):
+                edges.setdefault(argument, set()).add((head, growth))
+                if growth > 0:
+                    deeper.setdefault((argument, head, growth), []).append((number, name))
     found: Dict[int, Set[str]] = {}
     for (argument, head, growth), places in deeper.items():
         if _grows_to(argument, head, growth, edges):

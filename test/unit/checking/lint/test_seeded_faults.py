@@ -198,7 +198,7 @@ SEEDS = [
         "_status(P,succeeded,t)     :- w",
         "_status(P,@succeeded,t)     :- at(oak,t), w",
         "unreachable-status",
-        "at(oak,t) is never",
+        "nothing satisfies its body",
     ),
     (
         "paper",
