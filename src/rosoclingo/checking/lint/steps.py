@@ -1,6 +1,5 @@
 """Atoms of the wrong step: heads that two steps define, looks ahead and back, actions and ends of another step."""
 
-import re
 from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 from clingo.ast import ASTType
@@ -8,17 +7,18 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.look_back import longest_look_back, shortest_look_back
+from rosoclingo.oclingo.program.domains import mentions
+from rosoclingo.oclingo.program.look_back import longest_look_back
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import OWN, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature
 
-_ALIKE = 4  # atoms that tell which argument of a predicate is its step
+_ALIKE = 4  # least number of atoms that show which argument of a predicate is its step
 
 
 def wrong_steps(survey: Survey, first: int) -> List[Fault]:
-    """Return the atoms of predicates other than keywords; ``first`` is the first step."""
+    """Return the faults of predicates other than keywords; ``first`` is the first step."""
     found: List[Fault] = []
     for signature, heads in survey.defining.items():
         uses = survey.using.get(signature, [])
@@ -36,25 +36,20 @@ def wrong_steps(survey: Survey, first: int) -> List[Fault]:
 
 
 def _lacks_step(place: Place, survey: Survey) -> bool:
-    """Tell whether nothing in a rule of steps keeps the head of one step apart from that of another one."""
-    step, head, body = place.part.parameter, place.statement.head, place.statement.body
-    if survey.steps(place) or (head.ast_type == ASTType.Literal and not body):  # clingo accepts a fact twice
-        return False
-    bounds = place.statement, step, survey.constants
-    longest, shortest = longest_look_back(*bounds), shortest_look_back(*bounds)
-    names = {str(one) for one in place.occurrence.arguments}
-    bound = any(name in names and longest[name] == shortest.get(name) for name in longest)
-    return not bound and not _mentions(written(place.occurrence.term), step) and not _compares(place, survey)
+    """Return whether nothing in a rule of steps distinguishes its heads of two steps; clingo accepts a fact twice."""
+    is_fact = place.statement.head.ast_type == ASTType.Literal and not place.statement.body
+    return not (
+        survey.steps(place)
+        or is_fact
+        or mentions(place.occurrence.term, place.part.parameter)
+        or _comparisons_with_step(place)
+    )
 
 
-def _compares(place: Place, survey: Survey) -> bool:
-    """Tell whether the rule compares its step, so that it can hold at some steps only."""
+def _comparisons_with_step(place: Place) -> List[Node]:
+    """Return the comparisons of a rule that mention its step."""
     comparisons = (one for one in place.statement.nodes if one.ast_type == ASTType.Comparison)
-    return any(str(node) == place.part.parameter for one in comparisons for node in one.nodes)
-
-
-def _mentions(text: str, name: str) -> bool:
-    return re.search(rf"(?<![\w']){re.escape(name)}(?![\w'])", text) is not None
+    return [one for one in comparisons if mentions(one, place.part.parameter)]
 
 
 def _without_step(place: Place) -> Fault:
@@ -66,9 +61,9 @@ def _without_step(place: Place) -> Fault:
 
 def _differing(signature: Signature, timed: Sequence[Place], survey: Survey) -> Iterator[Fault]:
     """Yield a head if those of its predicate have their step in one argument, at several offsets."""
-    rows = [survey.steps(one) for one in timed]
-    offsets = sorted({offset for row in rows for offset in row.values()})
-    if len(offsets) > 1 and len({position for row in rows for position in row}) == 1:
+    steps = {step for one in timed for step in survey.steps(one).items()}
+    offsets = sorted({offset for _, offset in steps})
+    if len(offsets) > 1 and len({position for position, _ in steps}) == 1:
         words = " and ".join(timed[0].part.parameter + (f"{one:+d}" if one else "") for one in offsets)
         message = f"heads of {signature} are of the steps {words}: the rules of two steps may define the same atom"
         mend = "let all heads of a predicate have the same step, or use two predicates"
@@ -91,36 +86,33 @@ def _elsewhere(places: Sequence[Place], survey: Survey) -> Iterator[Fault]:
 def _first_steps(heads: Sequence[Place], timed: Sequence[Place], survey: Survey, first: int) -> Iterator[Fault]:
     """Yield the facts of steps whose own rules define the predicate."""
     for position in set.intersection(*(set(survey.steps(one)) for one in timed)) if timed else ():
-        own = [first + survey.steps(one)[position] for one in timed if not _compares(one, survey)]
+        own = [first + survey.steps(one)[position] for one in timed if not _comparisons_with_step(one)]
         for place in heads:
             step = None if place.part.parameter else survey.number(place.occurrence.arguments[position])
             if step is not None and own and step >= min(own):
-                fact = written(place.occurrence.term)
+                text, before = written(place.occurrence.term), first - 1
                 message = (
-                    f"{fact} is of step {step}, whose own rules define it: what holds at first is of step {first - 1}"
+                    f"{text} is of step {step}, whose own rules define it: what holds at first is of step {before}"
                 )
-                yield place.fault("first-step", message, f"write {first - 1} for the step")
+                yield place.fault("first-step", message, f"write {before} for the step")
 
 
 # ---- looks ahead and back -------------------------------------------------------------------------------------------
 
 
 def _ahead(heads: Sequence[Place], timed: List[Place], uses: Sequence[Place], survey: Survey) -> Iterator[Fault]:
-    """Yield the atoms that belong to a later step, whose rules are not there yet."""
+    """Yield the atoms of a later step, whose rules are not there yet."""
     for place in uses:
         term, step = written(place.occurrence.term), place.part.parameter
         if not step and len(timed) == len(heads):
-            message = (
-                f"{term} stands in base, where the rules of steps that define it are not there yet: it is never true"
-            )
+            message = f"{term} stands in base, without the rules of steps that define it: it is never true"
             yield place.fault("look-ahead", message, "move the statement to #program cumulative(t).")
         elif timed and place.statement.ast_type == ASTType.Rule:
-            offsets = [
-                (offset, [survey.steps(one).get(n) for one in timed]) for n, offset in survey.steps(place).items()
-            ]
-            if any(all(one is not None and one < offset for one in its) for offset, its in offsets):
-                message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
-                yield place.fault("look-ahead", message, "look at the step itself, or at one before")
+            for position, offset in survey.steps(place).items():
+                if all(survey.steps(one).get(position, offset) < offset for one in timed):
+                    message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
+                    yield place.fault("look-ahead", message, "look at the step itself, or at one before")
+                    break
 
 
 def _gone(heads: Sequence[Place], uses: Sequence[Place], survey: Survey) -> Iterator[Fault]:
@@ -138,34 +130,34 @@ def _gone(heads: Sequence[Place], uses: Sequence[Place], survey: Survey) -> Iter
 
 
 def histories(survey: Survey) -> List[Fault]:
-    """Return the atoms by which the rules of a step look at all steps before, so that none of these can be dropped."""
+    """Return the atoms by which the rules of a step look at all earlier steps, so that none of these can be dropped."""
     positions = time_positions(survey.parts, survey.constants)
     found: Dict[Tuple[str, int, int], Fault] = {}
     for signature, places in survey.using.items():
         heads = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
-        position = positions.get(signature) if any(one.part.parameter for one in heads) else None
+        known = positions.get(signature) if any(one.part.parameter for one in heads) else None
         if KEYWORDS.get(signature.name) == signature:
-            position = signature.arity - 1
+            known = signature.arity - 1
         for place in places:
-            fault = _endless(place, _compared_time(place, survey) if position is None else position, survey)
+            position = _compared_time(place, survey) if known is None else known
+            fault = None if position is None else _endless(place, position, survey)
             if fault is not None:
                 found.setdefault((fault.file, fault.line, fault.column), fault)
     return list(found.values())
 
 
 def _compared_time(place: Place, survey: Survey) -> Optional[int]:
-    """Return the last argument of an open external that the rule compares with the step: it is a time then."""
-    arguments, step = place.occurrence.arguments, place.part.parameter
-    if place.signature not in survey.opened or not arguments or not step:
+    """Return the last argument of an open external if the rule compares it with the step, as it is a time then."""
+    arguments = place.occurrence.arguments
+    if place.signature not in survey.opened or not arguments or not place.part.parameter:
         return None
-    compared = [str(one) for one in place.statement.nodes if one.ast_type == ASTType.Comparison]
-    last = str(arguments[-1])
-    return len(arguments) - 1 if any(_mentions(one, step) and _mentions(one, last) for one in compared) else None
+    terms = [str(node) for one in _comparisons_with_step(place) for node in one.nodes]
+    return len(arguments) - 1 if str(arguments[-1]) in terms else None
 
 
-def _endless(place: Place, position: Optional[int], survey: Survey) -> Optional[Fault]:
+def _endless(place: Place, position: int, survey: Survey) -> Optional[Fault]:
     arguments, step = place.occurrence.arguments, place.part.parameter
-    if position is None or position >= len(arguments) or arguments[position].ast_type != ASTType.Variable:
+    if position >= len(arguments) or arguments[position].ast_type != ASTType.Variable:
         return None
     atom, shown = written(place.occurrence.term), written(arguments[position])
     if step and arguments[position].name not in longest_look_back(place.statement, step, survey.constants):
@@ -182,25 +174,22 @@ def _endless(place: Place, position: Optional[int], survey: Survey) -> Optional[
 
 
 def other_steps(survey: Survey) -> Iterator[Fault]:
-    """Yield the actions of another step than their rule or their return, and the ends of no plan's last step."""
+    """Yield the actions of another step than their rule or their return, and ends that no plan's last step has."""
     for part, statement, found in survey.statements:
         if not part.parameter or statement.ast_type != ASTType.Rule:
             continue
         places = [Place(part, statement, one) for one in found if not one.signature.name.startswith(OWN)]
-        steps = [survey.steps(one).values() for one in places]
-        acts, returns = ([one for one in places if one.signature == word] for word in (ACTION, RETURN))
-        for act in acts:
+        returns = [one for one in places if one.signature == RETURN and not one.occurrence.head]
+        for act in (one for one in places if one.signature == ACTION):
             if act.occurrence.head and survey.steps(act).get(2):
-                term = written(act.occurrence.term)
-                message = f"{term} is an action of another step than {part.parameter}, at which it is planned"
-                yield act.fault("other-step", message, f"write {part.parameter} for its cycle")
-            yield from _of_another_cycle(act, [one for one in returns if not one.occurrence.head], survey)
-        if (
-            part.name == "volatile"
-            and _is_constraint(statement)
-            and steps
-            and all(one and max(one) < 0 for one in steps)
-        ):
+                message = (
+                    f"{written(act.occurrence.term)} is an action of another step than {part.parameter}, at which "
+                )
+                yield act.fault("other-step", f"{message}it is planned", f"write {part.parameter} for its cycle")
+            yield from _of_another_cycle(act, returns, survey)
+        steps = [survey.steps(one).values() for one in places]
+        past = bool(steps) and all(one and max(one) < 0 for one in steps)
+        if past and part.name == "volatile" and _is_constraint(statement):
             message = f"nothing of this is of step {part.parameter}: a plan's last step is not asked for"
             yield fault_at(statement, "other-step", message, f"write {part.parameter} for the step")
 
