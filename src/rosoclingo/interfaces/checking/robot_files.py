@@ -3,7 +3,7 @@
 import argparse
 import sys
 from contextlib import suppress
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, TypeVar
 
 import clingo
 
@@ -19,7 +19,7 @@ from rosoclingo.interfaces.checking.odd_values import (
     labels_like_reasons,
     reasons_of,
 )
-from rosoclingo.interfaces.checking.order_file import OrderFile
+from rosoclingo.interfaces.checking.order_file import Orders, order_requests, unheard_orders
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
 from rosoclingo.interfaces.templates import ActionScope, FillError, evaluate, labelled, term_with
@@ -29,177 +29,152 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import label_facts
 from rosoclingo.oclingo.progression.terms import parse_atom, parse_term, signature_of
+from rosoclingo.runs.orders import read_orders
+
+T = TypeVar("T")
+
+Interfaces = YamlFile[Dict[str, InterfaceSpec]]
 
 
 class RobotFiles:
     """The files of labels, interfaces and orders that are named on the command line."""
 
     def __init__(self) -> None:
-        self._labels: Optional[YamlFile] = None
-        self._interfaces: Optional[YamlFile] = None
-        self._orders: Optional[OrderFile] = None
+        self._labels: Optional[YamlFile[LabelTable]] = None
+        self._interfaces: Optional[Interfaces] = None
+        self._orders: Optional[Orders] = None
 
     @staticmethod
     def add_arguments(parser: argparse.ArgumentParser) -> None:
-        """Add what names them."""
+        """Add the options that name the files."""
         parser.add_argument("--labels", metavar="FILE", help="the YAML file of the named locations")
         parser.add_argument("--interfaces", metavar="FILE", help="the YAML file of the interfaces")
         words = "the YAML file of what people may order from a web page, which --plan and --verify try as well"
         parser.add_argument("--orders", metavar="FILE", help=words)
 
     def sources(self, options: argparse.Namespace) -> List[Source]:
-        """Read the files; return what the core adds of them to the program. Raises ProgramError."""
-        self._labels = YamlFile(options.labels) if options.labels else None
-        self._interfaces = YamlFile(options.interfaces) if options.interfaces else None
-        self._orders = OrderFile(options.orders) if options.orders else None
-        if self._labels is None:
-            return []
-        return [label_facts(one.name for one in _label_names(self._labels))]
+        """Read the files; return the facts that the core adds to the program. Raises ProgramError."""
+        self._labels = _read(options.labels, LabelTable.read)
+        self._interfaces = _read(options.interfaces, survey)
+        self._orders = _read(options.orders, read_orders)
+        return [] if self._labels is None else [label_facts(self._label_terms())]
 
     def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
-        """Return what may be wrong with them, beside a program where it could be read."""
-        files = [one for one in (self._labels, self._interfaces) if one is not None]
+        """Return the faults of the files, also against the program if it could be read."""
+        files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one is not None]
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
-        labels = self._look_at_labels(faults)
-        specs = self._look_at_interfaces(faults)
-        faults += labels_like_reasons(
-            labels, reasons_of(spec for spec in specs.values() if spec.name in _asking(specs))
-        )
+        labels, specs = list(_label_names(self._labels)), _specs(self._interfaces)
+        asking = _asking(specs)
+        if self._labels is not None:
+            faults += label_values(self._labels)
+            reasons = reasons_of(spec for spec in specs.values() if spec.name in asking)
+            faults += labels_like_reasons(labels, reasons)
+        if self._interfaces is not None and specs:
+            faults += _type_faults(self._interfaces, specs)
+            faults += _idle_reasons(self._interfaces, specs)
+            faults += frame_values(self._interfaces, specs)
         if program is not None:
             actions = Actions(program)
-            faults += self._interface_faults(actions, specs)
+            if self._interfaces is not None and self._interfaces.value is not None:
+                names = [self._interfaces.named(key, spec.name) for key, spec in specs.items()]
+                faults += actions.without_interface(names)
+                faults += _unheard(self._interfaces, specs, program)
             faults += actions.like_reasons(lambda name: reasons_of(one for one in specs.values() if one.name == name))
             faults += idle_drawings(program.survey)
-            if self._labels is not None and not self._labels.faults:
-                asking = _asking(specs) if self._interfaces is not None else actions.likely_asking(labels)
-                faults += actions.without_label(labels, asking)
-            faults += self._unheard(program, specs)
-        if self._orders is not None:
-            files.append(self._orders.file)
-            faults += self._orders.faults
-            faults += [] if program is None else self._orders.unheard(program, self._label_terms())
+            if self._labels is not None and self._labels.value is not None:
+                likely = actions.likely_asking(labels) if self._interfaces is None else asking
+                faults += actions.without_label(labels, likely)
+            if self._orders is not None:
+                faults += unheard_orders(self._orders, program, self._label_terms())
         return Texts(faults, [(one.name, one.text) for one in files])
 
     def requests(self, program: ReactiveProgram) -> Kinds:
-        """Return what people may order."""
-        return () if self._orders is None else self._orders.requests(program, self._label_terms())
-
-    def _label_terms(self) -> List[str]:
-        return [] if self._labels is None else [one.name for one in _label_names(self._labels)]
+        """Return the goals that people can order."""
+        return () if self._orders is None else order_requests(self._orders, program, self._label_terms())
 
     def reasons(self) -> Dict[str, List[clingo.Symbol]]:
-        """Return the values, other than success, with which the interfaces say that actions may return."""
-        file = self._interfaces
-        specs = {} if file is None or file.faults else survey(Reader(file.data))
-        told = {spec.name: [rule.returns for rule in spec.rules if rule.status != SUCCEEDED] for spec in specs.values()}
-        return {name: list(_terms([*results, *REASONS])) for name, results in told.items()}
+        """Return the values of failed actions by interface."""
+        return {
+            spec.name: list(_terms([*(rule.returns for rule in spec.rules if rule.status != SUCCEEDED), *REASONS]))
+            for spec in _specs(self._interfaces).values()
+        }
 
-    def _look_at_labels(self, faults: List[Fault]) -> List[Named]:
-        file = self._labels
-        if file is None or file.faults:
-            return []
-        reader = Reader(file.data)
-        LabelTable.read(reader)
-        faults += [file.fault(text, "configuration") for text in reader.faults]
-        faults += label_values(file)
-        return list(_label_names(file))
-
-    def _look_at_interfaces(self, faults: List[Fault]) -> Mapping[str, InterfaceSpec]:
-        file = self._interfaces
-        if file is None or file.faults:
-            return {}
-        reader = Reader(file.data)
-        specs = survey(reader)
-        faults += [file.fault(text, "configuration") for text in reader.faults]
-        faults += [file.fault(text, "message-type") for text in _type_faults(specs.values())]
-        faults += [file.fault(text, "idle-reason") for text in _idle_reasons(specs, file.data)]
-        faults += frame_values(file, specs)
-        return specs
-
-    def _interface_faults(self, actions: Actions, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
-        if self._interfaces is not None and not self._interfaces.faults:
-            named = [self._interfaces.named(key)._replace(name=spec.name) for key, spec in specs.items()]
-            yield from actions.without_interface(named)
-
-    def _unheard(self, program: ReactiveProgram, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
-        """Yield the facts of interfaces that the program does not declare external."""
-        for name, spec in specs.items():
-            told = [(index, fact) for index, rule in enumerate(spec.rules) for fact in rule.facts]
-            for index, fact in told if self._interfaces is not None else ():
-                atom = _atom_of(fact)
-                if atom is not None and signature_of(atom) not in program.external_signatures:
-                    signature = signature_of(atom)
-                    mend = likely_external(signature, program.external_signatures)
-                    text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({mend})"
-                    yield self._interfaces.fault(text, "unheard-fact")  # type: ignore[union-attr]
+    def _label_terms(self) -> List[str]:
+        return [one.name for one in _label_names(self._labels)]
 
 
-def _idle_reasons(specs: Mapping[str, InterfaceSpec], entries: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the reasons to send a goal again with which an interface never returns."""
-    for key, spec in specs.items():
-        returned = {str(one).partition("(")[0] for one in (*REASONS, *(rule.returns for rule in spec.rules))}
-        given = isinstance(entries[key], dict) and "retry_on" in entries[key]
-        for reason in spec.retry_on if given and not any("$" in one for one in returned) else ():
-            if reason not in returned:
-                mend = likely_word(reason, returned) or f"it returns {', '.join(sorted(returned))}"
-                yield f"{key}.retry_on: the interface never returns {reason} ({mend})"
+def _read(name: Optional[str], read: Callable[[Reader], T]) -> Optional[YamlFile[T]]:
+    return YamlFile(name, read) if name else None
+
+
+def _specs(file: Optional[Interfaces]) -> Dict[str, InterfaceSpec]:
+    return {} if file is None else file.value or {}
 
 
 def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:
-    """Yield the results that are ground terms; what is filled in only later is left out."""
+    """Yield the results that are ground terms, not templates."""
     for one in results:
         with suppress(ProgressionError):
             yield parse_term(str(one))
 
 
-def _label_names(file: YamlFile) -> Iterator[Named]:
-    """Yield the labels of a file by which the program knows them."""
-    for name in file.data if isinstance(file.data, dict) else ():
-        try:
-            term = parse_term(str(name))
-        except ProgressionError:
-            continue  # the reader of labels tells
-        yield file.named(str(name))._replace(name=str(term))
+def _label_names(file: Optional[YamlFile]) -> Iterator[Named]:
+    """Yield the labels of a file as the program knows them; names that are no terms are faults already."""
+    for name in file.data if file is not None and isinstance(file.data, dict) else ():
+        with suppress(ProgressionError):
+            yield file.named(str(name), str(parse_term(str(name))))  # type: ignore[union-attr]
+
+
+# ---- interfaces -----------------------------------------------------------------------------------------------------
+
+
+def _unheard(file: Interfaces, specs: Mapping[str, InterfaceSpec], program: ReactiveProgram) -> Iterator[Fault]:
+    """Yield the facts of interfaces that the program does not declare external."""
+    known = program.external_signatures
+    for name, spec in specs.items():
+        for index, fact in ((index, fact) for index, rule in enumerate(spec.rules) for fact in rule.facts):
+            with suppress(ProgressionError):
+                signature = signature_of(parse_atom(term_with(fact, clingo.Function("x"))))
+                if signature not in known:
+                    mend = likely_external(signature, known)
+                    text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({mend})"
+                    yield file.fault(text, "unheard-fact")
+
+
+def _idle_reasons(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
+    """Yield the reasons to send a goal again with which an interface never returns."""
+    for key, spec in specs.items():
+        returned = {str(one).partition("(")[0] for one in (*REASONS, *(rule.returns for rule in spec.rules))}
+        given = isinstance(file.data[key], dict) and "retry_on" in file.data[key]
+        for reason in spec.retry_on if given and not any("$" in one for one in returned) else ():
+            if reason not in returned:
+                mend = likely_word(reason, returned) or f"it returns {', '.join(sorted(returned))}"
+                yield file.fault(f"{key}.retry_on: the interface never returns {reason} ({mend})", "idle-reason")
+
+
+def _type_faults(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> List[Fault]:
+    """Return what contradicts the definitions of messages; nothing without ROS."""
+    try:
+        from rosoclingo.interfaces.type_faults import type_faults  # noqa: PLC0415 it needs genpy, which is ROS's
+    except ModuleNotFoundError as error:
+        sys.stderr.write(f"check: types of messages are not looked at: there is no {error.name} here\n")
+        return []
+    return [file.fault(text, "message-type") for spec in specs.values() for text in type_faults(spec)]
 
 
 def _asking(specs: Mapping[str, InterfaceSpec]) -> Dict[str, Labelled]:
     """Return the actions whose goals ask for labels."""
-    found: Dict[str, Labelled] = {}
-    for spec in specs.values():
-        paths = labelled(spec.goal)
-        if paths:
-            found[spec.name] = _labelled(paths)
-    return found
+    paths = {spec.name: labelled(spec.goal) for spec in specs.values()}
+    return {name: _labelled(some) for name, some in paths.items() if some}
 
 
 def _labelled(paths: List[str]) -> Labelled:
     def asked(parameter: clingo.Symbol) -> Iterator[clingo.Symbol]:
-        """Yield the terms that the paths lead to; parameters of another form have no label there."""
+        """Yield the terms at the paths; parameters of another form have no label there."""
         for path in paths:
-            try:
+            with suppress(FillError):
                 term: Any = evaluate(path, ActionScope(parameter, 1))
-            except FillError:
-                continue
-            if isinstance(term, clingo.Symbol):
-                yield term
+                if isinstance(term, clingo.Symbol):
+                    yield term
 
     return asked
-
-
-def _atom_of(template: str) -> Optional[clingo.Symbol]:
-    """Return the atom of a fact's template, something in place of what is filled in; None where it tells no atom."""
-    with suppress(ProgressionError):
-        return parse_atom(term_with(template, clingo.Function("x")))
-    return None
-
-
-def _type_faults(specs: Iterable[InterfaceSpec]) -> List[str]:
-    """Return what of the entries does not fit the definitions of messages; nothing where there are none here."""
-    told = list(specs)
-    try:
-        from rosoclingo.interfaces.type_faults import type_faults  # noqa: PLC0415 it needs genpy, which is ROS's
-    except ModuleNotFoundError as error:
-        if told:
-            sys.stderr.write(f"check: types of messages are not looked at: there is no {error.name} here\n")
-        return []
-    return [text for spec in told for text in type_faults(spec)]

@@ -10,7 +10,7 @@ from rosoclingo.oclingo.errors import Fault
 def read(folder, text):
     path = folder / "labels.yaml"
     path.write_text(text, encoding="utf-8")
-    return YamlFile(str(path))
+    return YamlFile(str(path), lambda reader: None)
 
 
 @pytest.mark.parametrize(
