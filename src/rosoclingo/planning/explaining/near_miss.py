@@ -1,6 +1,7 @@
 """Explanations why an atom is never true: its rules, and the body atoms that are never true either."""
 
 from dataclasses import dataclass
+from itertools import islice
 from typing import Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import clingo
@@ -10,7 +11,7 @@ from rosoclingo.oclingo.program.domains import plain_literals
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import atom_terms, parted
+from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import parse_term, signature_of
 from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, shown
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleTexts
@@ -42,6 +43,14 @@ class NearMiss:
     atom: str
     lacks: str
 
+    def lines(self) -> List[str]:
+        """Return the rule and what it lacks in words."""
+        why = f"requires {self.lacks}, which is never true" if self.lacks else "no values satisfy its whole body"
+        if self.lacks == self.atom:
+            why = "only carries it over from the previous step"
+        place = f"  {self.file}:{self.line}:{self.column}: for {self.atom}"
+        return [place, *(f"      {line}" for line in self.text.splitlines()), f"    {why}"]
+
 
 @dataclass(frozen=True)
 class NeverTrue:
@@ -58,18 +67,9 @@ class NeverTrue:
 
     def lines(self) -> List[str]:
         """Return the explanation in words."""
-        found = [f"{self.atom} is never true, for any number of steps{'' if self.misses else ': no rule derives it'}"]
-        for one in self.misses:
-            found.append(f"  {one.file}:{one.line}:{one.column}: for {one.atom}")
-            found += [f"      {line}" for line in one.text.splitlines()]
-            found.append(f"    {_lacks(one)}")
-        return found
-
-
-def _lacks(one: NearMiss) -> str:
-    if one.lacks == one.atom:
-        return "only carries it over from the previous step"
-    return f"requires {one.lacks}, which is never true" if one.lacks else "no values satisfy its whole body"
+        end = "" if self.misses else ": no rule derives it"
+        first = f"{self.atom} is never true, for any number of steps{end}"
+        return [first, *(line for one in self.misses for line in one.lines())]
 
 
 def never_true(program: ReactiveProgram, reach: Reach, ends: Ends) -> Tuple[NeverTrue, ...]:
@@ -86,6 +86,9 @@ class _Search:
     def __init__(self, program: ReactiveProgram, reach: Reach) -> None:
         self._program, self._reach = program, reach
         self._texts = RuleTexts(program.texts)
+        self._rules: List[Tuple[Part, Node]] = [
+            (part, one) for part in program.parts for one in part.statements if one.ast_type == ASTType.Rule
+        ]
 
     def never_true(self, ends: Ends) -> Iterator[NeverTrue]:
         """Yield the atoms that ``ends`` require but that are never true."""
@@ -103,7 +106,7 @@ class _Search:
 
     def _required(self, rule: NamedRule, known: Bound) -> Iterator[clingo.Symbol]:
         """Yield the atoms that a constraint requires, or that would end the state which it forbids."""
-        for part, statement in self._statements():
+        for part, statement in self._rules:
             begin = statement.location.begin
             if (begin.filename, begin.line, begin.column) == (rule.file, rule.line, rule.column):
                 negated = list(_negated(statement))
@@ -113,18 +116,14 @@ class _Search:
 
     def _ending(self, atom: clingo.Symbol) -> Iterator[clingo.Symbol]:
         """Yield the atoms whose absence carries an atom over to the next step."""
-        for part, statement in self._statements():
-            bodies = [one.atom.symbol for one in plain_literals(statement)]
+        for part, statement in self._rules:
+            bodies = {term_signature(one.atom.symbol) for one in plain_literals(statement)}
             for term, _ in positive_heads(statement) if part.parameter else ():
                 bound: Bound = {}
-                carries_over = any(parted(one)[0] == parted(term)[0] for one in bodies)
-                if carries_over and fits(self._reach.pattern(term, part.parameter), atom, bound):
+                if term_signature(term) in bodies and fits(self._reach.pattern(term, part.parameter), atom, bound):
                     ends = (self._reach.pattern(one, part.parameter) for one in _negated(statement))
                     externals = self._program.external_signatures
                     yield from (filled(one, bound) for one in ends if signature_of(one) not in externals)
-
-    def _statements(self) -> Iterator[Tuple[Part, Node]]:
-        return ((part, one) for part in self._program.parts for one in part.statements if one.ast_type == ASTType.Rule)
 
     def _misses(self, atom: clingo.Symbol, seen: List[clingo.Symbol]) -> Iterator[NearMiss]:
         """Yield the rules for an atom that is never true, each followed by the rules for what it lacks.
@@ -149,32 +148,23 @@ class _Search:
                 yield from self._misses(lacks, seen)
 
     def _lack(self, rule: HeadRule, bound: Bound) -> Optional[clingo.Symbol]:
-        """Return the first body atom that is never true for the values of the head, None if there is no single one."""
+        """Return the first body atom that is never true, or not along with those before it; None if uncertain."""
         body = [one.patterns[0] for one in rule.body if len(one.patterns) == 1]
-        alone = (filled(one, bound) for one in body if not self._reach.is_possible(filled(one, bound)))
-        return next(alone, None) or self._lack_together(body, bound)
-
-    def _lack_together(self, body: Sequence[clingo.Symbol], bound: Bound) -> Optional[clingo.Symbol]:
-        """Return the first atom that is never true along with those before it; None if there are too many instances."""
+        for atom in (filled(one, bound) for one in body):
+            if not self._reach.is_possible(atom):
+                return atom
         instances = [bound]
         for one in body:
-            longer: List[Bound] = []
-            for instance in instances:
-                for atom in self._reach.atoms(signature_of(one)):
-                    further = dict(instance)
-                    if fits(one, atom, further):
-                        longer.append(further)
-            if not longer:
-                return filled(one, instances[0])
-            if len(longer) > _MOST_INSTANCES:
-                return None
+            pairs = ((dict(known), atom) for known in instances for atom in self._reach.atoms(signature_of(one)))
+            longer = list(islice((known for known, atom in pairs if fits(one, atom, known)), _MOST_INSTANCES))
+            if len(longer) in (0, _MOST_INSTANCES):
+                return None if longer else filled(one, instances[0])
             instances = longer
         return None
 
 
 def _negated(statement: Node) -> Iterator[Node]:
     """Yield the negated body atoms of a rule."""
-    literals = [one for one in getattr(statement, "body", ()) if one.ast_type == ASTType.Literal]
-    for one in literals:
-        if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom:
+    for one in statement.body:
+        if one.ast_type == ASTType.Literal and one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom:
             yield from atom_terms(one.atom.symbol)
