@@ -3,17 +3,15 @@
 import contextlib
 import math
 from collections import deque
-from typing import Any, Deque, Optional
+from typing import Deque, Optional
 
 import rospy
 import tf2_ros
 from geometry_msgs.msg import (
-    Point,
     Pose,
     PoseArray,
     PoseWithCovariance,
     PoseWithCovarianceStamped,
-    Quaternion,
     TransformStamped,
 )
 from nav_msgs.msg import Odometry
@@ -23,28 +21,8 @@ from tf2_msgs.msg import TFMessage
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
-from rosoclingo.robot.navigation.geometry import Pose2D, quaternion_to_yaw, yaw_to_quaternion
-
-
-def to_pose2d(pose: Any) -> Optional[Pose2D]:
-    """Return a geometry_msgs/Pose in the plane; None where its orientation is none."""
-    yaw = quaternion_to_yaw(pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w)
-    return None if yaw is None else Pose2D(pose.position.x, pose.position.y, yaw)
-
-
-def from_transform(transform: Any) -> Pose2D:
-    """Return a geometry_msgs/Transform in the plane; yaw 0 where its rotation is none."""
-    rotation = transform.rotation
-    yaw = quaternion_to_yaw(rotation.x, rotation.y, rotation.z, rotation.w)
-    return Pose2D(transform.translation.x, transform.translation.y, yaw or 0.0)
-
-
-def fill_pose(message: Any, pose: Pose2D) -> None:
-    """Write a pose into a geometry_msgs/Pose."""
-    message.position.x, message.position.y = pose.x, pose.y
-    quaternion = yaw_to_quaternion(pose.yaw)
-    message.orientation.x, message.orientation.y, message.orientation.z, message.orientation.w = quaternion
-
+from rosoclingo.robot.navigation.geometry import Pose2D
+from rosoclingo.robot.nodes.messages import fill_pose, fill_transform, from_transform, to_pose2d
 
 SURE = [0.0] * 36  # the covariance of what is known
 
@@ -155,12 +133,12 @@ class FakeLocalizationNode:
         transform = TransformStamped()
         transform.header.stamp, transform.header.frame_id = stamp + self._tolerance, self._global
         transform.child_frame_id = self._odom
-        transform.transform.translation.x, transform.transform.translation.y = odom_in_map.x, odom_in_map.y
-        _, _, transform.transform.rotation.z, transform.transform.rotation.w = yaw_to_quaternion(odom_in_map.yaw)
+        fill_transform(transform.transform, odom_in_map)
         self._tf.publish(TFMessage([transform]))
 
     def _publish_pose(self, stamp: rospy.Time, pose: Pose2D) -> None:
         header = Header(0, stamp, self._global)
-        place = Pose(Point(pose.x, pose.y, 0.0), Quaternion(*yaw_to_quaternion(pose.yaw)))
+        place = Pose()
+        fill_pose(place, pose)
         self._pose.publish(PoseWithCovarianceStamped(header, PoseWithCovariance(place, SURE)))
         self._cloud.publish(PoseArray(header, [place]))

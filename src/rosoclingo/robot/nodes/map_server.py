@@ -1,50 +1,21 @@
 """A map server, as the package map_server has it."""
 
-import math
 import os
 from pathlib import Path
 
-import numpy as np
 import rospkg
 import rospy
-from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.msg import MapMetaData
 from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapRequest, LoadMapResponse
 from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import grid
-from rosoclingo.robot.nodes.sendable import sendable
+from rosoclingo.robot.nodes.messages import GRID_MESSAGE, grid_message
 
 # Answers whose maps are written from arrays: of a large map, to write it number by number takes seconds.
 MAP_ANSWER, CHANGE_ANSWER = numpy_msg(GetMapResponse), numpy_msg(LoadMapResponse)
-
-
-def grid_message(occupancy: grid.OccupancyGrid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
-    """Return a grid as a message."""
-    message = numpy_msg(OccupancyGrid)()
-    message.header.frame_id, message.header.stamp = frame, stamp
-    message.info.map_load_time = stamp
-    message.info.resolution = occupancy.resolution
-    message.info.height, message.info.width = occupancy.shape
-    message.info.origin.position.x, message.info.origin.position.y = occupancy.origin_x, occupancy.origin_y
-    message.info.origin.orientation.w = 1.0
-    message.data = sendable(occupancy.cells.ravel())
-    return message
-
-
-def grid_from_message(message: OccupancyGrid) -> grid.OccupancyGrid:
-    """Return a message as a grid. Raises MapError for one that contradicts itself, and for a turned one."""
-    info, rotation = message.info, message.info.origin.orientation
-    if abs(rotation.z) > 1e-6:
-        raise grid.MapError("its origin is turned against its frame (yaw), which is not supported")
-    numbers = (info.resolution, info.origin.position.x, info.origin.position.y)
-    if not all(map(math.isfinite, numbers)) or info.resolution <= 0.0:
-        raise grid.MapError(f"resolution and origin must be finite, the resolution more than 0; they are {numbers}")
-    if not len(message.data) or info.width * info.height != len(message.data):
-        raise grid.MapError(f"it has {len(message.data)} cells for {info.width} x {info.height}")
-    cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
-    return grid.OccupancyGrid(cells, info.resolution, info.origin.position.x, info.origin.position.y)
 
 
 class MapServerNode:
@@ -66,7 +37,7 @@ class MapServerNode:
         self._frame = given.at("frame_id").text("map")
         path = path or given.at("map").text()
         given.check()
-        self._map = rospy.Publisher("map", numpy_msg(OccupancyGrid), latch=True, queue_size=1)
+        self._map = rospy.Publisher("map", GRID_MESSAGE, latch=True, queue_size=1)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1)
         self._show(path)
         self._worker = Worker()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rosoclingo.robot.navigation import MapError, OccupancyGrid
-from rosoclingo.robot.nodes.map_server import grid_from_message, grid_message, local_path
+from rosoclingo.robot.nodes.map_server import local_path
+from rosoclingo.robot.nodes.messages import grid_from_message, grid_message
 
 rospy = pytest.importorskip("rospy")
 

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from rosoclingo.robot.nodes.sendable import sendable
+from rosoclingo.robot.nodes.messages import sendable
 
 rospy = pytest.importorskip("rospy")
 from nav_msgs.msg import OccupancyGrid  # noqa: E402

@@ -7,127 +7,121 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import Point32, PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
-from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
+from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.nodes.sendable import sendable
+from rosoclingo.robot.navigation.grid import OccupancyGrid
+from rosoclingo.robot.nodes.messages import GRID_MESSAGE, grid_message, sendable
 
 
-class Picture(NamedTuple):
-    """A costmap at a time: ``costs`` (int8; height, width), its frame, resolution and lower left corner (m)."""
+class CostmapView(NamedTuple):
+    """A costmap in a frame, whose pose in the map is given; with the robot's pose in the map, None if unknown."""
 
-    costs: np.ndarray
+    costmap: Costmap
     frame: str
-    resolution: float
-    origin: Tuple[float, float]
+    frame_in_map: Pose2D
+    pose: Optional[Pose2D]
 
-    def same_place(self, other: Optional["Picture"]) -> bool:
-        """Tell whether two pictures differ by their costs only."""
-        return other is not None and self.costs.shape == other.costs.shape and self[1:] == other[1:]
-
-
-def whole_map(costmap: Costmap, frame: str) -> Picture:
-    """Return all of a costmap, in the map's frame."""
-    return Picture(costmap.costs(), frame, costmap.resolution, (costmap.grid.origin_x, costmap.grid.origin_y))
+    @property
+    def in_frame(self) -> Pose2D:
+        """The robot's pose in the frame."""
+        assert self.pose is not None
+        return self.frame_in_map.inverse().compose(self.pose)
 
 
-def window(costmap: Costmap, frame: str, in_frame: Pose2D, frame_in_map: Pose2D, size: Tuple[float, float]) -> Picture:
-    """Return the part of a costmap around the robot, with the axes of another frame; -1 off the map.
+def costs(view: CostmapView, size: Optional[Tuple[float, float]]) -> OccupancyGrid:
+    """Return the costs of a costmap, or of a window (width, height in m) around the robot; -1 off the map.
 
-    ``in_frame`` is the robot's pose in that frame, ``frame_in_map`` the frame's pose in the map, ``size`` (width,
-    height) in m. The corner moves by whole cells only.
+    A window has the axes of the frame. Its corner moves by whole cells only.
     """
-    scale = costmap.resolution
+    costmap, scale = view.costmap, view.costmap.resolution
+    if size is None:
+        return costmap.grid._replace(cells=costmap.costs())
     columns, rows = (max(1, round(length / scale)) for length in size)
-    corner = [math.floor(v / scale - n / 2.0) * scale for v, n in zip(in_frame[:2], (columns, rows))]
-    first = frame_in_map.compose(Pose2D(corner[0] + 0.5 * scale, corner[1] + 0.5 * scale))
-    costs = costmap.costs(first, (rows, columns))
-    return Picture(costs, frame, scale, (corner[0], corner[1]))
+    x, y = (math.floor(v / scale - n / 2.0) * scale for v, n in zip(view.in_frame[:2], (columns, rows)))
+    first = view.frame_in_map.compose(Pose2D(x + 0.5 * scale, y + 0.5 * scale))
+    return OccupancyGrid(costmap.costs(first, (rows, columns)), scale, x, y)
 
 
-class CostmapTopics:
-    """Publishes a costmap in the node's private namespace; nothing is built that nobody listens to.
+class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
+    """Publishes a costmap in the node's private namespace; nothing is built that nobody subscribes to.
 
-    Who subscribes gets the whole costmap at once. Afterwards the whole is published where its place has changed or
-    ``send_full`` is set, else only the rectangle that has changed.
+    A new subscriber gets the whole costmap at once. Afterwards the whole is published where its place has changed or
+    ``send_full`` is set, else only the rectangle that has changed. ``periods`` (s): of the costmap, of the footprint;
+    ``size`` (m) of the window, None for the whole map.
 
     Publishes:
         ~NAME/costmap (nav_msgs/OccupancyGrid), ~NAME/costmap_updates (map_msgs/OccupancyGridUpdate)
         ~NAME/footprint (geometry_msgs/PolygonStamped)
     """
 
-    def __init__(self, name: str, send_full: bool, on_subscriber: Callable[[Callable[[Any], None]], None]) -> None:
-        """``on_subscriber`` is called, in any thread, with the function that sends a message to a new subscriber."""
-        self._send_full = send_full
-        self._last: Optional[Picture] = None
-        listener = _Listener(on_subscriber)
-        self._whole = prompt_publisher(f"~{name}/costmap", numpy_msg(OccupancyGrid), 2, subscriber_listener=listener)
+    def __init__(
+        self, name: str, send_full: bool, periods: Tuple[float, float], size: Optional[Tuple[float, float]],
+        corners: np.ndarray, worker: Worker,
+    ) -> None:  # fmt: skip
+        super().__init__()
+        self._send_full, self._periods, self._size = send_full, periods, size
+        self._corners, self._worker = corners, worker
+        self._view: Optional[CostmapView] = None
+        self._last: Optional[OccupancyGrid] = None
+        self._last_frame = ""
+        self._shown = [-math.inf, -math.inf]  # when costmap and footprint were published last (s)
+        self._whole = prompt_publisher(f"~{name}/costmap", GRID_MESSAGE, 2, subscriber_listener=self)
         self._updates = prompt_publisher(f"~{name}/costmap_updates", numpy_msg(OccupancyGridUpdate), 2)
         self._outline = prompt_publisher(f"~{name}/footprint", PolygonStamped, 2)
 
-    @property
-    def wanted(self) -> bool:
-        """Whether anybody listens to the costmap."""
-        return bool(self._whole.get_num_connections() or self._updates.get_num_connections())
+    def see(self, view: Optional[CostmapView]) -> None:
+        """Take what there is to show from now on."""
+        self._view = view
 
-    @property
-    def outline_wanted(self) -> bool:
-        """Whether anybody listens to the footprint."""
-        return bool(self._outline.get_num_connections())
-
-    def show(self, picture: Picture) -> None:
-        """Publish a costmap, or what has changed of it."""
-        last, self._last = self._last, picture
-        if self._send_full or not picture.same_place(last):
-            self._whole.publish(whole_message(picture))
+    def show(self, now: float) -> None:
+        """Publish what is due at a time (s)."""
+        if self._view is None or self._view.pose is None:
             return
-        assert last is not None
-        changed = np.argwhere(picture.costs != last.costs)
-        if len(changed):
-            self._updates.publish(_update_message(picture, changed))
+        if now < max(self._shown):
+            self._shown = [-math.inf, -math.inf]
+        listeners = self._whole.get_num_connections() + self._updates.get_num_connections()
+        for which, wanted, publish in (
+            (0, listeners, self.publish_costs),
+            (1, self._outline.get_num_connections(), self._publish_footprint),
+        ):
+            if wanted and now - self._shown[which] >= self._periods[which] - 1e-6:
+                self._shown[which] = now
+                publish()
 
-    def footprint(self, frame: str, pose: Pose2D, corners: np.ndarray) -> None:
-        """Publish where the robot's corners (n, 2; m) are at a pose in a frame."""
-        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-        places = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
-        message = PolygonStamped()
-        message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
-        message.polygon.points = [Point32(x, y, 0.0) for x, y in places.tolist()]
+    def publish_costs(self) -> None:
+        """Publish the costmap, or the rectangle that has changed."""
+        assert self._view is not None
+        grid, last, frame = costs(self._view, self._size), self._last, self._view.frame
+        same_place = last is not None and (grid.shape, *grid[1:], frame) == (last.shape, *last[1:], self._last_frame)
+        self._last, self._last_frame = grid, frame
+        if last is None or self._send_full or not same_place:
+            self._whole.publish(grid_message(grid, frame, rospy.Time.now()))
+            return
+        changed = np.argwhere(grid.cells != last.cells)
+        if len(changed):
+            low, high = changed.min(axis=0), changed.max(axis=0) + 1
+            message = numpy_msg(OccupancyGridUpdate)()
+            message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
+            message.x, message.y = int(low[1]), int(low[0])
+            message.width, message.height = int(high[1] - low[1]), int(high[0] - low[0])
+            message.data = sendable(grid.cells[low[0] : high[0], low[1] : high[1]].ravel())
+            self._updates.publish(message)
+
+    def _publish_footprint(self) -> None:
+        assert self._view is not None
+        pose, message = self._view.in_frame, PolygonStamped()
+        message.header.frame_id, message.header.stamp = self._view.frame, rospy.Time.now()
+        message.polygon.points = [Point32(*pose.compose(Pose2D(x, y))[:2], 0.0) for x, y in self._corners.tolist()]
         self._outline.publish(message)
 
-
-class _Listener(rospy.SubscribeListener):  # type: ignore[misc]
-    def __init__(self, on_subscriber: Callable[[Callable[[Any], None]], None]) -> None:
-        super().__init__()
-        self._on_subscriber = on_subscriber
-
     def peer_subscribe(self, _name: str, _publish: Any, peer_publish: Callable[[Any], None]) -> None:
-        """Called by rospy for each new subscriber."""
-        self._on_subscriber(peer_publish)
+        """Called by rospy, in any thread, for each new subscriber: it gets the whole costmap."""
+        self._worker.put(lambda: self._greet(peer_publish))
 
-
-def whole_message(picture: Picture) -> OccupancyGrid:
-    """Return a picture as a message, stamped now."""
-    message = numpy_msg(OccupancyGrid)()
-    message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
-    message.info.map_load_time = message.header.stamp
-    message.info.resolution = picture.resolution
-    message.info.height, message.info.width = picture.costs.shape
-    message.info.origin.position.x, message.info.origin.position.y = picture.origin
-    message.info.origin.orientation.w = 1.0
-    message.data = sendable(picture.costs.ravel())
-    return message
-
-
-def _update_message(picture: Picture, changed: np.ndarray) -> OccupancyGridUpdate:
-    """Return the rectangle around changed cells (n, 2) as a message."""
-    low, high = changed.min(axis=0), changed.max(axis=0) + 1
-    message = numpy_msg(OccupancyGridUpdate)()
-    message.header.frame_id, message.header.stamp = picture.frame, rospy.Time.now()
-    message.x, message.y = int(low[1]), int(low[0])
-    message.width, message.height = int(high[1] - low[1]), int(high[0] - low[0])
-    message.data = sendable(picture.costs[low[0] : high[0], low[1] : high[1]].ravel())
-    return message
+    def _greet(self, send: Callable[[Any], None]) -> None:
+        if self._view is not None:
+            send(grid_message(costs(self._view, self._size), self._view.frame, rospy.Time.now()))

@@ -1,55 +1,61 @@
-"""What the move_base node shows: plans, costmaps, footprints."""
+"""What the move_base node shows: goals, plans, costmaps, footprints, recoveries."""
 
 import math
-from typing import Any, Callable, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Optional
 
 import numpy as np
+import rospy
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import RecoveryStatus
 from nav_msgs.msg import Path
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.nodes.move_base.costmap_topics import CostmapTopics, Picture, whole_map, whole_message, window
+from rosoclingo.robot.nodes.messages import path_message, stamped_pose
+from rosoclingo.robot.nodes.move_base.costmap_topics import CostmapTopics, CostmapView
 from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace, local_planner_namespace
-from rosoclingo.robot.nodes.move_base.reports import path_message
 
-GLOBAL, LOCAL = 0, 1
-
-
-class CostmapView(NamedTuple):
-    """What there is to show: the costmap, the robot's pose (m) in the map, and the local frame with its pose there."""
-
-    costmap: Costmap
-    pose: Pose2D
-    local_frame: str
-    local_in_map: Pose2D
+HERE = Pose2D(0.0, 0.0)
 
 
 class Display:
-    """The publishers of plans, costmaps and footprints; nothing is built that nobody listens to.
+    """The publishers of goals, plans, costmaps and footprints; nothing large is built that nobody subscribes to.
 
     The local planner's paths and the local costmap are shown in the local frame, odometry's, all else in the map's.
+
+    Publishes:
+        ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
+        ~PLANNER/plan, ~FOLLOWER/global_plan, ~FOLLOWER/local_plan (nav_msgs/Path)
     """
 
     def __init__(self, settings: Settings, worker: Worker) -> None:
-        self._settings, self._worker = settings, worker
         self._frame = settings.frames.map
         planner, follower = "~" + global_planner_namespace(), "~" + local_planner_namespace()
+        self._goal = rospy.Publisher("~current_goal", PoseStamped, queue_size=1)
+        self._recovery = rospy.Publisher("~recovery_status", RecoveryStatus, queue_size=5)
         self._plan = prompt_publisher(planner + "/plan", Path, 2)
         self._global_plan = prompt_publisher(follower + "/global_plan", Path, 2)
         self._local_plan = prompt_publisher(follower + "/local_plan", Path, 2)
-        self._costmaps = (
-            CostmapTopics("global_costmap", settings.send_full[GLOBAL], lambda send: self._greet(GLOBAL, send)),
-            CostmapTopics("local_costmap", settings.send_full[LOCAL], lambda send: self._greet(LOCAL, send)),
-        )
-        self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
         angles = np.linspace(0.0, 2.0 * math.pi, 17)[:-1]
         ring = settings.costmap.robot_radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
-        self._corners = np.array(settings.footprint) if settings.footprint else ring
-        self._costmap: Optional[Costmap] = None
-        self._view: Optional[CostmapView] = None
+        corners = np.array(settings.footprint) if settings.footprint else ring
+        self._global, self._local = (
+            CostmapTopics(name, settings.send_full[i], (settings.publish_periods[i], settings.update_periods[i]), size,
+                          corners, worker)
+            for i, (name, size) in enumerate((("global_costmap", None), ("local_costmap", settings.local_size)))
+        )  # fmt: skip
+        self._local_view: Optional[CostmapView] = None
+
+    def goal(self, pose: Pose2D) -> None:
+        """Show the goal (m; in the map) that is driven to."""
+        self._goal.publish(stamped_pose(pose, self._frame))
+
+    def recovery(self, behavior: Any, number: int, total: int, pose: Pose2D) -> None:
+        """Show that a recovery behaviour begins, the ``number``-th of ``total`` from 0 on, the robot at a pose."""
+        self._recovery.publish(RecoveryStatus(stamped_pose(pose, self._frame), number, total, behavior.name))
 
     def plan(self, points: np.ndarray, final_yaw: float) -> None:
         """Show a new path (m; in the map)."""
@@ -64,55 +70,26 @@ class Display:
             self._local_plan.publish(self._in_local_frame(points(), 0.0))
 
     def new_map(self, costmap: Costmap) -> None:
-        """Show a costmap as soon as there is a map, even if nobody knows where the robot is."""
-        self._costmap, self._view = costmap, None
-        self._costmaps[GLOBAL].show(whole_map(costmap, self._frame))
+        """Show a costmap as soon as there is a map, even if the robot's pose is unknown."""
+        self._local_view = None
+        self._local.see(None)
+        self._global.see(CostmapView(costmap, self._frame, HERE, None))
+        self._global.publish_costs()
 
-    def see(self, view: CostmapView) -> None:
-        """Take what there is to show from now on."""
-        self._view = view
+    def see(self, costmap: Costmap, pose: Pose2D, local_frame: str, local_in_map: Pose2D) -> None:
+        """Take what there is to show from now on: the robot's pose, and the local frame's, in the map."""
+        self._local_view = CostmapView(costmap, local_frame, local_in_map, pose)
+        self._local.see(self._local_view)
+        self._global.see(CostmapView(costmap, self._frame, HERE, pose))
 
     def costmaps(self, now: float) -> None:
         """Show the costmaps and footprints that are due at a time (s)."""
-        view = self._view
-        if view is None:
-            return
-        if now < max(self._shown + self._outlined):
-            self._shown, self._outlined = [-math.inf, -math.inf], [-math.inf, -math.inf]
-        for which, topics in enumerate(self._costmaps):
-            if topics.wanted and now - self._shown[which] >= self._settings.publish_periods[which] - 1e-6:
-                self._shown[which] = now
-                topics.show(self._picture(which, view))
-            if topics.outline_wanted and now - self._outlined[which] >= self._settings.update_periods[which] - 1e-6:
-                self._outlined[which] = now
-                topics.footprint(*self._outline(which, view))
-
-    def _greet(self, which: int, send: Callable[[Any], None]) -> None:
-        """Have a new subscriber sent the whole costmap."""
-        self._worker.put(lambda: self._send(which, send))
-
-    def _send(self, which: int, send: Callable[[Any], None]) -> None:
-        if self._view is not None:
-            send(whole_message(self._picture(which, self._view)))
-        elif which == GLOBAL and self._costmap is not None:
-            send(whole_message(whole_map(self._costmap, self._frame)))
-
-    def _picture(self, which: int, view: CostmapView) -> Picture:
-        if which == GLOBAL:
-            return whole_map(view.costmap, self._frame)
-        in_frame = view.local_in_map.inverse().compose(view.pose)
-        return window(view.costmap, view.local_frame, in_frame, view.local_in_map, self._settings.local_size)
-
-    def _outline(self, which: int, view: CostmapView) -> Tuple[str, Pose2D, Any]:
-        if which == GLOBAL:
-            return self._frame, view.pose, self._corners
-        return view.local_frame, view.local_in_map.inverse().compose(view.pose), self._corners
+        self._global.show(now)
+        self._local.show(now)
 
     def _in_local_frame(self, points: np.ndarray, final_yaw: float) -> Path:
-        if self._view is None:
+        if self._local_view is None:
             return path_message(points, self._frame, final_yaw)
-        back = self._view.local_in_map.inverse()
-        if any(back):
-            c, s = math.cos(back.yaw), math.sin(back.yaw)
-            points = points @ np.array([[c, s], [-s, c]]) + (back.x, back.y)
-        return path_message(points, self._view.local_frame, final_yaw + back.yaw)
+        back = self._local_view.frame_in_map.inverse()
+        points = np.array([back.compose(Pose2D(x, y))[:2] for x, y in points.tolist()]).reshape(-1, 2)
+        return path_message(points, self._local_view.frame, final_yaw + back.yaw)

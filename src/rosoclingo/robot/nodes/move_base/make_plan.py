@@ -2,7 +2,7 @@
 
 import traceback
 from concurrent import futures
-from typing import Any, Callable, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import PoseStamped
@@ -12,18 +12,10 @@ from rosoclingo.common.worker import Worker, ending
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid_planner import PlanOutcome
-from rosoclingo.robot.nodes.localization import to_pose2d
+from rosoclingo.robot.nodes.messages import path_message, to_pose2d
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
-from rosoclingo.robot.nodes.move_base.reports import path_message
 from rosoclingo.robot.nodes.move_base.sensing import Sensing
-
-
-class PendingPlan(NamedTuple):
-    """A plan that is being looked for, and the yaw (rad) to end with."""
-
-    plan: futures.Future
-    yaw: float
 
 
 class PlanService:
@@ -53,31 +45,32 @@ class PlanService:
         """Answer when the plan is there, in the thread of the call."""
         response = GetPlanResponse()
         response.plan.header.frame_id = self._sensing.map_frame
-        wanted = self._worker.ask(lambda: self._ask(request))
-        if wanted is None:
+        asked = self._worker.ask(lambda: self._ask(request))
+        if asked is None:
             rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
             return response
-        while not futures.wait([wanted.plan], 0.5).done:
+        future, yaw = asked
+        while not futures.wait([future], 0.5).done:
             if ending():
                 raise rospy.ServiceException(f"{rospy.get_name()} does not answer: it ends")
         try:
-            plan = wanted.plan.result()
+            plan = future.result()
         except Exception:  # noqa: BLE001 a user's planner may raise anything
             rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
             return response
         if plan.outcome is PlanOutcome.FOUND:
-            return GetPlanResponse(path_message(plan.points, self._sensing.map_frame, wanted.yaw))
+            return GetPlanResponse(path_message(plan.points, self._sensing.map_frame, yaw))
         rospy.logwarn("make_plan: %s", plan.outcome.value)
         return response
 
-    def _ask(self, request: Any) -> Optional[PendingPlan]:
-        """Ask for a plan, in the worker's thread; return None where there is no map, start or goal."""
+    def _ask(self, request: Any) -> Optional[Tuple[futures.Future, float]]:
+        """Ask for a plan, in the worker's thread; return it and its final yaw, None without a map, start or goal."""
         costmap, pose = self._place()
         goal = self._in_map(request.goal)
         start = self._in_map(request.start) if request.start.header.frame_id else pose
         if costmap is None or goal is None or start is None:
             return None
-        return PendingPlan(self._planning.also(costmap, start, goal, request.tolerance), goal.yaw)
+        return self._planning.also(costmap, start, goal, request.tolerance), goal.yaw
 
     def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
         """Return a pose in the map; a missing orientation is fine, only a position is asked for."""

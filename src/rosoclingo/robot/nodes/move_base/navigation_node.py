@@ -30,15 +30,13 @@ from rosoclingo.robot.navigation.navigation_types import NavigationOutcome, Resu
 from rosoclingo.robot.navigation.navigator import Navigator
 from rosoclingo.robot.navigation.patience import PatienceClock
 from rosoclingo.robot.nodes.compiling import compile_once
-from rosoclingo.robot.nodes.localization import to_pose2d
-from rosoclingo.robot.nodes.map_server import grid_from_message
+from rosoclingo.robot.nodes.messages import grid_from_message, stamped_pose, to_pose2d
 from rosoclingo.robot.nodes.move_base.command_watch import CommandWatch
-from rosoclingo.robot.nodes.move_base.display import CostmapView, Display
+from rosoclingo.robot.nodes.move_base.display import Display
 from rosoclingo.robot.nodes.move_base.make_plan import PlanService
 from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, recoveries
-from rosoclingo.robot.nodes.move_base.reports import Reports, stamped_pose
 from rosoclingo.robot.nodes.move_base.sensing import Located, Sensing
 
 INVALID_QUATERNION = "Aborting on goal because it was sent with an invalid quaternion"
@@ -157,7 +155,6 @@ class MoveBaseNode:
         self._worker = Worker(settle=self._settle, period=0.02)
         self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
         self._display = Display(self._settings, self._worker)
-        self._reports = Reports(self._settings.frames.map)
         self._planning = PlanningThread(self._planner)
         self._commands = CommandWatch(prompt_publisher("cmd_vel", Twist, 1).publish, self._settings.controller_period)
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
@@ -211,7 +208,7 @@ class MoveBaseNode:
                 costmap, self._planner, self._follower, self._recoveries, self._settings.navigator, self._planning
             )
             navigator.on_plan = lambda points: self._display.plan(points, navigator.goal.yaw)
-            navigator.on_recovery = self._reports.recovery
+            navigator.on_recovery = self._display.recovery
             navigator.on_log = rospy.logwarn
             self._navigator = navigator
         else:
@@ -240,7 +237,7 @@ class MoveBaseNode:
                 start_server(self._server.action_server)
             if self._watchful(self._navigator):
                 frame = self._sensing.local_frame(self._settings.local_frame)
-                self._display.see(CostmapView(self._navigator.costmap, located.pose, *frame))
+                self._display.see(self._navigator.costmap, located.pose, *frame)
         if self._navigator.active:
             fault = self._guarded(lambda: self._control(now, located))
             if fault:
@@ -336,7 +333,7 @@ class MoveBaseNode:
             return f"Aborting on goal because its frame {name!r} is unknown to tf, or not connected to {known}"
         goal = frame.compose(pose)
         self._navigator.set_goal(self._patience.now, goal)
-        self._reports.goal(goal)
+        self._display.goal(goal)
         return ""
 
     def _take_preempt(self) -> None:

@@ -19,14 +19,12 @@ LONG = 2.0  # s: a plan that takes longer is logged
 
 
 class Job:
-    """One call of the planner for ``what``, in words; ``dropped``: nobody waits for its plan any more."""
+    """One call of the planner for ``what``, in words; its future is cancelled when its plan is not wanted any more."""
 
     def __init__(self, work: Callable[[], GlobalPlan], what: str) -> None:
         self.work, self.what = work, what
         self.future: futures.Future[GlobalPlan] = futures.Future()
-        self.dropped = False
-        self.begun = 0.0  # wall time
-        self.logged = 0
+        self.begun, self.logged = 0.0, 0  # wall time; how often it was logged
 
 
 class PlanningThread(Planning):
@@ -42,8 +40,7 @@ class PlanningThread(Planning):
     def ask(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
         """Ask for a plan; see :class:`Planning`. Waits for it a moment."""
         self.drop()
-        snapshot = costmap.snapshot()
-        self._asked = self._put(lambda: self.planner.plan(snapshot, start, goal), "the robot's way")
+        self._asked = self._put(costmap, start, goal, None, "the robot's way")
         futures.wait([self._asked.future], GRACE)
 
     def answer(self) -> Optional[GlobalPlan]:
@@ -57,14 +54,12 @@ class PlanningThread(Planning):
     def drop(self) -> None:
         """Want no plan any more; see :class:`Planning`."""
         if self._asked is not None:
-            self._asked.dropped = True
-            self.planner.dropped[0] |= self._running is self._asked
+            self.planner.dropped[0] |= not self._asked.future.cancel() and self._running is self._asked
             self._asked = None
 
     def also(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: float) -> "futures.Future[GlobalPlan]":
         """Return the future of another plan, which does not drive the robot."""
-        snapshot = costmap.snapshot()
-        return self._put(lambda: self.planner.plan(snapshot, start, goal, tolerance), "a requested plan").future
+        return self._put(costmap, start, goal, tolerance, "a requested plan").future
 
     def log_delays(self) -> None:
         """Log that a plan takes long."""
@@ -74,26 +69,23 @@ class PlanningThread(Planning):
             seconds = time.monotonic() - job.begun
             rospy.logwarn("planning takes long: %s is looked for since %.1f s", job.what, seconds)
 
-    def _put(self, work: Callable[[], GlobalPlan], what: str) -> Job:
-        job = Job(work, what)
+    def _put(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float], what: str) -> Job:
+        snapshot = costmap.snapshot()
+        job = Job(lambda: self.planner.plan(snapshot, start, goal, tolerance), what)
         self._jobs.put(job)
         return job
-
-    # ---- the thread -----------------------------------------------------------------------------------------------
 
     def _run(self) -> None:
         while True:
             job = self._jobs.get()
             job.begun = time.monotonic()
             self.planner.dropped[0], self._running = False, job
-            if job.dropped:
+            if not job.future.set_running_or_notify_cancel():
                 continue
             try:
-                plan = job.work()
+                job.future.set_result(job.work())
             except BaseException as error:  # noqa: BLE001 a plugin may raise anything; the caller gets it
                 job.future.set_exception(error if isinstance(error, Exception) else RuntimeError(repr(error)))
-            else:
-                job.future.set_result(plan)
             self._running = None
             if job.logged:
                 rospy.loginfo("planned after %.1f s: %s", time.monotonic() - job.begun, job.what)

@@ -18,18 +18,19 @@ from rosoclingo.robot.navigation.recovery_behaviors import (
     default_recoveries,
 )
 
-# Plugins of the C++ navigation stack that configurations name, and what stands in for them here.
-STANDINS = {
-    "navfn/NavfnROS": "rosoclingo.robot.navigation.grid_planner.GridPlanner",
-    "global_planner/GlobalPlanner": "rosoclingo.robot.navigation.grid_planner.GridPlanner",
-    "carrot_planner/CarrotPlanner": "rosoclingo.robot.navigation.grid_planner.GridPlanner",
-    "base_local_planner/TrajectoryPlannerROS": "rosoclingo.robot.navigation.follower.RolloutFollower",
-    "dwa_local_planner/DWAPlannerROS": "rosoclingo.robot.navigation.follower.RolloutFollower",
-    "clear_costmap_recovery/ClearCostmapRecovery": "rosoclingo.robot.navigation.recovery_behaviors.ClearCostmap",
-    "rotate_recovery/RotateRecovery": "rosoclingo.robot.navigation.recovery_behaviors.RotateRecovery",
-}
 DEFAULT_GLOBAL = "rosoclingo.robot.navigation.grid_planner.GridPlanner"
 DEFAULT_LOCAL = "rosoclingo.robot.navigation.follower.RolloutFollower"
+RECOVERY = "rosoclingo.robot.navigation.recovery_behaviors."
+# Plugins of the C++ navigation stack that configurations name, and what stands in for them here.
+STANDINS = {
+    "navfn/NavfnROS": DEFAULT_GLOBAL,
+    "global_planner/GlobalPlanner": DEFAULT_GLOBAL,
+    "carrot_planner/CarrotPlanner": DEFAULT_GLOBAL,
+    "base_local_planner/TrajectoryPlannerROS": DEFAULT_LOCAL,
+    "dwa_local_planner/DWAPlannerROS": DEFAULT_LOCAL,
+    "clear_costmap_recovery/ClearCostmapRecovery": RECOVERY + "ClearCostmap",
+    "rotate_recovery/RotateRecovery": RECOVERY + "RotateRecovery",
+}
 # What this package's own plugins take: names and kinds of values. Any other plugin checks its parameters itself.
 OWN_SETTINGS: Dict[type, Dict[str, Any]] = {
     GridPlanner: GridPlannerLimits()._asdict(),

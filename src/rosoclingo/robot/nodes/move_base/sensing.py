@@ -14,7 +14,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity
-from rosoclingo.robot.nodes.localization import from_transform
+from rosoclingo.robot.nodes.messages import from_transform
 from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
 
 # A time stamp is that much (s) ahead of this node's clock at most; else time has gone back.

@@ -5,7 +5,7 @@ from typing import Callable, List, Sequence, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Pose, Quaternion, TransformStamped, Twist
+from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
 from rosgraph.names import is_legal_name
 from rospy.numpy_msg import numpy_msg
@@ -13,8 +13,7 @@ from sensor_msgs.msg import LaserScan
 
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.common.prompt_publisher import prompt_publisher
-from rosoclingo.robot.navigation.geometry import Pose2D, yaw_to_quaternion
-from rosoclingo.robot.nodes.sendable import sendable
+from rosoclingo.robot.nodes.messages import fill_pose, fill_transform, sendable
 from rosoclingo.robot.simulation.simulated_robot import Laser, Robot
 
 # stage_ros mounts the laser there; a planar world has no use for it.
@@ -44,7 +43,7 @@ class RobotTopics:
 
     def frames(self, stamp: rospy.Time) -> List[TransformStamped]:
         """Return the robot's transforms at a time: odom to base_footprint to base_link to base_laser_link."""
-        _set_transform(self._frames[0], self._robot.odometry)
+        fill_transform(self._frames[0].transform, self._robot.odometry)
         for frame in self._frames:
             frame.header.stamp = stamp
         return self._frames
@@ -58,7 +57,7 @@ class RobotTopics:
         ):
             if publisher.get_num_connections():
                 message.header.stamp = stamp
-                _set_pose(message.pose.pose, pose)
+                fill_pose(message.pose.pose, pose)
                 twist = message.twist.twist
                 twist.linear.x, twist.linear.y = robot.v * math.cos(axes), robot.v * math.sin(axes)
                 twist.angular.z = robot.w
@@ -74,7 +73,7 @@ class _ScanTopic:
     def __init__(self, prefix: str, ending: str, laser: Laser) -> None:
         self._spec = laser.spec
         self.frame = _transform(prefix + "base_link", prefix + "base_laser_link" + ending)
-        _set_transform(self.frame, laser.spec.pose)
+        fill_transform(self.frame.transform, laser.spec.pose)
         self.frame.transform.translation.z = LASER_HEIGHT
         self._message = _scan(self.frame.child_frame_id, laser)
         self._publisher = prompt_publisher(prefix + "base_scan" + ending, numpy_msg(LaserScan))
@@ -122,16 +121,6 @@ def _scan(frame: str, laser: Laser) -> LaserScan:
     message.range_min, message.range_max = laser.spec.min_range, laser.spec.range
     message.header.frame_id = frame
     return message
-
-
-def _set_transform(message: TransformStamped, pose: Pose2D) -> None:
-    message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
-    _, _, message.transform.rotation.z, message.transform.rotation.w = yaw_to_quaternion(pose.yaw)
-
-
-def _set_pose(message: Pose, pose: Pose2D) -> None:
-    message.position.x, message.position.y = pose.x, pose.y
-    message.orientation = Quaternion(*yaw_to_quaternion(pose.yaw))
 
 
 def prefixes(names: Sequence[str], use_names: bool) -> Tuple[str, ...]:
