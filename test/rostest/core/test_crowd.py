@@ -22,6 +22,7 @@ from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupRes
 
 from rosoclingo.common.action_servers import start_server
 from rosoclingo.common.labels import LabelTable
+from rosoclingo.common.reading import Reader
 from rosoclingo.robot.simulation.office_packages import PackageOffice
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -39,7 +40,8 @@ class QuickRobot:
     def __init__(self, labels, packages, offices):
         self._labels = labels
         self._at = "office1"
-        self.office = PackageOffice.from_mapping(packages, offices)
+        self.office = PackageOffice(offices)
+        self.office.read(Reader(packages))
         self.faults = []
         self._servers = [
             self._serve("move_base", MoveBaseAction, self._drive),

@@ -1,6 +1,6 @@
 """Packages in the simulated office: where each one is, and what picking up and putting down do to it."""
 
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.common.reading import Reader
 
@@ -18,11 +18,11 @@ PREEMPTED = 7  # cancelled before it was done
 
 
 class PackageError(ValueError):
-    """A package or place that cannot be put into the office; the message tells why."""
+    """A package or place that cannot be put into the office; the message gives the reason."""
 
 
 class HandlingResult(NamedTuple):
-    """What came of a pickup or a deliver: outcome code, the reason in words, the robot's label ("" if at none)."""
+    """The result of a pickup or a deliver: outcome code, the reason in words, the robot's label ("" if at none)."""
 
     outcome: int
     message: str
@@ -43,61 +43,44 @@ class PackagePlace(NamedTuple):
 
 
 def words_for(package: object) -> str:
-    """What messages call a package: "package 1", but just "newspaper"."""
+    """Return what messages call a package: "package 1", but just "newspaper"."""
     return f"package {package}" if str(package).isdecimal() else str(package)
 
 
 class PackageOffice:
     """All packages of one office and one robot that carries at most `capacity` of them.
 
-    Packages and labels are ASP terms as text.  Failed handling changes nothing.  With `appear`, a package that
-    the office never heard of is found wherever the robot first tries to pick it up (who asks for a delivery has put
-    it there); without, picking it up fails.
+    Packages and labels are ASP terms as text.  Failed handling changes nothing.  With `appear`, an unknown package is
+    found wherever the robot first tries to pick it up (the client of a delivery has put it there); without, picking it
+    up fails.
     """
 
     def __init__(self, labels: Tuple[str, ...], capacity: int = DEFAULT_CAPACITY, appear: bool = False) -> None:
-        if capacity < 1:
-            raise PackageError(f"the capacity must be at least 1, not {capacity}")
-        self._labels = labels
-        self._capacity = capacity
-        self._appear = appear
-        self._locations: Dict[str, Optional[str]] = {}
+        self._labels, self._capacity, self._appear = labels, capacity, appear
+        self._locations: Dict[str, Optional[str]] = {}  # None: carried
 
-    @classmethod
-    def from_mapping(cls, packages: Any, labels: Tuple[str, ...], appear: bool = False) -> "PackageOffice":
-        """An office with packages as ``read`` takes them; raises PackageError with all faults."""
-        office, reader = cls(labels, appear=appear), Reader(packages, "packages")
-        office.read(reader)
-        reader.check(PackageError)
-        return office
-
-    def read(self, reader: Reader, carried: Optional[Reader] = None) -> None:
+    def read(self, lying: Reader, carried: Optional[Reader] = None) -> None:
         """Put `{label: [package, ...]}`, as config/office_packages.yaml holds it; the readers have the faults.
 
         ``carried`` lists those that the robot carries.
         """
-        for location, there in reader.entries("a mapping of labels to lists of packages", {}):
-            for package in there.items("a list of packages"):
-                if str(package.value) in self._locations:
-                    package.fault(f"{words_for(package.value)} is listed twice")
-                try:
-                    self.put(str(package.value), location)
-                except PackageError as error:
-                    package.fault(str(error))
-        for package in carried.items("a list of packages") if carried is not None else ():
-            if not str(package.value):
-                package.fault("a package needs an identifier")
-            elif str(package.value) in self._locations:
-                package.fault(f"{words_for(package.value)} is listed twice")
-            self._locations[str(package.value)] = None
+        places = lying.entries("a mapping of labels to lists of packages", {})
+        found = [(package, label) for label, there in places for package in there.items("a list of packages")]
+        found += [(package, None) for package in (carried.items("a list of packages") if carried else ())]
+        for reader, label in found:
+            package = str(reader.value)
+            if package in self._locations:
+                reader.fault(f"{words_for(package)} is listed twice")
+            try:
+                self.put(package, label)
+            except PackageError as error:
+                reader.fault(str(error))
 
     @property
     def places(self) -> List[PackagePlace]:
         """Every package, ordered by identifier (numbers first, in numerical order)."""
-        return [
-            PackagePlace(package, location or "", location is None)
-            for package, location in sorted(self._locations.items(), key=lambda item: _order(item[0]))
-        ]
+        known = sorted(self._locations.items(), key=lambda item: _order(item[0]))
+        return [PackagePlace(package, location or "", location is None) for package, location in known]
 
     @property
     def carried(self) -> List[str]:
@@ -113,16 +96,13 @@ class PackageOffice:
                 found.setdefault(place.location, []).append(place.package)
         return found
 
-    def put(self, package: str, location: str) -> None:
-        """Put a package at a label, wherever it was before, also out of the robot's hands; raises PackageError."""
+    def put(self, package: str, location: Optional[str]) -> None:
+        """Put a package at a label, wherever it was before, or into the robot's hands (None); raises PackageError."""
         if not package:
             raise PackageError("a package needs an identifier")
-        if location not in self._labels:
-            raise PackageError(
-                "{}: no label {}; known labels: {}".format(
-                    words_for(package), location, ", ".join(self._labels) or "none"
-                )
-            )
+        if location is not None and location not in self._labels:
+            known = ", ".join(self._labels) or "none"
+            raise PackageError(f"{words_for(package)}: no label {location}; known labels: {known}")
         self._locations[package] = location
 
     def remove(self, package: str) -> None:
@@ -135,42 +115,34 @@ class PackageOffice:
         """The robot, standing at the label `robot_at` (None: at none), picks up a package."""
         if self._appear and robot_at is not None and package not in self._locations:
             self.put(package, robot_at)
-        refusal = self._refuse(package, robot_at) or self._refuse_pickup(package, robot_at or "")
-        if refusal is not None:
-            return refusal
-        self._locations[package] = None
-        return HandlingResult(SUCCEEDED, f"picked up {words_for(package)} at {robot_at}", robot_at or "")
+        words, location, count = words_for(package), self._locations.get(package), len(self.carried)
+        faults = (
+            (location is None, NOT_HERE, f"the robot carries {words} already"),
+            (location != robot_at, NOT_HERE, f"{words} is at {location}, the robot at {robot_at}"),
+            (count >= self._capacity, FULL, f"the robot carries {count} already, and no more fit"),
+        )
+        return self._handle(package, robot_at, faults, None, f"picked up {words} at {robot_at}")
 
     def deliver(self, package: str, robot_at: Optional[str]) -> HandlingResult:
         """The robot, standing at the label `robot_at` (None: at none), puts down a package that it carries."""
-        refusal = self._refuse(package, robot_at)
-        if refusal is not None:
-            return refusal
-        location = robot_at or ""
-        if self._locations[package] is not None:
-            message = f"the robot does not carry {words_for(package)}, it lies at {self._locations[package]}"
-            return HandlingResult(NOT_CARRIED, message, location)
-        self._locations[package] = location
-        return HandlingResult(SUCCEEDED, f"put down {words_for(package)} at {location}", location)
+        words, location = words_for(package), self._locations.get(package)
+        faults = ((location is not None, NOT_CARRIED, f"the robot does not carry {words}, it lies at {location}"),)
+        return self._handle(package, robot_at, faults, robot_at, f"put down {words} at {robot_at}")
 
-    def _refuse(self, package: str, robot_at: Optional[str]) -> Optional[HandlingResult]:
-        if robot_at is None:
-            return HandlingResult(NOT_AT_LABEL, "the robot is at no known location")
-        if package not in self._locations:
-            return HandlingResult(UNKNOWN_PACKAGE, f"there is no {words_for(package)}", robot_at)
-        return None
-
-    def _refuse_pickup(self, package: str, robot_at: str) -> Optional[HandlingResult]:
-        location = self._locations[package]
-        if location is None:
-            return HandlingResult(NOT_HERE, f"the robot carries {words_for(package)} already", robot_at)
-        if location != robot_at:
-            message = f"{words_for(package)} is at {location}, the robot at {robot_at}"
-            return HandlingResult(NOT_HERE, message, robot_at)
-        if len(self.carried) >= self._capacity:
-            message = f"the robot carries {len(self.carried)} already, and no more fit"
-            return HandlingResult(FULL, message, robot_at)
-        return None
+    def _handle(
+        self, package: str, robot_at: Optional[str], faults: Tuple[Tuple[bool, int, str], ...], to: Optional[str],
+        done: str,
+    ) -> HandlingResult:  # fmt: skip
+        """Move a package, unless one of the faults (whether, outcome, message) is there."""
+        first = (
+            (robot_at is None, NOT_AT_LABEL, "the robot is at no known location"),
+            (package not in self._locations, UNKNOWN_PACKAGE, f"there is no {words_for(package)}"),
+        )
+        for there, outcome, message in first + faults:
+            if there:
+                return HandlingResult(outcome, message, robot_at or "")
+        self._locations[package] = to
+        return HandlingResult(SUCCEEDED, done, robot_at or "")
 
 
 def _order(package: str) -> Tuple[int, int, str]:

@@ -11,8 +11,16 @@ from rosoclingo.robot.simulation.office_packages import PackageError, PackageOff
 OFFICES = ("office1", "office2", "office3", "office4")
 
 
+def office_of(packages, **options):
+    """An office with packages as a parameter has them."""
+    found, reader = PackageOffice(OFFICES, **options), Reader(packages, "packages")
+    found.read(reader)
+    reader.check(PackageError)
+    return found
+
+
 def office(**options):
-    return PackageOffice.from_mapping({"office3": [1, 2], "office1": [10]}, OFFICES, **options)
+    return office_of({"office3": [1, 2], "office1": [10]}, **options)
 
 
 def test_a_package_is_carried_from_office_to_office():
@@ -74,7 +82,7 @@ def test_deliver_fails_with_a_reason_and_moves_nothing(package, robot_at, outcom
 
 
 def test_three_packages_at_most():
-    world = PackageOffice.from_mapping({"office1": [1, 2, 3, 4]}, OFFICES)
+    world = office_of({"office1": [1, 2, 3, 4]})
     assert [world.pickup(str(package), "office1").outcome for package in range(1, 5)] == [0, 0, 0, packages.FULL]
 
 
@@ -96,18 +104,17 @@ def test_packages_are_put_and_removed():
 @pytest.mark.parametrize(
     ("act", "fault"),
     [
-        (lambda: PackageOffice(OFFICES, 0), "capacity must be at least 1"),
-        (lambda: PackageOffice.from_mapping([1], OFFICES), "packages: must be a mapping of labels to lists"),
+        (lambda: office_of([1]), "packages: must be a mapping of labels to lists"),
         (
-            lambda: PackageOffice.from_mapping({"cellar": [1]}, OFFICES),
+            lambda: office_of({"cellar": [1]}),
             r"packages.cellar\[0\]: package 1: no label cellar; known labels: office1",
         ),
         (
-            lambda: PackageOffice.from_mapping({"office1": 3}, OFFICES),
+            lambda: office_of({"office1": 3}),
             "packages.office1: must be a list of packages, not 3",
         ),
         (
-            lambda: PackageOffice.from_mapping({"office1": [3, 3]}, OFFICES),
+            lambda: office_of({"office1": [3, 3]}),
             r"packages.office1\[1\]: package 3 is listed twice",
         ),
         (lambda: office().put("", "office1"), "needs an identifier"),
@@ -128,7 +135,7 @@ COMMANDS = st.tuples(
 
 @given(st.lists(COMMANDS, max_size=40))
 def test_never_more_than_three_never_lost_never_through_the_air(commands):
-    world = PackageOffice.from_mapping({"office1": [1, 2, 3, 4]}, OFFICES)
+    world = office_of({"office1": [1, 2, 3, 4]})
     for verb, package, robot_at in commands:
         before = {place.package: place for place in world.places}
         result = getattr(world, verb)(package, robot_at)
