@@ -105,15 +105,19 @@ class BodyState:
         )  # fmt: skip
         return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
 
-    def arc_to_room(self, spare: float, speed: float) -> Optional[Velocity]:
-        """Return the command, ``speed`` m/s at most, along the arc that leads soonest to where the body can turn."""
+    def arc_to_room(self, spare: float, speed: float, before: Optional[float] = None) -> Optional[Velocity]:
+        """Return the command, ``speed`` m/s at most, along the arc that leads soonest to where the body can turn.
+
+        The curvature ``before`` (1/m), that of the last command, is kept while it leads there.
+        """
         scale = self._scale
-        for floor in FLOORS:
-            i, length = best_arc(
-                self._near, self._discs, self._cells, CURVATURES / scale, LONGEST * scale,
-                (self.body.outer + spare) * scale, floor * scale,
-            )  # fmt: skip
-            if length != 0.0:
-                linear = math.copysign(min(speed, max(SLOWEST, abs(length) / scale / TIME)), length)
-                return Velocity(linear, linear * float(CURVATURES[i]))
+        for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
+            for floor in FLOORS:
+                i, length = best_arc(
+                    self._near, self._discs, self._cells, curvatures / scale, LONGEST * scale,
+                    (self.body.outer + spare) * scale, floor * scale,
+                )  # fmt: skip
+                if length != 0.0:
+                    linear = math.copysign(min(speed, max(SLOWEST, abs(length) / scale / TIME)), length)
+                    return Velocity(linear, linear * float(curvatures[i]))
         return None

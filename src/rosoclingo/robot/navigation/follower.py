@@ -44,11 +44,12 @@ class RolloutFollower(LocalPlanner):
         self._body = Body(radius, footprint)
         self._circle = Body(self._body.outer)  # in which it can turn
         self._least, self._lull = -1.0, 0.0  # what is left of the path at least, and since when (s)
+        self._curvature: Optional[float] = None  # 1/m, of the arc on which it escapes
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Take a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
-            self._arrived, self._lull = False, 0.0
+            self._arrived, self._lull, self._curvature = False, 0.0, None
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -164,7 +165,9 @@ class RolloutFollower(LocalPlanner):
         """Return the command that leads to where the robot can turn, None where it can or none does."""
         if not self.footprint or now.has_room([now.pose[:2]], 0.5 * SPARE):
             return None
-        return now.arc_to_room(SPARE, self.limits.creep_vel_x)
+        found = now.arc_to_room(SPARE, self.limits.creep_vel_x, self._curvature)
+        self._curvature = found.angular / found.linear if found else None
+        return found
 
     def _creep(self, now: BodyState) -> VelocityCommand:
         """Go on slowly, backwards too, with as little room as there is; report the path as blocked after a while."""
