@@ -8,11 +8,9 @@ from rosoclingo.interfaces.action_runs import ActionLimits, Instant, Run
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, conclude
 from rosoclingo.interfaces.doubt import Inquiry
 from rosoclingo.interfaces.facts import Sender
-from rosoclingo.interfaces.link import new_goal_id
+from rosoclingo.interfaces.link import TAKEN, new_goal_id
 from rosoclingo.interfaces.templates import Ended
 from rosoclingo.reasoning.keywords import Action
-
-TAKEN = ("preempted", "recalled")  # the server has cancelled a goal
 
 
 class Attempt:

@@ -14,7 +14,7 @@ from clingo import Function
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionEvent, ActionLimits, Effect, Instant, Phase, Run
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, in_words
-from rosoclingo.interfaces.attempt import TAKEN, Attempt
+from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.doubt import Check, Inquiry, InquiryResult, Listed
 from rosoclingo.interfaces.facts import (
@@ -28,7 +28,7 @@ from rosoclingo.interfaces.facts import (
 )
 from rosoclingo.interfaces.inbox import inbox_of
 from rosoclingo.interfaces.interface_state import InterfaceHealth
-from rosoclingo.interfaces.link import ServerLink, new_goal_id
+from rosoclingo.interfaces.link import ServerLink, new_goal_id, progress
 from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.interfaces.outbox import Outbox
 from rosoclingo.interfaces.templates import ActionScope, Ended
@@ -117,7 +117,7 @@ class Interface(abc.ABC):
         self._outbox = Outbox(IN_TOPIC, name)
         self._health = InterfaceHealth(name, server, self._look)
         worker.add(self._settle)
-        rospy.on_shutdown(lambda: self._post(self._shut_down))
+        rospy.on_shutdown(lambda: worker.put(functools.partial(self._guarded, self._shut_down)))
         self._inbox = inbox_of(worker)
         self._inbox.add(name, self._read, self._begin_run)
 
@@ -201,9 +201,7 @@ class Interface(abc.ABC):
                 self._inquire(attempt, self.make_check(action))
             self._settle()
 
-    def _handle(self, attempt: Attempt, event: ActionEvent, ended: Optional[Ended] = None) -> None:
-        if ended is not None and not attempt.run.done:
-            attempt.ended = ended
+    def _handle(self, attempt: Attempt, event: ActionEvent) -> None:
         self._do(attempt, attempt.run.handle(event, _now()))
 
     def _do(self, attempt: Attempt, effect: Effect) -> None:
@@ -218,20 +216,12 @@ class Interface(abc.ABC):
 
     def _tracked(self, attempt: Attempt) -> Any:
         if attempt.handle is None:
-            attempt.handle = self._link.track(attempt.goal, attempt.goal_id, functools.partial(self._report, attempt))
+            attempt.handle = self._link.track(attempt.goal, attempt.goal_id, lambda: self._worker.put(_wake))
         return attempt.handle
 
     def _cancel(self, attempt: Attempt) -> None:
         if attempt.handle is not None:
             self._link.cancel(attempt.handle)
-
-    def _report(self, attempt: Attempt, event: ActionEvent, ended: Optional[Ended]) -> None:
-        taken = event is ActionEvent.ENDED and ended is not None and ended.status in TAKEN
-        self._post(functools.partial(self._hear, attempt, ActionEvent.TAKEN if taken else event, ended), attempt)
-
-    def _hear(self, attempt: Attempt, event: ActionEvent, ended: Optional[Ended]) -> None:
-        if attempt.inquiry is None and self._attempts.get(attempt.action) is attempt:
-            self._handle(attempt, event, ended)
 
     def _finish(self, attempt: Attempt) -> None:
         ended, sent = attempt.conclusion, attempt.handle is not None and attempt.lost is None
@@ -302,8 +292,7 @@ class Interface(abc.ABC):
         """Go on with the goal that the server has."""
         attempt.lost, attempt.run = None, Run(attempt.limits, now)
         attempt.run.handle(ActionEvent.SERVER_FOUND, now)
-        self._handle(attempt, ActionEvent.ACKNOWLEDGED)
-        self._link.report_again(attempt.handle, functools.partial(self._report, attempt))
+        attempt.run.handle(ActionEvent.ACKNOWLEDGED, now)
         if attempt.unwanted:
             self._handle(attempt, ActionEvent.CANCEL)
 
@@ -325,15 +314,20 @@ class Interface(abc.ABC):
             self._handle(attempt, ActionEvent.SERVER_FOUND)
         elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
             rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
-        elif attempt.run.phase is not Phase.WAITING and gone:
-            self._handle(attempt, ActionEvent.SERVER_LOST)
-        else:
+        elif attempt.run.phase is Phase.WAITING:
             self._do(attempt, attempt.run.tick(now))
+        else:
+            event, ended = (ActionEvent.SERVER_LOST, None) if gone else progress(attempt.handle)
+            attempt.ended = ended or attempt.ended
+            self._do(attempt, attempt.run.handle(event, now) if event is not None else Effect.NOTHING)
+            if not attempt.run.done:
+                self._do(attempt, attempt.run.tick(now))
 
     def _look(self) -> Tuple[bool, List[str]]:
         return self._link.connected, [str(action.atom) for action in self._attempts]
 
     def _shut_down(self) -> None:
+        self._settle()  # goals that have ended are answered by their ends
         attempts = list(self._attempts.values())
         for attempt in attempts:
             self._guarded(functools.partial(self._give_up, attempt), attempt)
@@ -349,9 +343,6 @@ class Interface(abc.ABC):
             self._handle(attempt, ActionEvent.SHUTDOWN)
 
     # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
-
-    def _post(self, job: Callable[[], None], attempt: Optional[Attempt] = None) -> None:
-        self._worker.put(functools.partial(self._guarded, job, attempt))
 
     def _guarded(self, job: Callable[[], None], attempt: Optional[Attempt] = None) -> None:
         """Do what a subclass, its goals and its server have a hand in; a fault costs no more than its attempt."""
@@ -400,6 +391,10 @@ class Interface(abc.ABC):
         known, self._health.trouble = self._health.trouble, self._memory.trouble
         if known != self._health.trouble:
             rospy.logerr("%s: %s", self.name, self._health.trouble or "the file of what it has begun is in order again")
+
+
+def _wake() -> None:
+    """Let the worker settle, which looks at what is under way."""
 
 
 def _now() -> Instant:

@@ -5,7 +5,7 @@ import time
 import uuid
 import weakref
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, Optional
+from typing import Any, Callable, Dict, Iterable, Optional, Tuple
 
 import rospy
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, CommStateMachine, TerminalState
@@ -33,6 +33,9 @@ STATUS_NAMES = {
     TerminalState.RECALLED: "recalled",
 }
 
+#: The ends of a goal that its server has cancelled.
+TAKEN = ("preempted", "recalled")
+
 _ACKNOWLEDGING = (
     CommState.PENDING,
     CommState.ACTIVE,
@@ -45,11 +48,9 @@ _CANCELLING = (CommState.RECALLING, CommState.PREEMPTING, CommState.WAITING_FOR_
 
 _ENDED = (*STATUS_NAMES, GoalStatus.LOST)
 
-Report = Callable[[ActionEvent, Optional[Ended]], None]
-
 
 class ServerLink:
-    """An ActionClient that can be asked whether its server is connected, and that reports progress as Events.
+    """An ActionClient that can be asked whether its server is connected, and that keeps the results of goals.
 
     actionlib's own `wait_for_server` blocks, and measures its time-out in simulated time, which may stand still.
     """
@@ -99,16 +100,16 @@ class ServerLink:
             self._down_since = wall
         return wall - self._down_since >= CONNECTION_GRACE
 
-    def track(self, goal: Any, identity: str, report: Report) -> ClientGoalHandle:
+    def track(self, goal: Any, identity: str, changed: Callable[[], None]) -> ClientGoalHandle:
         """Follow the goal of this id, which was sent before or is sent next.
 
-        `report` is called on rospy's threads and may only enqueue. actionlib's own ``send_goal`` chooses the id itself,
-        which then is not known before the goal is sent, nor after the node has died.
+        `changed` is called on rospy's threads and must only enqueue. actionlib's own ``send_goal`` chooses the id: it
+        is not known before the goal is sent, nor after the node has died.
         """
         client = self._client
         message = client.ActionGoal(goal_id=GoalID(id=identity), goal=goal)
         machine = CommStateMachine(
-            message, lambda handle: self._transition(handle, report), None, client.pub_goal.publish, None
+            message, lambda _handle: self._transition(changed), None, client.pub_goal.publish, None
         )
         with client.manager.list_mutex:
             client.manager.statuses.append(weakref.ref(machine))
@@ -122,10 +123,6 @@ class ServerLink:
         message = handle.comm_state_machine.action_goal
         message.header.stamp = message.goal_id.stamp = rospy.get_rostime()
         handle.comm_state_machine.send_goal_fn(message)
-
-    def report_again(self, handle: ClientGoalHandle, report: Report) -> None:
-        """Report where a goal is now."""
-        _report_transition(handle, report)
 
     @property
     def last_status(self) -> Any:
@@ -165,22 +162,24 @@ class ServerLink:
             while len(self._results) > RESULTS:
                 self._results.popitem(last=False)
 
-    def _transition(self, handle: ClientGoalHandle, report: Report) -> None:
-        _report_transition(handle, report)
+    def _transition(self, changed: Callable[[], None]) -> None:
+        changed()
         with self._changed:
             self._changed.notify_all()
 
 
-def _report_transition(handle: ClientGoalHandle, report: Report) -> None:
+def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[Ended]]:
+    """Return the event of a goal's present state, None while the server has not acknowledged it, and its end."""
     state = handle.get_comm_state()
     if state in _ACKNOWLEDGING:
-        report(ActionEvent.ACKNOWLEDGED, None)
-    elif state == CommState.DONE:
-        status = STATUS_NAMES.get(handle.get_terminal_state())
-        if status is None:
-            report(ActionEvent.SERVER_LOST, None)
-        else:
-            report(ActionEvent.ENDED, Ended(status, handle.get_goal_status_text(), handle.get_result()))
+        return ActionEvent.ACKNOWLEDGED, None
+    if state != CommState.DONE:
+        return None, None
+    status = STATUS_NAMES.get(handle.get_terminal_state())
+    if status is None:
+        return ActionEvent.SERVER_LOST, None
+    ended = Ended(status, handle.get_goal_status_text(), handle.get_result())
+    return ActionEvent.TAKEN if status in TAKEN else ActionEvent.ENDED, ended
 
 
 def new_goal_id() -> str:
