@@ -1,21 +1,16 @@
 """The account of ROS messages: where the robot and things are, in a package of any kind."""
 
-from pkgutil import extend_path
 from types import SimpleNamespace
 
 import pytest
 
-import rosoclingo
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 LABELS = {"kitchen": [1.0, 2.0], "hall": {"x": 5.0, "y": 0.0}}
 
 
 @pytest.fixture
-def account(monkeypatch):
-    pytest.importorskip("rospy")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+def account(messages):
     from rosoclingo.nodes.account_node import TopicAccount
 
     return TopicAccount(lambda _line: None)

@@ -2,22 +2,16 @@
 
 import subprocess
 from importlib import import_module
-from pkgutil import extend_path
 
 import pytest
-
-import rosoclingo
 
 LINES = ["summary"] * 20
 KILLED = ["[one] killing on exit"] * 30
 
 
 @pytest.fixture
-def demo(monkeypatch):
+def demo(messages):
     """The module, with the messages that the build has made."""
-    pytest.importorskip("rospy")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
     return import_module("rosoclingo.nodes.demo")
 
 

@@ -2,14 +2,12 @@
 
 import shutil
 from pathlib import Path
-from pkgutil import extend_path
 
 import pytest
 from core_driver import Driver, soon
 from journal_runs import changed, play
 from shipped import shipped
 
-import rosoclingo
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal.database import NAME
 from rosoclingo.reasoning.settings import CoreSettings
@@ -29,7 +27,7 @@ def driver():
 
 
 @pytest.fixture
-def replay(monkeypatch):
+def replay():
     """The command; its exit code and its lines."""
     pytest.importorskip("rosbag")
     from rosoclingo.nodes.recording.replaying import main
@@ -43,11 +41,9 @@ def replay(monkeypatch):
 
 
 @pytest.fixture
-def write(monkeypatch, tmp_path, driver):
+def write(messages, tmp_path, driver):
     """Writes a bag of the run, with ``left_out`` topics, of cores in some namespaces."""
-    rosbag = pytest.importorskip("rosbag")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    messages = pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
+    import rosbag
     from std_msgs.msg import String
 
     def to_messages(event):

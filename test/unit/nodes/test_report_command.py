@@ -4,26 +4,17 @@ import json
 import math
 import re
 from pathlib import Path
-from pkgutil import extend_path
 
 import pytest
 from journal_runs import GOALS, play
 from shipped import shipped
 from told_runs import GOAL, LABELS, plan_of
 
-import rosoclingo
 from rosoclingo.reasoning.journal.database import NAME
 from rosoclingo.runs.recorded_run import RunProgram
 
 ROOT = Path(__file__).resolve().parents[3]
 PLAN = plan_of("move_base office2", "pickup 1")
-
-
-@pytest.fixture
-def messages(monkeypatch):
-    """The package's messages; unit tests take it from its sources, where they are not."""
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    return pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
 
 
 @pytest.fixture
@@ -44,8 +35,8 @@ def report(monkeypatch):
 @pytest.fixture
 def write(messages, tmp_path):
     """Writes a bag with messages of topics at some seconds."""
-    rosbag = pytest.importorskip("rosbag")
     import genpy
+    import rosbag
 
     def write(said, name="run.bag"):
         path = tmp_path / name

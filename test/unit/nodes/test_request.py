@@ -1,22 +1,17 @@
 """The command request: what it says of a goal that is cancelled."""
 
 from importlib import import_module
-from pkgutil import extend_path
 from types import SimpleNamespace
 
 import pytest
 
-import rosoclingo
 from rosoclingo.reasoning.interface_register import ReportedInterfaces
 from rosoclingo.runs.sentences import Sentences
 
 
 @pytest.fixture
-def command(monkeypatch):
+def command(messages, monkeypatch):
     """The module of the command, for its client that below."""
-    pytest.importorskip("actionlib")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
     module = import_module("rosoclingo.nodes.request")
     monkeypatch.setattr(module, "CoreClient", Client)
     monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}))

@@ -1,21 +1,10 @@
 """The command ``watch``: which core it is about, and the account of a bag."""
 
-from pkgutil import extend_path
-
 import pytest
 
-import rosoclingo
 from rosoclingo.runs.recorded_run import RecordingError
 
 PLAN = "rosoclingo/TaskPlan"
-
-
-@pytest.fixture
-def messages(monkeypatch):
-    """The messages that the build has made."""
-    pytest.importorskip("rosbag")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    return pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
 
 
 @pytest.mark.parametrize(
