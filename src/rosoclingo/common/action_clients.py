@@ -1,4 +1,4 @@
-"""Clients of action servers: cancelling a goal, whatever is known of it."""
+"""Clients of action servers: cancelling a goal, acknowledged or not."""
 
 from actionlib import ActionClient, ClientGoalHandle
 from actionlib_msgs.msg import GoalID

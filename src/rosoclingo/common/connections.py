@@ -18,8 +18,8 @@ __all__ = ["comes_to", "heard_nodes", "is_connected", "readers"]
 def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_do: bool = False) -> bool:
     """Whether all that is published on a topic from now on comes to the node ``reader``; names are full ones.
 
-    So it is where all nodes that publish it, but for those that do not answer, write it to the reader. There is one at
-    least, unless ``none_will_do``, and the ``publishers`` are among them.
+    All nodes that publish it and answer have to write it to the reader: at least one node unless ``none_will_do``, and
+    the ``publishers`` among them.
     """
     asked = {node: readers(node) for node in _publishers(topic)}
     answers = {node: found.get(topic, set()) for node, found in asked.items() if found is not None}

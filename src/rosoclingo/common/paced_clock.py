@@ -1,4 +1,4 @@
-"""A clock for time limits on what takes processor time, whatever the pace of simulated time."""
+"""A clock for time limits on work that takes processor time, at any pace of simulated time."""
 
 from typing import Optional, Tuple
 

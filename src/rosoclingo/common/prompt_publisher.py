@@ -62,7 +62,7 @@ class PromptConnection(QueuedConnection):  # type: ignore[misc]
             for data in self._left:
                 try:
                     self._connection.write_data(data)
-                except Exception as error:  # noqa: BLE001 whatever it is, who publishes next is told, as in rospy
+                except Exception as error:  # noqa: BLE001 the next publish raises it, as in rospy
                     with self._lock:
                         self._error = error
             with self._lock:

@@ -160,7 +160,7 @@ class Reader:
         return self.whole(default, least) if isinstance(default, int) else self.number(default, low=0.0)
 
     def mapping(self, wanted: str = "a mapping", default: Any = MISSING) -> Mapping[Any, Any]:
-        """The value as a mapping, whatever is inside of it."""
+        """The value as a mapping; its values are not looked at."""
         return self.read(wanted, lambda value: _as(value, Mapping), default, {})
 
     def _of(self, key: str) -> str:

@@ -50,7 +50,7 @@ def leave(code: int) -> NoReturn:
 
 
 def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequence[str]:
-    """The command line's arguments but for ROS's own, at most one; ``--help`` shows the node's docstring."""
+    """The command line's arguments without those of ROS, at most one; ``--help`` shows the node's docstring."""
     from rospy import myargv
 
     tolerate_any_locale()

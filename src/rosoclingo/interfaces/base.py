@@ -18,10 +18,10 @@ from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.doubt import Check, Inquiry, InquiryResult, Listed
 from rosoclingo.interfaces.facts import (
-    Commanded,
     CommandError,
     InterfaceCommand,
     Sender,
+    SentActions,
     Verb,
     parse_command,
     return_text,
@@ -110,7 +110,7 @@ class Interface(abc.ABC):
         self._memory = ActionMemory(memory, f"{rospy.get_name()} {name}")
         self._worker = worker
         self._attempts: Dict[Action, Attempt] = {}
-        self._commanded = Commanded()
+        self._sent = SentActions()
         self._server = server
         self._goal_class = type(action_type().action_goal.goal)
         self._link = ServerLink(server, action_type)
@@ -146,7 +146,7 @@ class Interface(abc.ABC):
                 commands.append(parse_command(fact, self.name))
             except CommandError as error:
                 rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender.node, error)
-        self._commanded.add(commands)
+        self._sent.add(commands)
         for command in commands:
             self._guarded(functools.partial(self._obey, command, sender), self._attempts.get(command.action))
 
@@ -169,7 +169,7 @@ class Interface(abc.ABC):
     def _begin_run(self, run: str) -> None:
         if not self._memory.begin_run(run):
             return
-        self._commanded.clear()
+        self._sent.clear()
         for action, attempt in list(self._attempts.items()):
             if attempt.asked_by.run is not None:
                 rospy.logwarn("%s: %s is of a former run: it is cancelled", self.name, action.atom)
@@ -365,7 +365,7 @@ class Interface(abc.ABC):
             rospy.logwarn("%s: %s: %s", self.name, action.atom, in_words(ended, self._server))
         self._health.note(succeeded, f"{action.atom}: {in_words(ended, self._server)}")
         done = succeeded if result.success is None else result.success
-        value = self._commanded.value(action, result.value, done, self._knows)
+        value = self._sent.value(action, result.value, done, self._knows)
         if value != result.value:
             text = "%s: %s returns %s: its reason %s is the parameter of an action, which would mean success"
             rospy.logwarn(text, self.name, action.atom, value, result.value)

@@ -68,7 +68,7 @@ class Sender(NamedTuple):
         return self.run is None and self.node != owner.node
 
 
-class Commanded:
+class SentActions:
     """The latest actions that the core has sent; no reason of one must read as the success of another."""
 
     def __init__(self) -> None:

@@ -34,8 +34,8 @@ class Outbox:
     def put(self, message: InterfaceIO, reader: str, wall: float, wanted: Optional[Callable[[], bool]] = None) -> None:
         """Publish now or, while `reader` (a node's name) is not connected, later; `wall` is steady time in seconds.
 
-        What ``wanted`` says is not wanted is dropped, and else waits as long as it takes: whoever is there again asks
-        again. Without, a message waits for PATIENCE.
+        With ``wanted``, the message waits until it is published or no longer wanted: a reader that is back asks again.
+        Without, it waits for PATIENCE.
         """
         if not any(one.message == message for one in self._waiting):
             self._waiting.append(_Waiting(message, reader, wall, wanted))

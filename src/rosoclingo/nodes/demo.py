@@ -137,7 +137,7 @@ def _verdict(scenario: Scenario, outcome: ScenarioOutcome) -> List[str]:
 
 
 def _report(scenario: Scenario, outcome: ScenarioOutcome, bag: Path) -> str:
-    """Write a report of the run beside its bag and say where it is."""
+    """Write a report of the run next to its bag and return a line with its place."""
     judged = scenario.expect or outcome.faults
     about = {"title": scenario.title, "verdict": list(outcome.faults) if judged else None}
     report = bag.with_suffix(".html")

@@ -1,4 +1,4 @@
-"""Whether an action server is still the one that goals were sent to, whatever ROS time does."""
+"""Whether an action server is still the one that goals were sent to, by wall time."""
 
 import os
 import time
@@ -38,7 +38,7 @@ class ServerWatch:
         if process is None:
             return f"{self.node} does not answer any more"
         if self._process is not None and process != self._process:
-            return f"{self.node} was started anew"
+            return f"{self.node} was restarted"
         return ""
 
     def _ask(self) -> Optional[int]:

@@ -1,7 +1,7 @@
-"""The model of a run: its events in order, whatever they come from and whatever is made of them.
+"""The model of a run: its events in order.
 
-They come from a core's topics, live or from a bag, or from its journal. Lines of an account, tables of a page and the
-cycles of a replay are made of them.
+Their sources are a core's topics, live or from a bag, and its journal. A run view makes tables and lines of them, for
+pages and accounts; a run collector makes the cycles of a replay.
 """
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple

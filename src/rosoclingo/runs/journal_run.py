@@ -90,7 +90,7 @@ def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
 
 
 class _Clock:
-    """Seconds that only go forward, whatever simulated time did; a record without a time is a second after the last."""
+    """Seconds that only go forward, also if simulated time went back; a record without a time counts as a second."""
 
     def __init__(self) -> None:
         self._now, self._last = 0.0, 0.0
@@ -205,7 +205,7 @@ class _Reader:
                 self._events.dispatched(time, [str(one.atom) for one in actions_of(dispatch["actions"])])
 
     def _in_force(self) -> List[StreamUpdate]:
-        """Of several updates of one step the last; one that begins anew goes through the cycles before."""
+        """Of several updates of one step the last; after one that begins again, all from there on."""
         anew = [number for number, update in enumerate(self._updates) if Anew() in update.items]
         if anew:
             return self._updates[anew[-1] :]

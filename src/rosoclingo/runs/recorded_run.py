@@ -109,7 +109,7 @@ class RunProgram:
 
 
 def _apart(names: Sequence[str]) -> List[Path]:
-    """Return where files of these names go in a folder: below what their folders share; what is no path beside them."""
+    """Return where files of these names go in a folder: paths below their common folder, other names at its top."""
     folders = [str(Path(name).absolute().parent) for name in names if "/" in name]
     shared = os.path.commonpath(folders) if folders else "/"
     return [
@@ -131,7 +131,7 @@ class RecordedCycle:
 
     Attributes:
         cycle: its number.
-        updates: what the solver took, one update but for a program that begins anew.
+        updates: the solver's updates, one unless the program begins again.
         plans: the plans that were told, in order; the last one counts.
         dispatched: the actions that went out, None where that is not known.
         problems: what the core told of in its log.
@@ -176,7 +176,7 @@ class _Open:
 
     def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, told: int = 0) -> None:
         self.program, self.start, self.told = program, start, told
-        self._leading: List[StreamUpdate] = []  # of a program that begins anew, up to the present cycle
+        self._leading: List[StreamUpdate] = []  # of a program that begins again, up to the present cycle
         self.last: Optional[RecordedCycle] = None  # whose plan came last of all
         self._cycles: Dict[int, RecordedCycle] = {}
 
@@ -186,7 +186,7 @@ class _Open:
         return self._cycles.setdefault(cycle, RecordedCycle(cycle))
 
     def update(self, update: StreamUpdate) -> None:
-        """Take an update; those of a program that begins anew go through the cycles before in a few steps."""
+        """Take an update; a program that begins again passes through the earlier cycles in a few of them."""
         step = update.step or 1
         self._leading.append(update)
         if step > self.told:

@@ -51,7 +51,7 @@ PENDING, WAITING = "pending", "waiting"
 #: Atoms of the state that other lines report.
 _REPORTED = (ACTION_LIB + "(", STATUS + "(")
 
-#: Records of all tables together after which a page that goes on begins anew.
+#: Limit of records of all tables together, after which a live page keeps only open goals.
 MOST = 50000
 
 
@@ -323,7 +323,7 @@ class RunView(RunEvents):
 
     @property
     def full(self) -> bool:
-        """Whether so much is kept that a page that goes on had better begin anew."""
+        """Whether the tables hold more than MOST records: see :meth:`renewed`."""
         words = self._words, self._terms, self._shapes
         return sum(map(len, self.tables.values())) + sum(len(one.entries) for one in words) > MOST
 

@@ -2,7 +2,7 @@
 
 __all__ = ["USUAL", "full_name"]
 
-#: The core's usual name, and that of its action server, whatever the core is called.
+#: The core's usual name, and the name of each core's action server.
 USUAL = "rosoclingo"
 
 

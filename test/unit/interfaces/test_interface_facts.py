@@ -7,7 +7,7 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import Commanded, CommandError, Sender, Verb, parse_command, return_text
+from rosoclingo.interfaces.facts import CommandError, Sender, SentActions, Verb, parse_command, return_text
 from rosoclingo.interfaces.values import (
     TermError,
     as_boolean,
@@ -58,10 +58,10 @@ TERMS = st.recursive(
 @given(st.lists(TERMS, min_size=1, max_size=4, unique=True), TERMS, st.data())
 def test_a_reason_is_never_the_success_of_an_action(parameters, reason, data):
     actions = [Action(Function("drop"), parameter, 3) for parameter in parameters]
-    action, commanded = data.draw(st.sampled_from(actions)), Commanded()
+    action, sent = data.draw(st.sampled_from(actions)), SentActions()
     known = data.draw(st.sets(st.sampled_from(actions)))
-    commanded.add(parse_command(str(one.atom), "drop") for one in actions if one not in known)
-    value = commanded.value(action, reason, False, known.__contains__)
+    sent.add(parse_command(str(one.atom), "drop") for one in actions if one not in known)
+    value = sent.value(action, reason, False, known.__contains__)
     assert value not in parameters
     assert value == reason or reason in parameters or reason.arguments[-1] in parameters
     under_way = Dispatch(3, tuple(actions), 0.0)
@@ -85,13 +85,13 @@ def test_a_reason_is_never_the_success_of_an_action(parameters, reason, data):
     ],
 )
 def test_what_an_action_returns_beside_another(reason, succeeded, value):
-    commanded = Commanded()
-    commanded.add(parse_command(f"_action_lib(drop,{what},3)", "drop") for what in ("left", "rejected"))
-    commanded.add([parse_command("_action_lib(drop,right,2)", "drop")])
+    sent = SentActions()
+    sent.add(parse_command(f"_action_lib(drop,{what},3)", "drop") for what in ("left", "rejected"))
+    sent.add([parse_command("_action_lib(drop,right,2)", "drop")])
     action = Action(Function("drop"), Function("rejected"), 3)
-    assert str(commanded.value(action, read_term(reason), succeeded, lambda other: False)) == value
-    commanded.clear()
-    assert str(commanded.value(action, Function("left"), False, lambda other: False)) == "left"
+    assert str(sent.value(action, read_term(reason), succeeded, lambda other: False)) == value
+    sent.clear()
+    assert str(sent.value(action, Function("left"), False, lambda other: False)) == "left"
 
 
 @pytest.mark.parametrize(

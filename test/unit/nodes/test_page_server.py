@@ -180,21 +180,6 @@ def test_a_viewer_gets_all_and_then_what_is_new(served):
 
 
 @pytest.mark.slow
-def test_who_comes_late_and_who_was_there_know_the_same(served):
-    async def scene():
-        early = await served.connect()
-        await told(early)
-        served.do(lambda view: view.goal(140.0, "b", "g(b)"))
-        late = await served.connect()
-        assert len((await told(late))["goals"]) == 2
-        assert len((await told(early))["goals"]) == 1
-        served.do(lambda view: view.status(141.0, "b", 1, ""))
-        assert (await told(early))["goals"] == (await told(late))["goals"]
-
-    play(scene())
-
-
-@pytest.mark.slow
 def test_that_the_core_is_gone_is_told(served):
     async def scene():
         client = await served.connect()

@@ -1,4 +1,4 @@
-"""How the core's goals stand, for whoever is no actionlib client: the topic ``~goals``."""
+"""The states of the core's goals for nodes that are no actionlib clients: the topic ``~goals``."""
 
 import time
 from typing import Dict

@@ -99,7 +99,7 @@ class CoreNode:
             program; ``none`` for none. Of those for ``auto``, what no core has written to for a week is removed, but
             for the latest 20.
         ~resume (str, default ask): whether to go on with what is in the journal. ``ask``: where the roslaunch that has
-            started the core of the journal starts this one again; else it begins anew, the journal is set aside, and
+            started the core of the journal starts this one again; else a new run begins, the journal is set aside, and
             open goals in it are told. ``yes``: always, and it does not start where it can't. ``no``: never.
         ~required (bool, default false): in a launch file that starts the core again when it ends (``respawn``), have
             roslaunch end where that cannot help: the core cannot start, another node has taken its name, or it fails

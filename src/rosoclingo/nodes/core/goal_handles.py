@@ -25,7 +25,7 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
 
 _ACCEPTED = (GoalState.ACTIVE, GoalState.PREEMPTING)
 
-#: Seconds of wall time for which a core that goes on sends results to whoever connects.
+#: Seconds of wall time for which a resumed core sends results to each client that connects.
 RESENT = 60.0
 
 #: Limit of open goals of one node.

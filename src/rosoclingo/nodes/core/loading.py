@@ -16,7 +16,7 @@ from rosoclingo.oclingo.program.survey import LABELS, label_facts
 from rosoclingo.reasoning.journal.resuming import RESUMES
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Which plans there may be: the best that is known after some time, or the shortest whatever it takes.
+#: Kinds of plans: the best that is known after some time, or the shortest, without a limit of time.
 PLANS = ("soon", "shortest")
 
 #: In place of a journal's folder: the usual one, and none; empty is none, too.
@@ -56,7 +56,7 @@ class CoreParameters:
 
     @property
     def deciding(self) -> Dict[str, Any]:
-        """The parameters that decisions depend on, beside the program, by name; and where the labels are."""
+        """The parameters by name that decisions depend on, and the poses of the labels."""
         times = {"plan": self.plan, "plan_time": self.plan_time, "recovery_timeout": self.recovery_timeout}
         return {**asdict(self.settings), **times, "labels": dict(self.places)}
 

@@ -1,4 +1,4 @@
-"""The service ``~explain``: why a goal was given up, found out beside the core, in a process of its own."""
+"""The service ``~explain``: why a goal was given up, found by a process of its own while the core goes on."""
 
 import json
 import threading

@@ -15,7 +15,7 @@ _HOST = re.compile(r"(\[[0-9a-fA-F:.]+\]|[\w.-]+)(:\d{1,5})?\Z")
 
 
 class Access:
-    """The rules: whoever is on this machine without a token, others with one.
+    """Viewers on this machine need no token, others do.
 
     ``token`` is empty for a page on this machine alone; then it answers only to this machine's own names, so that no
     page of another site can reach it by a name of its own.

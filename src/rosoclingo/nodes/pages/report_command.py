@@ -35,7 +35,7 @@ def web() -> Path:
 def write_report(run: Path, to: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> None:
     """Write the report of a bag or a journal; raises RecordingError, OSError.
 
-    ``about`` is what the page says beside the run: ``title``, ``source``, and ``verdict``, how the run differs from
+    ``about`` is what else the page says: ``title``, ``source``, and ``verdict``, how the run differs from
     what was expected.
     """
     about = {"title": run.stem, "source": run.name, **(about or {})}
@@ -57,7 +57,7 @@ def make_parser() -> argparse.ArgumentParser:
         "recording", metavar="RUN.bag|JOURNAL", type=Path, help="the recording: a bag, or a core's journal"
     )
     parser.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help="the report (default: beside the recording, RUN.html)"
+        "-o", "--output", metavar="FILE", type=Path, help="the report (default: RUN.html next to the recording)"
     )
     parser.add_argument("--title", help="the report's title (default: the recording's name)")
     parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")

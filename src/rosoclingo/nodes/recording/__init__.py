@@ -1,1 +1,1 @@
-"""A run as a bag, whole whatever happens."""
+"""Runs as bags: the recorder, the reader of bags, replay."""

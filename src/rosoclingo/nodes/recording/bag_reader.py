@@ -78,7 +78,7 @@ def opened(path: Path) -> Iterator[rosbag.Bag]:
         ) from None
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # noqa: BLE001 rosbag raises whatever it stumbles over in a damaged file
+    except Exception as error:  # noqa: BLE001 rosbag can raise anything at a damaged file
         what = f"{type(error).__name__}: {error}"
         mend = "rosbag reindex may save what is whole, or take another copy"
         raise RecordingError(f"{path} is no bag, or damaged ({what}); {mend}") from None

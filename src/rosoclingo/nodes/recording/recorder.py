@@ -76,7 +76,7 @@ class RecorderNode:
             for roslaunch.
         ~patience (float, default 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
     Subscribes:
-        TOPIC: each of ~topics, whatever its type.
+        TOPIC: each of ~topics, of any type.
     Publishes:
         /diagnostics (diagnostic_msgs/DiagnosticArray): whether the bag can be written, once a second and on change.
 

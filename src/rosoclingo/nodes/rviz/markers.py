@@ -15,7 +15,7 @@ from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import GoalStates, PackageStates, State, TaskPlan
 from rosoclingo.nodes.rviz.map_view import bounds_of, text_factor
-from rosoclingo.nodes.rviz.panel import Panel, Told, goals_text, plan_text
+from rosoclingo.nodes.rviz.panel import GoalRow, Panel, goals_text, plan_text
 from rosoclingo.nodes.rviz.plain_shapes import Shape, larger, plated
 from rosoclingo.nodes.rviz.scene import (
     drawn_shapes,
@@ -66,7 +66,7 @@ class MarkersNode:
             ways that are blocked above all.
         /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
-        ~markers (visualization_msgs/MarkerArray, latched): everything anew whenever something has changed.
+        ~markers (visualization_msgs/MarkerArray, latched): all of them after each change.
 
     """
 
@@ -86,7 +86,7 @@ class MarkersNode:
             "labels": label_shapes(self._labels),
         }
         self._plan: Optional[TaskPlan] = None
-        self._goals: Optional[List[Told]] = None
+        self._goals: Optional[List[GoalRow]] = None
         self._drawings, self._told_packages = Drawings(), False
         self._state: Sequence[str] = ()
         self._lay_out()

@@ -21,7 +21,7 @@ WIDTH = 16.0
 HEIGHT = 2 * GAP + LINE_HEIGHT * (TITLE_SIZE + (LINES + 1) * WORDS_SIZE)
 
 #: A goal as the core tells of it: request, status as in actionlib_msgs/GoalStatus, and its reason.
-Told = Tuple[str, int, str]
+GoalRow = Tuple[str, int, str]
 
 
 class Panel(NamedTuple):
@@ -69,7 +69,7 @@ def _line(action: Action, cycle: int) -> str:
     return f"{action.cycle}. {action.interface_name} {action.parameter}{mark}"
 
 
-def goals_text(goals: Sequence[Told]) -> str:
+def goals_text(goals: Sequence[GoalRow]) -> str:
     """The goals in words, with why they wait or have failed: those that are open, then the latest that have ended."""
     told = [(request, STATUS_WORDS[number], reason) for request, number, reason in goals if number < len(STATUS_WORDS)]
     still = [one for one in told if one[1] not in ENDED]
@@ -87,7 +87,7 @@ def goals_text(goals: Sequence[Told]) -> str:
 
 
 def _goal(request: str, word: str, message: str) -> List[str]:
-    """A goal in lines; one of whatever length takes a few."""
+    """A goal in lines, at most half of LINES."""
     reason = reason_of(request, message)
     said = "waits" if word == "pending" and reason else word
     needed = said in ("waits", "aborted", "rejected", "lost")

@@ -43,7 +43,7 @@ _WIDTHS = {" ": 0.6}
 class Shape(NamedTuple):
     """One marker: ``kind`` is cylinder, cube, arrow (from the first point to the second), line or text.
 
-    A text with a ``plate`` of some colour can be read on whatever is below it; ``turns`` is what is on the robot.
+    A ``plate`` of some colour keeps a text readable on any ground; shapes on the robot turn (``turns``).
     """
 
     group: str

@@ -52,7 +52,7 @@ def label_shapes(labels: LabelTable) -> List[Shape]:
 
 
 def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str) -> List[Shape]:
-    """A cube with its name for each package (identifier, label, carried): beside its label, or on the robot."""
+    """A cube with its name for each package (identifier, label, carried): at its label, or on the robot."""
     shapes: List[Shape] = []
     there: Dict[str, int] = {}
     for package, location, carried in places:

@@ -238,7 +238,7 @@ class _Pause:
 
 
 class _Clock:
-    """Tells when ROS time has not moved for STILL seconds of wall time: whoever makes it is gone."""
+    """Reports when ROS time has not moved for STILL seconds of wall time: its publisher is gone."""
 
     def __init__(self, now: float) -> None:
         self._last = now
