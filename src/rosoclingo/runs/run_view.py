@@ -24,8 +24,8 @@ from rosoclingo.reasoning.keywords import (
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalTold, RunEvents, because, reason_of
+from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_log import BEGUN, RunLog
 from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplified
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in

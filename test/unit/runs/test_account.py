@@ -2,8 +2,8 @@ import pytest
 
 from rosoclingo.runs.account import Account
 from rosoclingo.runs.events import GoalTold
+from rosoclingo.runs.log_lines import PATIENCE
 from rosoclingo.runs.recorded_run import RunProgram
-from rosoclingo.runs.run_log import PATIENCE
 from rosoclingo.runs.sentences import Sentences
 
 
