@@ -36,16 +36,29 @@ def scripts(rows):
     return pytest.mark.parametrize("row", [pytest.param(row, id=name) for name, row in rows.items()])
 
 
-def play(driver, script):
-    """Play a script on a driver; return the driver."""
+def lines_of(script):
+    """The first word of each line of a script, the rest, and the line."""
     for line in filter(None, (one.strip() for one in re.split(r"[;\n]", script))):
         verb, _, rest = line.partition(" ")
+        yield verb, rest.strip(), line
+
+
+def perform(actor, script):
+    """Play a script whose words are methods of the actor; return the actor."""
+    for verb, rest, _ in lines_of(script):
+        getattr(actor, verb)(*rest.split())
+    return actor
+
+
+def play(driver, script):
+    """Play a script on a driver; return the driver."""
+    for verb, rest, line in lines_of(script):
         if verb in EXPECTATIONS:
-            EXPECTATIONS[verb](driver, rest.strip(), line)
+            EXPECTATIONS[verb](driver, rest, line)
         elif verb in EVENTS:
             EVENTS[verb](driver, *rest.split())
         else:
-            getattr(driver, verb)(*rest.split())
+            perform(driver, line)
     return driver
 
 
@@ -96,6 +109,12 @@ def some(texts, pattern, line):
     assert any(matches(text, pattern) for text in texts), "\n".join((line, *texts))
 
 
+def actions(found, expected, line):
+    texts = plain(found)
+    assert len(texts) == len(expected), f"{line}\n{texts}"
+    assert all(map(matches, texts, expected)), f"{line}\n{texts}"
+
+
 def plain(actions):
     """Actions as texts without their predicate."""
     return [re.sub(r"^_\w+\(|\)$", "", action) for action in actions]
@@ -121,9 +140,9 @@ EXPECTATIONS = {
     "is": states,
     "all": lambda driver, rest, line: states(driver, rest, line, every=True),
     "says": says,
-    "does": lambda driver, rest, line: same(plain(driver.awaited), rest.split(), line),
-    "done": lambda driver, rest, line: same(plain(driver.journal.actions), rest.split(), line),
-    "ends": lambda driver, rest, line: same(plain(preempted(driver)), rest.split(), line),
+    "does": lambda driver, rest, line: actions(driver.awaited, rest.split(), line),
+    "done": lambda driver, rest, line: actions(driver.journal.actions, rest.split(), line),
+    "ends": lambda driver, rest, line: actions(preempted(driver), rest.split(), line),
     "sends": lambda driver, rest, line: some(bodies(driver)[-1:], rest, line),
     "sent": lambda driver, rest, line: some(bodies(driver), rest, line),
     "unsent": lambda driver, rest, line: same([one for one in bodies(driver) if matches(one, rest)], [], line),

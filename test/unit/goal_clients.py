@@ -20,8 +20,10 @@ class Clients:
         settings = CoreSettings(goals_at_once=at_once, overtaking_limit=overtaking_limit, search_timeout=search_timeout)
         self.goals = GoalManager(program, self.feeder, self.told.append, lambda: 7, settings)
 
-    def add(self, *numbers):
-        for number in numbers:
+    # -- events, as words of a script; goals are numbers, or ranges such as 3-8
+
+    def add(self, *goals):
+        for number in numbers_of(goals):
             self.goals.add(f"g{number}", f"go({number})")
         return self
 
@@ -31,8 +33,7 @@ class Clients:
 
     def leave_out(self):
         """The next update reaches the program without the new goals: the solver cannot take them in time."""
-        batch = self._taken()
-        self.goals.taken(batch.goals, ())
+        self.goals.taken(self._taken().goals, ())
         return self
 
     def _taken(self, step=None):
@@ -44,34 +45,76 @@ class Clients:
     def plan(self, seconds=0.0):
         """The next update reaches the program, and a plan is found for all its goals, in so many seconds."""
         self._taken()
-        self.goals.plan_found(seconds)
+        self.goals.plan_found(None if seconds == "old" else float(seconds))
         return self
 
-    def no_plan(self, *fresh):
-        """No plan is found in time, with these goals new: those that are to wait do, none is in hand. Their numbers."""
-        chosen = self.goals.queue.too_many([self.goal(number) for number in fresh])
+    def no_plan(self, *words):
+        """No plan is found in time, with the goals after ``new`` new; expect those before it to wait."""
+        place = words.index("new") if "new" in words else len(words)
+        chosen = self.goals.queue.too_many([self.goal(number) for number in numbers_of(words[place + 1 :])])
+        assert numbers(chosen) == numbers_of(words[:place])
         if chosen:
             self.goals.defer(chosen, "too much", self.step)
         else:
             self.goals.queue.stay(chosen)
-        return numbers(chosen)
 
-    def put_off(self, *chosen):
+    def put_off(self, *goals):
         """These goals wait."""
-        self.goals.defer([self.goal(number) for number in chosen], "too much", self.step)
+        self.goals.defer([self.goal(number) for number in numbers_of(goals)], "too much", self.step)
         return self
 
-    def cancel(self, *chosen):
+    def cancel(self, *goals):
         """These goals are cancelled."""
-        for number in chosen:
+        for number in numbers_of(goals):
             self.goals.cancel(f"g{number}")
         return self
 
-    def end(self, *chosen):
+    def end(self, *goals):
         """These goals end by themselves."""
-        for number in chosen:
+        for number in numbers_of(goals):
             self.goal(number).end(Outcome.SUCCEEDED, "is done")
         return self
+
+    def tick(self, now):
+        self.goals.tick(float(now))
+
+    def stay(self, *goals):
+        """These goals, or all, cannot be deferred."""
+        self.goals.queue.stay([self.goal(number) for number in numbers_of(goals)] if goals else self.goals.live)
+
+    def give_time(self):
+        self.goals.queue.give_time()
+
+    def go_on(self):
+        self.goals.queue.go_on()
+
+    # -- expectations, as words of a script
+
+    def has(self, *goals):
+        """Expect the program to have these goals."""
+        assert self.served == numbers_of(goals)
+
+    def lacks(self, *goals):
+        """Expect these goals to wait."""
+        assert self.waiting == numbers_of(goals)
+
+    def size(self, number):
+        """Expect room for so many goals."""
+        assert self.goals.queue.size == int(number)
+
+    def patience(self, factor, unhurried=None):
+        """Expect this factor of the time of a search, and that it is ``unhurried`` or ``hurried``."""
+        queue = self.goals.queue
+        assert queue.patience == int(factor)
+        assert unhurried is None or queue.unhurried == (unhurried == "unhurried")
+
+    def in_vain(self, *goals):
+        """Expect these goals to give way to another."""
+        assert numbers(self.goals.queue.in_vain()) == numbers_of(goals)
+
+    def tells(self, number, *words):
+        """Expect that it was reported once, in these words, why a goal waits; never without words."""
+        assert self.waits(int(number)) == ([" ".join(words)] if words else [])
 
     def goal(self, number):
         return next(goal for goal in self.goals.live if goal.key == f"g{number}")
@@ -100,6 +143,19 @@ class Clients:
         return [(one.key, one.outcome) for one in self.told if isinstance(one, GoalChanged) and one.outcome is not None]
 
 
+def crowd(goals, **limits):
+    """Clients of goals 1, 2 and so on, which the program knows as far as there is room."""
+    clients = Clients(**limits).add(*range(1, goals + 1))
+    clients.feed()
+    return clients
+
+
 def numbers(goals):
     """The numbers of goals."""
     return [int(goal.key[1:]) for goal in goals]
+
+
+def numbers_of(words):
+    """The numbers of words such as 3 and 5-8."""
+    ends = [list(map(int, str(word).split("-"))) for word in words]
+    return [number for end in ends for number in range(end[0], end[-1] + 1)]

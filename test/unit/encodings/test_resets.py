@@ -1,198 +1,102 @@
 """What people correct of the robot's world: where it is, what is on it, where things lie."""
 
 import pytest
-from core_driver import Driver
+from core_scripts import scripts
+from deliveries import deliver
 from shipped import shipped
 
-from rosoclingo.reasoning.events import ActionsPreempted
-from rosoclingo.reasoning.settings import CoreSettings
+DETOUR = "acts move_base,office2 move_base,office3 pickup,1 move_base,office4 deliver,1"
+FROM_4 = "acts move_base,office3 pickup,1 move_base,office4 deliver,1"
 
 
-@pytest.fixture
-def mailbot():
-    return Driver.of_shipped("mailbot.lp", "office.lp")
-
-
-@pytest.fixture
-def house():
-    return Driver.of_shipped("house.lp", "home.lp")
-
-
-def done(driver, since=0):
-    """The actions that went out, without their cycles."""
-    return [text[len("_action_lib(") :].rpartition(",")[0] for text in driver.journal.actions[since:]]
-
-
-@pytest.mark.parametrize("name", ["_at", "_aboard", "_off"])
-def test_what_is_told_now_counts_for_the_next_action(name):
-    assert shipped("mailbot.lp", "office.lp").delay_of(name, 2) == 1
+def test_what_is_told_now_counts_for_the_next_action():
+    assert {shipped("mailbot.lp", "office.lp").delay_of(name, 2) for name in ("_at", "_aboard", "_off")} == {1}
     assert shipped("house.lp", "home.lp").delay_of("_lies", 3) == 1
 
 
-def test_a_plan_begins_where_the_robot_is_said_to_be(mailbot):
-    mailbot.facts("_at(office4,now)").goal("key", "goal(office3,office4,1)").finish()
-    assert done(mailbot) == ["move_base,office3", "pickup,1", "move_base,office4", "deliver,1"]
-    assert mailbot.states("key") == ["active", "succeeded"]
-    assert mailbot.problems == []
+CORRECTIONS = {
+    "plan begins where the robot is said to be": f"""
+        facts _at(office4,now); goal a goal(office3,office4,1); finish; {FROM_4}; all a active succeeded; problems 0""",
+    "robot that is carried away under way plans from there": f"""
+        goal a goal(office3,office4,1); facts _at(office4,now); does move_base,office2,1; acts move_base,office2; finish
+        {FROM_4}""",
+    **{f"{fact} is told late, and it went on since": f"""
+        goal a goal(office3,office4,1); succeed; succeed; succeed; facts {fact}; finish; all a active succeeded
+        acts move_base,office2 move_base,office3 pickup,1 move_base,office4 deliver,1; problems 0"""
+       for fact in ("_at(office4,1)", "_at(office2,2)")},
+    "thing that is said to be aboard is delivered": """
+        goal a goal(office3,office2,1); facts _aboard(1,now); finish; acts move_base,office2 deliver,1
+        all a active succeeded""",
+    "thing that nobody asked for stays aboard until it is asked for": """
+        facts _aboard(1,now) _at(office2,now); goal wrong goal(office3,office4,1)
+        says wrong ...package 1 is on the robot, which picked it up at office2; goal a goal(office2,office3,1); finish
+        acts move_base,office3 deliver,1""",
+    "thing that was taken off and lies elsewhere is fetched there": """
+        goal a goal(office1,office4,1); succeed; acts pickup,1 move_base,office2; facts _lies(1,office1,now); finish
+        acts move_base,office1 pickup,1 move_base,office2 move_base,office3 move_base,office4 deliver,1
+        all a active succeeded""",
+    "thing that waits elsewhere is fetched there": """
+        goal a goal(office3,office4,1); facts _lies(1,office2,now); finish
+        acts move_base,office2 pickup,1 move_base,office3 move_base,office4 deliver,1""",
+    "thing that was picked up and taken off at once": """
+        goal a goal(office1,office4,1); facts _off(1,now); finish; all a active aborted; problems 0""",
+    "thing that waits is not on the robot anyway": """
+        goal a goal(office3,office4,1); facts _off(1,now); finish; all a active succeeded""",
+    "cancelled goal whose package was taken off has ended": """
+        goal a goal(office1,office4,1); succeed; cancel a; facts _lies(1,office3,now); finish; is a preempted
+        acts pickup,1 move_base,office2""",
+    "places that there are not are refused": f"""
+        goal a goal(office3,office4,1); facts _at(cellar,now) _lies(1,cellar,now); finish; {DETOUR}; problems 2
+        problem '_at(cellar,now)' from 'interface' is ignored: there is no place cellar...
+        problem '_lies(1,cellar,now)' from 'interface' is ignored: there is no place cellar...""",
+}  # fmt: skip
+SLOW_CORRECTIONS = {
+    "robot that was not where it should be acts where it is said to be": """
+        goal a goal(office1,office2,1); fail not_at_label; fail failed; facts _at(office1,now); finish
+        all a active succeeded""",
+    "things aboard take their room": """
+        facts _aboard(1,now) _aboard(2,now) _aboard(3,now); goal a goal(office1,office2,4)
+        says a ...the robot is full of what it could not put down since _aboard(1,1) was told...
+        facts _off(2,now); goal b goal(office1,office2,4); finish; all b active succeeded""",
+    "thing that was taken off and is nowhere is given up": """
+        goal a goal(office1,office4,1); goal b goal(office2,office3,2); succeed; facts _off(1,now); finish
+        all a active aborted; says a ...package 1 is not on the robot; all b active succeeded
+        goal c goal(office3,office4,1); finish; all c active succeeded""",
+    **{f"two places at once: {facts}": f"""
+        goal a goal(office3,office4,1); facts {facts}; finish; problems 2; problem ... to be in two places...
+        {DETOUR}"""
+       for facts in ("_at(office2,now) _at(office4,now)", "_aboard(1,now) _off(1,now)",
+                     "_lies(1,office1,now) _lies(1,office2,now)", "_aboard(1,now) _lies(1,office2,now)")},
+}  # fmt: skip
 
 
-def test_a_robot_that_is_carried_away_under_way_plans_from_there(mailbot):
-    mailbot.goal("key", "goal(office3,office4,1)").facts("_at(office4,now)")
-    assert mailbot.awaited == ["_action_lib(move_base,office2,1)"], "what is under way ends first"
-    mailbot.finish()
-    assert done(mailbot, 1) == ["move_base,office3", "pickup,1", "move_base,office4", "deliver,1"]
-
-
-@pytest.mark.slow
-def test_a_robot_that_was_not_where_it_should_be_may_act_where_it_is_said_to_be(mailbot):
-    mailbot.goal("key", "goal(office1,office2,1)").fail("not_at_label")
-    mailbot.fail("failed").facts("_at(office1,now)")
-    mailbot.finish()
-    assert mailbot.states("key") == ["active", "succeeded"]
-
-
-def test_where_it_was_is_told_late(mailbot):
-    """The robot went on to a place since, so that is where it is: nothing that was done is denied."""
-    mailbot.goal("key", "goal(office3,office4,1)").succeed().succeed().succeed()
-    mailbot.facts("_at(office4,1)").finish()
-    assert mailbot.states("key") == ["active", "succeeded"]
-    assert done(mailbot, 4) == ["deliver,1"]
-    assert mailbot.problems == []
-
-
-@pytest.mark.slow
-def test_where_it_cannot_have_been_denies_nothing_that_was_done(mailbot):
-    """It went on to a place since, so that is where it is."""
-    mailbot.goal("key", "goal(office3,office4,1)").succeed().succeed().succeed()
-    mailbot.facts("_at(office2,2)").finish()
-    assert mailbot.states("key") == ["active", "succeeded"]
-    assert mailbot.problems == []
-    assert done(mailbot, 4) == ["deliver,1"]
-
-
-def test_what_is_said_to_be_aboard_is_delivered(mailbot):
-    mailbot.goal("key", "goal(office3,office2,1)").facts("_aboard(1,now)").finish()
-    assert done(mailbot) == ["move_base,office2", "deliver,1"]
-    assert mailbot.states("key") == ["active", "succeeded"]
-
-
-def test_what_nobody_asked_for_stays_aboard_until_it_is_asked_for(mailbot):
-    mailbot.facts("_aboard(1,now)", "_at(office2,now)")
-    mailbot.goal("wrong", "goal(office3,office4,1)")
-    assert mailbot.message("wrong").endswith("package 1 is on the robot, which picked it up at office2")
-    mailbot.goal("key", "goal(office2,office3,1)").finish()
-    assert done(mailbot) == ["move_base,office3", "deliver,1"]
-
-
-@pytest.mark.slow
-def test_it_takes_its_room(mailbot):
-    mailbot.facts("_aboard(1,now)", "_aboard(2,now)", "_aboard(3,now)").goal("key", "goal(office1,office2,4)")
-    assert "the robot is full of what it could not put down since _aboard(1,1) was told" in mailbot.message("key")
-    mailbot.facts("_off(2,now)").goal("again", "goal(office1,office2,4)").finish()
-    assert mailbot.states("again") == ["active", "succeeded"]
-
-
-def test_what_was_taken_off_and_lies_elsewhere_is_fetched_there(mailbot):
-    mailbot.goal("key", "goal(office1,office4,1)").succeed()
-    mailbot.facts("_lies(1,office1,now)").finish()
-    assert done(mailbot, 2) == [
-        "move_base,office1",
-        "pickup,1",
-        "move_base,office2",
-        "move_base,office3",
-        "move_base,office4",
-        "deliver,1",
-    ]
-    assert mailbot.states("key") == ["active", "succeeded"]
-
-
-def test_what_waits_elsewhere_is_fetched_there(mailbot):
-    mailbot.goal("key", "goal(office3,office4,1)").facts("_lies(1,office2,now)").finish()
-    assert done(mailbot) == ["move_base,office2", "pickup,1", "move_base,office3", "move_base,office4", "deliver,1"]
+@scripts(CORRECTIONS)
+def test_correction(row):
+    deliver("mailbot", row)
 
 
 @pytest.mark.slow
-def test_what_was_taken_off_and_is_nowhere_is_given_up(mailbot):
-    mailbot.goal("key", "goal(office1,office4,1)").goal("other", "goal(office2,office3,2)").succeed()
-    mailbot.facts("_off(1,now)").finish()
-    assert mailbot.states("key") == ["active", "aborted"]
-    assert mailbot.message("key").endswith("package 1 is not on the robot")
-    assert mailbot.states("other") == ["active", "succeeded"]
-    assert mailbot.goal("again", "goal(office3,office4,1)").finish().states("again") == ["active", "succeeded"]
-
-
-def test_what_was_picked_up_and_taken_off_at_once(mailbot):
-    mailbot.goal("key", "goal(office1,office4,1)").facts("_off(1,now)").finish()
-    assert mailbot.states("key") == ["active", "aborted"]
-    assert mailbot.problems == []
-
-
-def test_what_waits_is_not_on_the_robot_anyway(mailbot):
-    mailbot.goal("key", "goal(office3,office4,1)").facts("_off(1,now)").finish()
-    assert mailbot.states("key") == ["active", "succeeded"]
-
-
-def test_a_cancelled_request_whose_package_was_taken_off_has_ended(mailbot):
-    mailbot.goal("key", "goal(office1,office4,1)").succeed().cancel("key")
-    mailbot.facts("_lies(1,office3,now)").finish()
-    assert mailbot.states("key")[-1] == "preempted"
-    assert "deliver" not in " ".join(mailbot.journal.actions)
-
-
-@pytest.mark.parametrize(
-    ("fact", "why"),
-    [
-        ("_at(cellar,now)", "there is no place cellar"),
-        ("_lies(1,cellar,now)", "there is no place cellar"),
-    ],
-)
-def test_a_place_that_there_is_not_is_refused(mailbot, fact, why):
-    mailbot.goal("key", "goal(office3,office4,1)").facts(fact).finish()
-    assert mailbot.states("key") == ["active", "succeeded"]
-    (problem,) = mailbot.problems
-    assert f"'{fact}' from 'interface' is ignored: {why}" in problem
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize(
-    "facts",
-    [
-        ("_at(office2,now)", "_at(office4,now)"),
-        ("_aboard(1,now)", "_off(1,now)"),
-        ("_lies(1,office1,now)", "_lies(1,office2,now)"),
-        ("_aboard(1,now)", "_lies(1,office2,now)"),
-    ],
-)
-def test_who_is_said_to_be_in_two_places_at_once_has_been_told_nothing(mailbot, facts):
-    mailbot.goal("key", "goal(office3,office4,1)").facts(*facts).finish()
-    assert len(mailbot.problems) == 2
-    assert all("to be in two places" in problem for problem in mailbot.problems)
-    assert done(mailbot) == ["move_base,office2", "move_base,office3", "pickup,1", "move_base,office4", "deliver,1"]
+@scripts(SLOW_CORRECTIONS)
+def test_further_correction(row):
+    deliver("mailbot", row)
 
 
 @pytest.mark.slow
-def test_things_of_the_house(house):
-    house.facts("_lies(cup,study,now)", "_at(bedroom,now)").goal("key", "bring(hallway,cup)").finish()
-    assert done(house) == ["move_base,study", "pickup,cup", "move_base,hallway", "deliver,cup"]
-    house.facts("_aboard(tray,now)").goal("second", "bring(kitchen,tray)").finish()
-    assert done(house, 4) == ["move_base,kitchen", "deliver,tray"]
-    house.facts("_off(book,now)").goal("third", "bring(kitchen,book)")
-    assert house.states("third")[0] == "active", "it was not on the robot anyway"
-    assert house.finish().states("third") == ["active", "succeeded"]
+def test_corrections_of_the_house():
+    """A book that was not on the robot anyway, and a cup that was taken off by hand."""
+    deliver(
+        "house",
+        """
+        facts _lies(cup,study,now) _at(bedroom,now); goal a bring(hallway,cup); finish
+        acts move_base,study pickup,cup move_base,hallway deliver,cup; facts _aboard(tray,now)
+        goal b bring(kitchen,tray); finish; acts move_base,kitchen deliver,tray; facts _off(book,now)
+        goal c bring(kitchen,book); finish; all c active succeeded; goal d bring(bedroom,cup); until deliver
+        hear hand _lies(cup,bathroom,now); fail not_carried; finish; all d active succeeded
+        drove bathroom hallway bedroom""",
+    )
 
 
-@pytest.mark.slow
-def test_a_thing_that_was_taken_off_by_hand(house):
-    house.goal("key", "bring(bedroom,cup)").until("deliver")
-    house.facts(f"_return(deliver,not_carried,{house.core.cycle})", "_lies(cup,bathroom,now)").finish()
-    assert house.states("key") == ["active", "succeeded"]
-    assert "move_base,bathroom" in done(house)
-
-
-def test_with_preempt_what_is_under_way_in_vain_is_ended():
-    mailbot = Driver(settings=CoreSettings(preempt=True), program=shipped("mailbot.lp", "office.lp"))
-    mailbot.goal("key", "goal(office3,office4,1)").facts("_at(office4,now)")
-    (preempted,) = mailbot.journal.of(ActionsPreempted)
-    assert [str(action.atom) for action in preempted.actions] == ["_action_lib(move_base,office2,1)"]
-    mailbot.fail("preempted").finish()
-    assert done(mailbot, 1) == ["move_base,office3", "pickup,1", "move_base,office4", "deliver,1"]
+def test_actions_in_vain_are_ended_with_preempt():
+    deliver("mailbot", f"""
+        goal a goal(office3,office4,1); facts _at(office4,now); ends move_base,office2,1; acts move_base,office2
+        fail preempted; finish; {FROM_4}""", preempt=True)  # fmt: skip

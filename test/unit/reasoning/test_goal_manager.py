@@ -1,15 +1,14 @@
 """The goal manager: who is let in, who waits, who is told what."""
 
 import pytest
-from goal_clients import Clients
+from core_scripts import perform
+from goal_clients import Clients, crowd
 
-from rosoclingo.reasoning.events import GoalRefused
-from rosoclingo.reasoning.goals import GoalState, Outcome
+from rosoclingo.reasoning import GoalRefused, GoalState, Outcome
 
 
 def test_the_end_of_one_lets_the_next_in():
-    clients = Clients(at_once=2).add(1, 2, 3, 4)
-    clients.feed()
+    clients = crowd(4, at_once=2)
     clients.goals.end(clients.goals.fed[:1], Outcome.SUCCEEDED, "is done")
     assert clients.feed(2) == ["_request(go(3),3)"]
     clients.goals.end(clients.goals.fed, Outcome.SUCCEEDED, "is done")
@@ -17,31 +16,21 @@ def test_the_end_of_one_lets_the_next_in():
     assert clients.live == ["g4"]
 
 
-def test_one_that_waits_is_cancelled():
-    clients = Clients(at_once=1).add(1, 2, 3)
-    assert clients.goal(2).waits
-    clients.goals.cancel("g2")
-    assert clients.waiting == [3]
-    clients.goals.cancel("g1")
+def test_goals_that_the_program_does_not_have_are_cancelled_at_once():
+    clients = perform(Clients(at_once=1), "add 1-3; lacks 2 3")
+    goal = clients.goal(2)
+    assert not perform(clients, "cancel 2; lacks 3; cancel 1").goals.queue.waits(goal)
     assert clients.feed() == ["_request(go(3),2)"]
     assert clients.ends() == [("g2", Outcome.CANCELED), ("g1", Outcome.CANCELED)]
 
 
-def test_cancelled_once_it_is_with_the_program():
-    clients = Clients().add(1)
-    clients.feed()
-    clients.goals.cancel("g1")
-    clients.goals.cancel("g1")
+def test_goals_that_the_program_has_are_cancelled_once_in_its_updates():
+    clients = perform(crowd(2), "cancel 1; cancel 1")
     assert clients.feed(2) == ["_request(cancel(1),2)"]
+    clients.goals.drop(clients.goals.fed[1:], "cannot be met")
+    assert clients.feed(4) == ["_request(cancel(2),4)"]
+    assert clients.ends() == [("g2", Outcome.ABORTED)]
     assert clients.live == ["g1"]
-
-
-def test_goals_that_are_dropped_are_cancelled_for_the_program():
-    clients = Clients().add(1, 2)
-    clients.feed()
-    clients.goals.drop(clients.goals.fed[:1], "cannot be met")
-    assert clients.feed(4) == ["_request(cancel(1),4)"]
-    assert clients.ends() == [("g1", Outcome.ABORTED)]
 
 
 def test_goals_that_have_ended_stay_as_they_are():
@@ -54,8 +43,7 @@ def test_goals_that_have_ended_stay_as_they_are():
 
 
 def test_undeclared_requests_end_their_goals_alone():
-    clients = Clients().add(1, 2)
-    clients.feed()
+    clients = crowd(2)
     warning = "Head _request(go(2),2) has not been declared external. The entire rule will be ignored."
     clients.goals.reject_undeclared(clients.goals.fed, ["something else", warning])
     assert clients.live == ["g1"]
@@ -86,13 +74,11 @@ def test_a_program_that_takes_no_requests():
     assert clients.live == []
 
 
-def test_a_program_that_begins_anew_is_told_again_of_the_goals_that_live():
-    clients = Clients().add(1, 2, 3)
-    clients.feed()
+def test_a_program_that_begins_again_hears_of_the_live_goals():
+    clients = crowd(3)
     goals = clients.goals.live
-    clients.goals.end(goals[:1], Outcome.SUCCEEDED, "is met")
-    clients.goals.again(goals)
+    clients.end(1).goals.again(goals)
     assert clients.fed == [], "it knows none of them"
-    clients.goals.cancel("g3")
+    clients.cancel(3)
     assert clients.ends()[-1] == ("g3", Outcome.CANCELED), "at once"
     assert clients.feed(2) == ["_request(go(2),3)"]
