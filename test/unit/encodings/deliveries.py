@@ -6,7 +6,7 @@ from core_driver import Driver
 from core_scripts import play
 from shipped import shipped
 
-from rosoclingo.reasoning import CoreSettings
+from rosoclingo.reasoning.settings import CoreSettings
 
 FILES = {"mailbot": ("mailbot.lp", "office.lp"), "house": ("house.lp", "home.lp"), "paper": ("paper.lp",)}
 

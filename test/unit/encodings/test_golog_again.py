@@ -5,7 +5,9 @@ from functools import lru_cache
 import pytest
 from busy_driver import BusyDriver
 from core_driver import Driver, shortest
+from core_scripts import play, scripts
 from golog_programs import ENCODINGS
+from golog_scripts import run
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -49,97 +51,56 @@ def program():
     return ReactiveProgram([Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS)])
 
 
-def core():
-    """A core that has nothing to do yet."""
-    return Driver(program=program())
+GIVEN_UP = "goal old run(tidied,1); succeed; stuck 3; is old aborted; does act,tidy,..."
 
-
-def failing(driver, times):
-    """What is under way fails so many times."""
-    for _ in range(times):
-        driver.fail("stuck")
-    return driver
-
-
-def doing(driver):
-    """What is under way."""
-    return " ".join(str(action.parameter) for action in driver.core.awaited)
-
-
-def all_done(driver):
-    """What is done, until nothing is."""
-    found = []
-    while driver.core.awaited:
-        found.append(doing(driver))
-        driver.succeed()
-    return " ".join(found)
-
-
-def given_up(identity=1):
-    """A core that has given up a program after it has begun, and tidies up."""
-    driver = failing(core().goal("old", f"run(tidied,{identity})").succeed(), 3)
-    assert (driver.states("old")[-1], doing(driver)) == ("aborted", "tidy")
-    return driver
+#: Scripts; all are played without a problem.
+STORIES = {
+    "identifier is used again while its old program is undone": f"""
+        {GIVEN_UP}; goal new run(short,1); succeed; is new active; finish; is new succeeded""",
+    "what waits to be undone is undone for each program of an identifier": """
+        goal old run(patient,1); succeed; stuck 3; goal new run(patient,1); succeed; cancel new; fail stuck
+        is old aborted; is new preempting; does; facts _set(f,now); performs tidy tidy; is new preempted""",
+    "rejected goal does not end what is done for an earlier one": f"""
+        {GIVEN_UP}; goal new run(othr,1); succeed; is new rejected; step calm; goal last run(short,1); finish
+        is last succeeded""",
+    "what cannot be undone for an aborted goal is left": f"""
+        {GIVEN_UP}; stuck 3; does; is old aborted; goal new run(short,1); finish; is new succeeded""",
+    "what cannot be undone for a cancelled goal is left": """
+        goal old run(tidied,1); succeed; cancel old; fail stuck; stuck 3; does; is old preempted
+        says old ...not all that was begun could be undone...; goal new run(short,1); finish; is new succeeded""",
+    "what can be undone in part is undone in part": """
+        goal g run(doubtful,1); succeed; cancel g; fail stuck; step tidy; is g preempted""",
+    "runs of the same program do not touch each other": """
+        goal g run(tidied,1); goal h run(tidied,2); goal i run(short); succeed; cancel h; finish
+        is g succeeded; is h preempted; is i succeeded""",
+    "identifiers are any terms": """
+        goal g run(tidied,undo(1)); goal h run(tidied,1); goal i run(tidied,run(1)); goal j run(tidied,run(1,1))
+        goal k run(tidied,"x"); goal l run(tidied,-2); succeed; cancel h; cancel i; cancel k; finish
+        is g succeeded; is h preempted; is i preempted; is j succeeded; is k preempted; is l succeeded""",
+}
 
 
 @pytest.mark.slow
-def test_an_identifier_is_used_again_while_its_old_program_is_undone():
-    driver = given_up().goal("new", "run(short,1)").succeed()
-    assert driver.states("new")[-1] == "active"
-    driver.finish()
-    assert driver.states("new")[-1] == "succeeded"
-    assert not driver.problems
+@scripts(STORIES)
+def test_programs_again(row):
+    run(program(), f"{row}; problems 0")
 
 
 @pytest.mark.slow
 def test_a_second_program_of_an_identifier_is_undone_beside_the_first_one():
-    driver = given_up().goal("new", "run(tidied,1)").succeed()
-    done = []
-    while doing(driver) not in ("b", ""):
-        done.append(doing(driver))
+    driver, done = run(program(), f"{GIVEN_UP}; goal new run(tidied,1); succeed"), []
+    while driver.doing not in (["b"], []):
+        done += driver.doing
         driver.succeed()
-    done.append(all_done(driver.cancel("new").fail("stuck")))
-    assert sorted(" ".join(done).split()) == ["a", "calm", "calm", "tidy"]
+    done += driver.cancel("new").fail("stuck").rest()
+    assert sorted(done) == ["a", "calm", "calm", "tidy"]
     assert driver.states("new")[-1] == "preempted"
     assert not driver.problems
-
-
-@pytest.mark.slow
-def test_what_waits_to_be_undone_is_undone_for_each_program_of_an_identifier():
-    driver = failing(core().goal("old", "run(patient,1)").succeed(), 3)
-    driver.goal("new", "run(patient,1)").succeed().cancel("new").fail("stuck")
-    assert [driver.states(key)[-1] for key in ("old", "new")] == ["aborted", "preempting"]
-    assert not driver.core.awaited
-    assert all_done(driver.facts("_set(f,now)")) == "tidy tidy"
-    assert driver.states("new")[-1] == "preempted"
-
-
-@pytest.mark.slow
-def test_who_is_rejected_does_not_end_what_is_done_for_an_earlier_one():
-    driver = given_up().goal("new", "run(othr,1)").succeed()
-    assert driver.states("new")[-1] == "rejected"
-    assert doing(driver) == "calm"
-    driver.succeed().goal("last", "run(short,1)").finish()
-    assert driver.states("last")[-1] == "succeeded"
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize("ended", [True, False])
-def test_what_cannot_be_undone_is_left(ended):
-    driver = given_up() if ended else core().goal("old", "run(tidied,1)").succeed().cancel("old").fail("stuck")
-    failing(driver, 3)
-    assert not driver.core.awaited
-    assert driver.states("old")[-1] == ("aborted" if ended else "preempted")
-    assert ended or "not all that was begun could be undone" in driver.message("old")
-    assert not driver.problems
-    assert driver.goal("new", "run(short,1)").finish().states("new")[-1] == "succeeded"
 
 
 def test_a_further_cancel_ends_what_is_done_for_the_first_one():
-    solver, done = (
-        shortest(program()),
-        ":- not _action_lib(act,{0},{1}). _return(act,{0},{1}). _request(cancel(1),{2}).",
-    )
+    solver = shortest(program())
+    done = ":- not _action_lib(act,{0},{1}). _return(act,{0},{1}). _request(cancel(1),{2})."
     solver.update(parse_update("#step 1 : 20. _request(run(tidied,1),2). #endstep."))
     (answer,) = solver.update(parse_update(f"#step 2 : 20. {done.format('a', 1, 2)} #endstep.")).answers
     assert {"_action_lib(act,tidy,2)", "_action_lib(act,calm,3)"} <= set(map(str, answer))
@@ -148,57 +109,26 @@ def test_a_further_cancel_ends_what_is_done_for_the_first_one():
     assert not any(atom.name == "_action_lib" and atom.arguments[2].number > 2 for atom in answer)
 
 
-def test_what_can_be_undone_in_part_is_undone_in_part():
-    driver = core().goal("g", "run(doubtful,1)").succeed().cancel("g").fail("stuck")
-    assert doing(driver) == "tidy"
-    assert driver.succeed().states("g")[-1] == "preempted"
-    assert not driver.problems
-
-
-def test_runs_of_the_same_program_do_not_touch_each_other():
-    driver = core().goal("g", "run(tidied,1)").goal("h", "run(tidied,2)").goal("i", "run(short)").succeed()
-    driver.cancel("h").finish()
-    assert [driver.states(key)[-1] for key in "ghi"] == ["succeeded", "preempted", "succeeded"]
-    assert not driver.problems
-
-
-@pytest.mark.slow
-def test_identifiers_are_any_terms():
-    driver = core()
-    for key, text in {"g": "undo(1)", "h": "1", "i": "run(1)", "j": "run(1,1)", "k": '"x"', "l": "-2"}.items():
-        driver.goal(key, f"run(tidied,{text})")
-    driver.succeed()
-    for key in "hik":
-        driver.cancel(key)
-    driver.finish()
-    assert [driver.states(key)[-1] for key in "gjl"] == ["succeeded"] * 3
-    assert [driver.states(key)[-1] for key in "hik"] == ["preempted"] * 3
-
-
-# ---- withdrawn -------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 def test_a_program_that_has_not_begun_is_withdrawn_and_comes_again():
     driver = BusyDriver(program=program(), most=2).goal("g", "run(waiting,1)").succeed().goal("h", "run(late,2)")
     driver.most = 1
     driver.facts("_set(g,now)")
     assert [goal.key for goal in driver.core.queue.waiting] == ["h"]
-    assert all_done(driver.facts("_set(f,now)")) == "b c"
+    play(driver, "facts _set(f,now); finish; is g succeeded; is h succeeded")
+    assert [action.split(",")[1] for action in driver.journal.actions] == ["a", "b", "c"]
     assert "#withdraw _request(run(late,2)," in driver.journal.stream
-    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
 @pytest.mark.slow
 def test_programs_that_have_begun_are_not_withdrawn():
     driver = BusyDriver(program=program(), most=2)
-    for key in "gh":
-        driver.goal(key, f"run(waiting,{key})").succeed()
+    play(driver, "goal g run(waiting,g); succeed; goal h run(waiting,h); succeed")
     driver.most = 1
     driver.facts("_set(f,now)")
     assert driver.core.queue.waiting == []
-    assert all_done(driver) == "b b"
-    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
+    play(driver, "finish; is g succeeded; is h succeeded")
+    assert [action.split(",")[1] for action in driver.journal.actions] == ["a", "a", "b", "b"]
 
 
 # ---- in any order ----------------------------------------------------------------------------------------------------
@@ -217,7 +147,7 @@ class Play:
     """Goals of a core, and what happens to them."""
 
     def __init__(self):
-        self.driver, self.keys = core(), []
+        self.driver, self.keys = Driver(program=program()), []
 
     def ask(self, name, identity):
         self.keys.append(f"{len(self.keys)} {name}")

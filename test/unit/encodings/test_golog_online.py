@@ -3,8 +3,9 @@
 from functools import lru_cache
 
 import pytest
-from core_driver import Driver
+from core_scripts import play, scripts
 from golog_programs import ENCODINGS
+from golog_scripts import run
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -30,6 +31,22 @@ golog_free(t) :- holds(shared,t).
 PROCEDURES = """
 proc other { a; await f; b; }
 proc other(X) { pick Y: is(Y) and X = Y { if Y = a { a; } else { b; } } }
+proc pair { a; b; }
+proc ac { a; c; }
+proc one(X) { pick Y: is(Y) and X = Y { if Y = c { c; } else { d; } } }
+proc row { search { a; b; c; } }
+proc waiting { await g; d; }
+proc endless { interrupts { when f { c; await not f; } when not g { a; b; } } until g; }
+proc served { prefer { interrupts { when f { c; await not f; } } until g; } over { a; b; d; } }
+proc search1 { interleave { alone { a; await f; b; } d; } with { c; } }
+proc search2 { interleave { interleave { alone { a; await f; b; } } with { d; } } with { c; } }
+proc search3 { interleave { try { alone { a; await f; b; } } else { } d; } with { c; } }
+proc late { d; search { a; c; await f; b; } }
+proc twice { a; b; a; c; }
+proc either { if f { b; } else { a; c; } }
+proc lonely { alone { d; if f { b; } else { a; c; } } }
+proc ended1 { prefer { a; while f { d; } await g; } over { b; c; } }
+proc ended2 { prefer { a; if f { d; } else { } await g; } over { b; c; } }
 """
 
 
@@ -101,26 +118,6 @@ HAPPENING = [
     ("interrupts { when f { c; } } until true; await f; b;", ["_set(f,now)"], "b"),
 ]
 
-OTHERS = [
-    "interrupts { when f { c; await not f; } when not g { a; b; } } until g;",
-    "prefer { interrupts { when f { c; await not f; } } until g; } over { a; b; d; }",
-    "a; await f; b;",
-    "a; c;",
-    "c;",
-    "d;",
-    "search { a; b; c; }",
-    "await g; d;",
-    "interleave { alone { a; await f; b; } d; } with { c; }",
-    "interleave { interleave { alone { a; await f; b; } } with { d; } } with { c; }",
-    "interleave { try { alone { a; await f; b; } } else { } d; } with { c; }",
-    "d; search { a; c; await f; b; }",
-    "a; b; a; c;",
-    "if f { b; } else { a; c; }",
-    "alone { d; if f { b; } else { a; c; } }",
-    "prefer { a; while f { d; } await g; } over { b; c; }",
-    "prefer { a; if f { d; } else { } await g; } over { b; c; }",
-]
-
 #: Programs that lead nowhere, and what is said of them.
 UNMET = [
     ("test f;", "the test in line {} of test.golog does not hold"),
@@ -130,9 +127,7 @@ UNMET = [
 #: The number of each program.
 TEXTS = {
     text: number
-    for number, text in enumerate(
-        dict.fromkeys([*(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING, *UNMET]), *OTHERS])
-    )
+    for number, text in enumerate(dict.fromkeys(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING, *UNMET]))
 }
 
 
@@ -144,48 +139,22 @@ def program():
     return ReactiveProgram(sources)
 
 
-def core(text, identity=1):
+def core(text):
     """A core that has been asked for a program of TEXTS."""
-    return Driver(program=program()).goal("g", goal(text, identity))
-
-
-def goal(text, identity):
-    """The goal for a program of TEXTS."""
-    return f"run(p{TEXTS[text]},{identity})"
-
-
-def done(driver, **reasons):
-    """What is done, one after the other, until nothing is; an action fails for the reasons given for it, one by one."""
-    found = []
-    while driver.core.awaited:
-        (action,) = driver.core.awaited
-        found.append(str(action.parameter))
-        why = reasons.get(found[-1])
-        if why:
-            driver.fail(why.pop(0))
-        else:
-            driver.succeed()
-        assert len(found) < 40
-    return " ".join(found)
+    return run(program(), f"goal g run(p{TEXTS[text]},1)")
 
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
 def test_what_is_done_when_actions_fail(text, reasons, actions, end):
-    """Each of these actions fails so many times; what is done is told in alphabetic order."""
+    """Each of these actions fails so many times; what is done is given in alphabetic order."""
     driver = core(text)
-    found = done(driver, **{name: ["stuck"] * times for name, times in reasons.items()})
+    found = driver.rest(**{name: ["stuck"] * times for name, times in reasons.items()})
     assert driver.states("g")[-1] == end
     if actions == "d":  # whichever it was
-        assert found in ("a d", "b d")
+        assert found in (["a", "d"], ["b", "d"])
     elif actions is not None:
-        assert " ".join(sorted(found.split())) == actions
-
-
-@pytest.mark.slow
-def test_who_is_preempted_tries_on():
-    driver = core("a; b;")
-    assert done(driver, a=["preempted"] * 5) == "a a a a a a b"
+        assert sorted(found) == actions.split()
 
 
 @pytest.mark.mostly_slow
@@ -198,18 +167,7 @@ def test_what_is_done_when_it_is_cancelled(text, before, after):
         return
     for _ in range(before):
         driver.succeed()
-    driver.cancel("g")
-    assert driver.states("g")[-1] == "preempting"
-    driver.fail("stuck")
-    assert done(driver) == after
-    assert driver.states("g")[-1] == "preempted"
-
-
-def test_what_is_done_stays_done_when_it_is_cancelled_and_asked_for_anew():
-    driver = core("a; b;").succeed().cancel("g").succeed()
-    assert driver.states("g")[-1] in ("preempted", "succeeded")
-    assert done(driver.goal("h", goal("a; b;", 1))) == "a b"
-    assert driver.states("h")[-1] == "succeeded"
+    play(driver, f"cancel g; is g preempting; fail stuck; performs {after}; is g preempted")
 
 
 @pytest.mark.mostly_slow
@@ -220,130 +178,90 @@ def test_what_is_done_when_something_happens_meanwhile(text, facts, actions):
     assert driver.awaited in ([], ["_action_lib(act,a,1)"])
     if driver.states("g")[-1] == "active":
         driver.facts(*facts)
-    found = done(driver)
+    found = driver.rest()
     if actions is None:
         assert driver.states("g")[-1] in ("aborted", "active")
         return
-    assert sorted(found.split()) == sorted(actions.split())
+    assert sorted(found) == sorted(actions.split())
     assert driver.states("g")[-1] == "succeeded"
+
+
+SCENES = {
+    "what was done stays done when it is cancelled and asked for again": """
+        goal g run(pair,1); step a; cancel g; succeed; goal h run(pair,1); performs a b; is h succeeded""",
+    "program that waits lets others act": """
+        goal g run(other,1); performs a; goal h run(one(c),2); performs c; is g active; is h succeeded
+        facts _set(f,now); performs b; is g succeeded""",
+    "action can have been another's where others can act": """
+        facts _set(shared,now); goal g run(either,1); facts _set(f,now) _set(no(c),now); performs a b
+        is g succeeded""",
+    "nobody acts while a search waits": """
+        goal g run(late,1); step d a; goal h run(one(d),2); succeed; does; is h active; facts _set(f,now)
+        performs b d; is g succeeded; is h succeeded""",
+    "nobody acts once a search waits": """
+        goal g run(late,1); step d a c; goal h run(one(d),2); does; is h active; facts _set(f,now); performs b d
+        is g succeeded; is h succeeded""",
+    **{f"what has ended does not begin again: {name}": f"""
+        goal g run({name},1); step a; does act,b,2; facts _set(f,now); performs b c"""
+       for name in ("ended1", "ended2")},
+    "goal that names itself is cancelled by that": "goal h run(other); cancel h; succeed; is h preempted",
+    "programs that there are not are rejected": """
+        goal g run(othr,1); goal h run(other(1,2),2); says g the program rejects run(othr,1): there is no program othr
+        says h the program rejects run(other(1,2),2): there is no program other(1,2)""",
+}  # fmt: skip
+SLOW_SCENES = {
+    "who is preempted tries on": f"""
+        goal g run(pair,1); {"breaks a preempted;" * 5} performs a b""",
+    "interrupt without an end that can be planned": "goal g run(endless,1); is g aborted",
+    "interrupt goes before what is under way": """
+        goal g run(served,1); facts _set(f,now); step a; does act,c,2; facts _unset(f,now); step c; performs b d
+        is g active; facts _set(g,now); is g succeeded""",
+    "failures are counted again once the action has worked": """
+        goal g run(twice,1); breaks a; breaks a; step a b; breaks a; breaks a; step a c; is g succeeded""",
+    "failures are counted again when a program is asked for or cancelled": """
+        goal g run(pair,1); breaks a; breaks a; goal h run(waiting,2); breaks a; breaks a; cancel h; breaks a; breaks a
+        is g active; is h preempted; performs a b""",
+    "action within a search was its own though others can act": """
+        goal g run(lonely,1); facts _set(shared,now); step d; does act,a,2; facts _set(f,now) _set(no(c),now)
+        performs a; is g aborted""",
+    "reason of what is impossible": """
+        facts _set(no(b),now); goal g run(pair,1); is g aborted; says g ... cannot be met...""",
+    "reason of failures": """
+        goal g run(pair,1); breaks a; breaks a; breaks a; does; says g ...a has failed 3 times in a row...""",
+}  # fmt: skip
+
+
+@scripts(SCENES)
+def test_scene(row):
+    run(program(), row)
 
 
 @pytest.mark.slow
-def test_an_interrupt_goes_before_what_is_under_way():
-    driver = core("interrupts { when f { c; await not f; } when not g { a; b; } } until g;")
-    assert driver.states("g")[-1] == "aborted"  # it has no end that could be planned
-    driver = core("prefer { interrupts { when f { c; await not f; } } until g; } over { a; b; d; }")
-    driver.facts("_set(f,now)").succeed()
-    assert driver.awaited == ["_action_lib(act,c,2)"]
-    driver.facts("_unset(f,now)").succeed()
-    assert done(driver) == "b d"
-    assert driver.states("g")[-1] == "active"
-    driver.facts("_set(g,now)")
-    assert driver.states("g")[-1] == "succeeded"
+@scripts(SLOW_SCENES)
+def test_further_scene(row):
+    run(program(), row)
 
 
-def test_a_program_that_waits_takes_no_actions_and_lets_others_act():
-    driver = core("a; await f; b;")
-    assert done(driver) == "a"
-    assert done(driver.goal("h", goal("c;", 2))) == "c"
-    assert [driver.states(key)[-1] for key in "gh"] == ["active", "succeeded"]
-    assert done(driver.facts("_set(f,now)")) == "b"
+@pytest.mark.parametrize("name", ["search1", "search2", "search3"])
+def test_a_search_that_waits_within_others_holds_all_of_them_off(name):
+    driver = run(program(), f"goal g run({name},1); does act,a,1; succeed; does; facts _set(f,now)")
+    assert sorted(driver.rest()) == ["b", "c", "d"]
     assert driver.states("g")[-1] == "succeeded"
 
 
 def test_each_action_is_of_one_program():
-    driver = core("a; b;").goal("h", goal("a; c;", 2))
-    assert sorted(done(driver).split()) == ["a", "a", "b", "c"]
+    driver = run(program(), "goal g run(pair,1); goal h run(ac,2)")
+    assert sorted(driver.rest()) == ["a", "a", "b", "c"]
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
 def test_nothing_comes_into_a_search():
-    driver = core("search { a; b; c; }").goal("h", goal("d;", 2))
-    assert "a b c" in done(driver)
-
-
-def test_an_action_may_have_been_another_ones_where_others_may_act():
-    driver = Driver(program=program()).facts("_set(shared,now)").goal("g", goal(OTHERS[-4], 1))
-    assert done(driver.facts("_set(f,now)", "_set(no(c),now)")) == "a b"
-    assert driver.states("g")[-1] == "succeeded"
-
-
-@pytest.mark.parametrize("before", [0, 1])
-def test_nobody_acts_while_a_search_waits(before):
-    driver = core("d; search { a; c; await f; b; }").succeed().succeed()
-    driver = driver.succeed().goal("h", goal("d;", 2)) if before else driver.goal("h", goal("d;", 2)).succeed()
-    assert driver.awaited == []
-    assert driver.states("h")[-1] == "active"
-    assert done(driver.facts("_set(f,now)")) == "b d"
-    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize("text", OTHERS[8:11])
-def test_a_search_that_waits_within_others_holds_all_of_them_off(text):
-    driver = core(text)
-    assert driver.awaited == ["_action_lib(act,a,1)"]
-    assert driver.succeed().awaited == []
-    assert sorted(done(driver.facts("_set(f,now)"))) == sorted("b c d")
-    assert driver.states("g")[-1] == "succeeded"
-
-
-@pytest.mark.slow
-def test_failures_are_counted_anew_once_the_action_has_worked():
-    driver = core(OTHERS[-5])
-    for action, works in zip("aaabaaac", [False, False, True, True] * 2):
-        assert [str(one.parameter) for one in driver.core.awaited] == [action]
-        driver = driver.succeed() if works else driver.fail("stuck")
-    assert driver.states("g")[-1] == "succeeded"
-
-
-@pytest.mark.slow
-def test_failures_are_counted_anew_when_a_program_is_asked_for_or_cancelled():
-    driver = core("a; b;").fail("stuck").fail("stuck").goal("h", goal("await g; d;", 2))
-    driver.fail("stuck").fail("stuck").cancel("h").fail("stuck").fail("stuck")
-    assert [driver.states(key)[-1] for key in "gh"] == ["active", "preempted"]
-    assert done(driver) == "a b"
-
-
-@pytest.mark.slow
-def test_in_the_midst_of_a_search_an_action_was_its_own_though_others_may_act():
-    driver = core(OTHERS[-3]).facts("_set(shared,now)").succeed()
-    assert driver.awaited == ["_action_lib(act,a,2)"]
-    assert done(driver.facts("_set(f,now)", "_set(no(c),now)")) == "a"
-    assert driver.states("g")[-1] == "aborted"
-
-
-@pytest.mark.parametrize("text", OTHERS[-2:])
-def test_what_has_ended_does_not_begin_again(text):
-    driver = core(text).succeed()
-    assert driver.awaited == ["_action_lib(act,b,2)"]
-    assert done(driver.facts("_set(f,now)")) == "b c"
-
-
-def test_a_goal_may_name_itself_and_is_cancelled_by_that():
-    driver = Driver(program=program()).goal("h", "run(other)").cancel("h").succeed()
-    assert driver.states("h")[-1] == "preempted"
-
-
-def test_a_program_that_there_is_not_is_rejected():
-    driver = Driver(program=program()).goal("g", "run(othr,1)").goal("h", "run(other(1,2),2)")
-    assert driver.message("g") == "the program rejects run(othr,1): there is no program othr"
-    assert driver.message("h") == "the program rejects run(other(1,2),2): there is no program other(1,2)"
-
-
-@pytest.mark.slow
-def test_it_is_told_why_a_program_is_given_up():
-    driver = Driver(program=program()).facts("_set(no(b),now)").goal("g", goal("a; b;", 1))
-    assert driver.states("g")[-1] == "aborted"
-    assert " cannot be met" in driver.message("g")
-    driver = core("a; b;")
-    assert done(driver, a=["stuck"] * 3) == "a a a"
-    assert "a has failed 3 times in a row" in driver.message("g")
+    assert "a b c" in " ".join(run(program(), "goal g run(row,1); goal h run(one(d),2)").rest())
 
 
 @pytest.mark.parametrize(("text", "why"), UNMET)
 def test_it_is_told_where_a_program_leads_no_further(text, why):
-    assert why.format(TEXTS[text] + 4) in core(text).message("g")
+    assert why.format(TEXTS[text] + PROCEDURES.count("\n") + 1) in core(text).message("g")
 
 
 #: A search that waits for the evening, and one that is asked for where it would wait at once.
@@ -363,30 +281,32 @@ def mailbot():
 
 @pytest.mark.slow
 def test_requests_of_the_domain_are_served_beside_programs():
-    driver = Driver(program=mailbot())
-    driver.goal("round", "run(morning_round)").goal("mail", "goal(office2,office4,1)").finish()
-    assert [driver.states(key)[-1] for key in ("round", "mail")] == ["succeeded", "succeeded"]
+    driver = run(mailbot(), """
+        goal round run(morning_round); goal mail goal(office2,office4,1); finish; is round succeeded; is mail succeeded
+        """)  # fmt: skip
     assert driver.core.cycle <= 8
 
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize(("first", "ends"), [("hold", True), ("wait", False)])
-def test_a_request_of_the_domain_waits_while_a_search_does(first, ends):
-    driver = Driver(settings=CoreSettings(), program=mailbot()).facts("_hour(morning,now)").goal("g", f"run({first})")
-    driver.goal("early", "goal(office4,office1,1)").succeed()
-    assert driver.awaited == []
-    driver.goal("late", "goal(office3,office1,2)")
-    assert [driver.states(key)[-1] for key in ("early", "late")] == ["active", "active"]
-    driver.goal("called off", "goal(office3,office1,3)").cancel("called off")
-    assert driver.states("called off")[-1] == "preempted"
-    (driver.facts("_hour(evening,now)") if ends else driver.cancel("g")).finish()
-    assert [driver.states(key)[-1] for key in ("early", "late")] == ["succeeded", "succeeded"]
+@pytest.mark.parametrize(("first", "end"), [("hold", "facts _hour(evening,now)"), ("wait", "cancel g")])
+def test_a_request_of_the_domain_waits_while_a_search_does(first, end):
+    run(
+        mailbot(),
+        f"""
+        facts _hour(morning,now); goal g run({first}); goal early goal(office4,office1,1); succeed; does
+        goal late goal(office3,office1,2); is early active; is late active; goal off goal(office3,office1,3)
+        cancel off; is off preempted; {end}; finish; is early succeeded; is late succeeded""",
+        CoreSettings(),
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.once
 def test_no_search_is_begun_to_put_a_request_off():
-    driver = Driver(settings=CoreSettings(), program=mailbot()).goal("g", "goal(office4,office3,1)")
-    driver.goal("h", "run(hold)").finish()
-    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "active"]
+    run(
+        mailbot(),
+        """
+        goal g goal(office4,office3,1); goal h run(hold); finish; is g succeeded; is h active""",
+        CoreSettings(),
+    )

@@ -6,7 +6,7 @@ from core_scripts import play
 from deliveries import Delivery, deliver
 from shipped import ENCODINGS
 
-from rosoclingo.reasoning import PlanMade
+from rosoclingo.reasoning.events import PlanMade
 
 UPDATES = """
 #step 1.

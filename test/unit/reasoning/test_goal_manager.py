@@ -4,7 +4,8 @@ import pytest
 from core_scripts import perform
 from goal_clients import Clients, crowd
 
-from rosoclingo.reasoning import GoalRefused, GoalState, Outcome
+from rosoclingo.reasoning.events import GoalRefused
+from rosoclingo.reasoning.goals import GoalState, Outcome
 
 
 def test_the_end_of_one_lets_the_next_in():

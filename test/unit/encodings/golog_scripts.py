@@ -1,0 +1,73 @@
+"""Scripts for control programs: what is done step by step, besides the words of core_scripts."""
+
+from core_driver import Driver
+from core_scripts import play
+
+from rosoclingo.oclingo import parse_update
+from rosoclingo.planning.solver import PlanSolver
+
+
+class ProgramDriver(Driver):
+    """A driver of control programs; actions are named by their parameters, or with ``pairs`` as INTERFACE,PARAMETER."""
+
+    pairs = False
+
+    @property
+    def doing(self):
+        """The actions under way."""
+        return [f"{one.interface},{one.parameter}" if self.pairs else str(one.parameter) for one in self.core.awaited]
+
+    def step(self, *names):
+        """Expect these actions one after the other, each of which succeeds."""
+        for name in names:
+            assert self.doing == [name]
+            self.succeed()
+
+    def breaks(self, name, reason="stuck"):
+        """Expect an action, which fails."""
+        assert self.doing == [name]
+        self.fail(reason)
+
+    def stuck(self, times):
+        """The action under way fails so many times."""
+        for _ in range(int(times)):
+            self.fail("stuck")
+
+    def rest(self, **reasons):
+        """The actions until there are none; one fails for the reasons given for it, one after the other."""
+        found = []
+        while self.core.awaited:
+            found.append(" ".join(self.doing))
+            why = reasons.get(found[-1])
+            if why:
+                self.fail(why.pop(0))
+            else:
+                self.succeed()
+            assert len(found) < 60
+        return found
+
+    def performs(self, *names):
+        """Expect just these actions until there are none."""
+        assert self.rest() == list(names)
+
+    def tell(self, *facts):
+        """These facts hold now."""
+        self.facts(*(f"{fact[:-1]},now)" for fact in facts))
+
+
+def run(program, script, settings=None, pairs=False):
+    """Play a script with a program; return the driver."""
+    driver = ProgramDriver(program=program, settings=settings)
+    driver.pairs = pairs
+    return play(driver, script)
+
+
+def plans(program, request, pairs=False):
+    """All shortest plans for a request, as texts in order."""
+    solver = PlanSolver(program, models=0)
+    result = solver.update(parse_update(f"#step 1 : 30. _request(run({request},1),2). #endstep."))
+    found = []
+    for answer in result.answers:
+        steps = {one.arguments[2].number: one.arguments[:2] for one in answer if one.name == "_action_lib"}
+        found.append(" ".join(("{}({})" if pairs else "{1}").format(*steps[step]) for step in sorted(steps)))
+    return sorted(found)
