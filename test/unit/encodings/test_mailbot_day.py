@@ -5,6 +5,7 @@ from functools import partial
 import pytest
 from core_driver import Driver, shortest, soon
 from golog_programs import ENCODINGS
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.settings import CoreSettings
@@ -69,7 +70,7 @@ SOLVERS = {"shortest": shortest, "hasty": partial(soon, plan_time=0.0)}
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize(("solver", "reason"), [("hasty", "timeout"), ("shortest", "blocked")])
+@pytest.mark.parametrize(("solver", "reason"), [("hasty", "timeout"), *sized([], [("shortest", "blocked")])])
 def test_the_day_of_the_scenario_ends_as_it_says(solver, reason):
     day = Day(SOLVERS[solver], reason).play()
     assert not day.events

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from core_driver import Driver, shortest
+from core_scripts import perform, scripts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import Mailbot, fewest_steps, neighbours
@@ -30,9 +31,6 @@ PLANS = settings(max_examples=max(1, settings.default.max_examples // 5))
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 12))
 
 
-RARE = [pytest.mark.slow, pytest.mark.once]
-
-
 @st.composite
 def floors(draw):
     """Number of offices, corridors of a connected floor, start, capacity."""
@@ -50,7 +48,7 @@ def floors(draw):
 def test_plans_are_shortest(data):
     """One batch of requests, some with the same offices, some that stay where they are."""
     count, corridors, start, capacity = data.draw(floors())
-    robot = Mailbot(count, corridors, start, capacity)
+    robot = Robot(count, corridors, start, capacity)
     offices = st.integers(1, count)
     for number, (source, target) in enumerate(data.draw(st.lists(st.tuples(offices, offices), min_size=1, max_size=4))):
         robot.request(number + 1, source, target)
@@ -63,25 +61,23 @@ def test_plans_are_shortest(data):
 def test_plans_are_shortest_at_any_time(data):
     """Runs with requests, cancellations, failures and idle cycles in any order; ids are used again."""
     count, corridors, start, capacity = data.draw(floors())
-    robot = Mailbot(count, corridors, start, capacity)
+    robot = Robot(count, corridors, start, capacity)
     for _ in range(data.draw(st.integers(1, 20), label="cycles")):
         happens(robot, data, count)
         ahead = robot.plan()
         if ahead is None:
-            give_up(robot)
+            robot.gives_up()
             ahead = robot.plan()
             assert ahead is not None
         if ahead:
             outcome = data.draw(st.sampled_from(["works", "works", "works", "fails", "skipped"]))
             reasons = MOVING if ahead[0].arguments[0].name == "move_base" else HANDLING
             if outcome != "skipped":
-                reason = data.draw(st.sampled_from([one for one in (*reasons, *OTHERS) if one != what(ahead[0])]))
+                reason = data.draw(
+                    st.sampled_from([one for one in (*reasons, *OTHERS) if one != str(ahead[0].arguments[1])])
+                )
                 robot.act(ahead[0], reason if outcome == "fails" else None)
-    finish(robot)
-
-
-def what(action):
-    return str(action.arguments[1])
+    robot.finish()
 
 
 def happens(robot, data, count):
@@ -101,184 +97,144 @@ def happens(robot, data, count):
         robot.cancel(free[0])
 
 
-def give_up(robot):
-    """Cancel what can't be met; there has to be a plan for the rest."""
-    hopeless = robot.hopeless()
-    assert hopeless
-    for identifier in hopeless:
-        robot.cancel(identifier)
+#: The floor, and what happens to a robot that starts in office 1 and carries three packages.
+LIVES = {
+    "idle cycles": (ROW, f"request 1 4 2; works 1; {'idle;' * 12} finish; ended 1 succeeded"),
+    **{f"no failure is tried for ever: {reason}": (FLOOR, f"""
+        request 1 3 6; only_fails {reason}; gives_up; rests; request 2 3 6; finish; ended 1 canceled 2 succeeded""")
+       for reason in ("failed", "blocked")},
+    "unknown place is tried again when somebody asks for it": (ROW[:2], """
+        request 1 1 3; works 2; fails unknown_label; has_no_plan; gives_up; finish; request 2 2 3; finish
+        request 3 2 3; finish; ended 1 canceled 2 succeeded 3 succeeded"""),
+    "detour while a connection is blocked": (RING, """
+        request 1 3 1; goes o2; fails blocked; goes o6 o5 o4 o3; finish; request 2 1 2; goes 2; finish
+        ended 1 succeeded 2 succeeded"""),
+    **{f"somebody else drives it until somebody asks, in {place}": (ROW, f"""
+        request 1 {place} 1; fails preempted 3; has_no_plan; cancel 1; rests; explains somebody else drives the robot
+        request 2 2 1; fails preempted; finish; ended 1 canceled 2 succeeded""") for place in (1, 2)},
+    "somebody else drives it with what it carries": (ROW, """
+        request 1 1 3; works 1; fails preempted 3; has_no_plan; cancel 1; rests; place 1 rides o1; request 1 1 2
+        finish 2; ended 1 succeeded"""),
+    "actions that the core ends are no failures": (ROW, f"""
+        request 1 2 1; {"fails preempted; called_off;" * 5} finish; ended 1 succeeded"""),
+    "things that could not be put down are asked for again": (ROW, """
+        request 1 1 2; works 2; fails failed 3; rests; place 1 stuck; request 1 2 4; rests; request 1 1 4; finish 3
+        place 1 None; request 1 4 1; finish; ended 1 succeeded"""),
+    "things that are lost on the way are asked for where they are": (ROW, """
+        request 1 1 2; works 2; fails failed 3; request 1 1 2; fails not_carried; rests
+        ended 1 aborted(("package ",1," is not on the robot")); request 1 3 2; finish; ended 1 succeeded"""),
+    "cancel and failure together": (ROW, """
+        request 1 1 3; fails failed; cancel 1; rests; request 1 1 3; works 2; fails blocked; cancel 1; finish 2
+        ended 1 canceled"""),
+    "package that cannot be brought back until the way is open again": (ROW, """
+        request 1 1 3; works 2; request 2 2 1; works 1; cancel 1; fails blocked; has_no_plan; cancel 2; finish
+        place 1 rides o1; place 2 None; request 3 1 2; finish; place 1 None; place 2 None; place 3 None
+        ended 1 canceled 2 canceled 3 succeeded"""),
+}  # fmt: skip
 
 
-def finish(robot):
-    """Let all actions work and give up what can't be met; return how many actions there were."""
-    for done in range(200):
-        ahead = robot.plan()
-        if ahead is None:
-            give_up(robot)
-            continue
-        if not ahead:
-            return done
-        robot.act(ahead[0])
-    raise AssertionError("the robot never comes to rest")
+class Robot(Mailbot):
+    """The words of its life."""
+
+    def request(self, *numbers):
+        super().request(*map(int, numbers))
+
+    def cancel(self, number):
+        super().cancel(int(number))
+
+    def works(self, times=1):
+        """So many actions are done."""
+        for _ in range(int(times)):
+            self.act(self.plan()[0])
+
+    def fails(self, reason, times=1):
+        """The next action fails, so many times."""
+        for _ in range(int(times)):
+            self.act(self.plan()[0], reason)
+
+    def only_fails(self, reason):
+        """Whatever it tries fails, until there is no plan."""
+        while (ahead := self.plan()) is not None:
+            assert self.cycle < 20
+            self.act(ahead[0], reason)
+
+    def idle(self):
+        """A cycle without an action."""
+        self.plan()
+
+    def goes(self, *things):
+        """Expect these parameters of the next actions, none of which is done in this cycle."""
+        assert [str(one.arguments[1]) for one in self.plan()[: len(things)]] == list(things)
+
+    def has_no_plan(self):
+        assert self.plan() is None
+
+    def rests(self):
+        """Expect an empty plan."""
+        assert self.plan() == []
+
+    def gives_up(self):
+        """Cancel what can't be met; there has to be a plan for the rest."""
+        hopeless = self.hopeless()
+        assert hopeless
+        for identifier in hopeless:
+            self.cancel(identifier)
+
+    def finish(self, number=None):
+        """All actions work, and what can't be met is given up; expect so many actions."""
+        for done in range(200):
+            ahead = self.plan()
+            if ahead is None:
+                self.gives_up()
+            elif ahead:
+                self.act(ahead[0])
+            else:
+                assert number is None or done == int(number)
+                return
+        raise AssertionError("the robot never comes to rest")
+
+    def place(self, number, *words):
+        """Expect the place of a package."""
+        assert self.places[int(number)] == (None if words == ("None",) else words)
+
+    def explains(self, *words):
+        texts = [str(one.arguments[1]) for one in self.answer if one.name == "_explain"]
+        assert set(texts) == {f'"{" ".join(words)}"'}
+
+    def ended(self, *words):
+        """Expect each request and how it ended."""
+        assert " ".join(f"{number} {end}" for number, (end, _) in sorted(self.ends.items())) == " ".join(words)
 
 
-def ends(robot):
-    return {identifier: end for identifier, (end, _) in robot.ends.items()}
+@pytest.mark.slow
+@pytest.mark.once
+@scripts(LIVES)
+def test_life_of_a_robot(row):
+    corridors, script = row
+    perform(Robot(max(map(max, corridors)), corridors), script)
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("corridors", "capacity"), [(ROW, 3), (RING, 1), (FLOOR, 3)])
 def test_more_packages_than_fit(corridors, capacity):
-    robot = Mailbot(6, corridors, 3, capacity)
+    robot = Robot(6, corridors, 3, capacity)
     for number in range(1, capacity + 3):
         robot.request(number, number % 2 + 1, 6 - number % 3)
-    finish(robot)
-    assert set(ends(robot).values()) == {"succeeded"}
+    robot.finish()
+    assert {end for end, _ in robot.ends.values()} == {"succeeded"}
 
 
 @pytest.mark.slow
-@pytest.mark.once
-def test_idle_cycles_do_no_harm():
-    robot = Mailbot(6, ROW)
-    robot.request(1, 4, 2)
-    robot.act(robot.plan()[0])
-    for _ in range(12):
-        robot.plan()
-    finish(robot)
-    assert ends(robot) == {1: "succeeded"}
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("reason", ["failed", "blocked"])
-def test_no_failure_is_tried_for_ever(reason):
-    """Whatever the robot tries fails: the request ends, and the next one finds the robot ready to try again."""
-    robot = Mailbot(6, FLOOR)
-    robot.request(1, 3, 6)
-    ahead = robot.plan()
-    while ahead is not None:
-        assert robot.cycle < 20
-        robot.act(ahead[0], reason)
-        ahead = robot.plan()
-    give_up(robot)
-    assert robot.plan() == []
-    robot.request(2, 3, 6)
-    finish(robot)
-    assert ends(robot) == {1: "canceled", 2: "succeeded"}
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_a_place_that_was_unknown_is_tried_again_when_somebody_asks_for_it():
-    robot = Mailbot(3, ROW[:2])
-    robot.request(1, 1, 3)
-    robot.act(robot.plan()[0])
-    robot.act(robot.plan()[0])
-    robot.act(robot.plan()[0], "unknown_label")
-    assert robot.plan() is None, "nobody has asked since"
-    give_up(robot)
-    finish(robot)
-    for identifier in (2, 3):
-        robot.request(identifier, 2, 3)
-        finish(robot)
-    assert ends(robot) == {1: "canceled", 2: "succeeded", 3: "succeeded"}
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_a_detour_is_taken_while_a_connection_is_blocked():
-    robot = Mailbot(6, RING)
-    robot.request(1, 3, 1)
-    assert str(robot.plan()[0].arguments[1]) == "o2"
-    robot.act(robot.plan()[0], "blocked")
-    assert [str(one.arguments[1]) for one in robot.plan()[:4]] == ["o6", "o5", "o4", "o3"]
-    finish(robot)
-    robot.request(2, 1, 2)
-    assert str(robot.plan()[0].arguments[1]) == "2"
-    finish(robot)
-    assert ends(robot) == {1: "succeeded", 2: "succeeded"}
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("first", [1, pytest.param(2, marks=RARE)])
-def test_who_is_driven_by_somebody_else_gives_up_until_somebody_asks(first):
-    robot = Mailbot(6, ROW)
-    robot.request(1, first, 1)
-    for _ in range(3):
-        robot.act(robot.plan()[0], "preempted")
-    assert robot.plan() is None
-    robot.cancel(1)
-    assert robot.plan() == []
-    texts = [str(one.arguments[1]) for one in robot.answer if one.name == "_explain"]
-    assert set(texts) == {'"somebody else drives the robot"'}
-    robot.request(2, 2, 1)
-    robot.act(robot.plan()[0], "preempted")
-    finish(robot)
-    assert ends(robot) == {1: "canceled", 2: "succeeded"}
-
-
-@pytest.mark.slow
-def test_what_is_on_the_robot_of_one_that_somebody_else_drives_is_brought_on_later():
-    robot = Mailbot(6, ROW)
-    robot.request(1, 1, 3)
-    robot.act(robot.plan()[0])
-    for _ in range(3):
-        robot.act(robot.plan()[0], "preempted")
-    assert robot.plan() is None
-    robot.cancel(1)
-    assert robot.plan() == []
-    assert robot.places[1] == ("rides", "o1")
-    robot.request(1, 1, 2)
-    assert finish(robot) == 2
-    assert ends(robot) == {1: "succeeded"}
-
-
-@pytest.mark.slow
-def test_what_the_core_has_ended_itself_is_no_failure():
-    robot = Mailbot(6, ROW)
-    robot.request(1, 2, 1)
-    for _ in range(5):
-        robot.act(robot.plan()[0], "preempted")
-        robot.called_off()
-    finish(robot)
-    assert ends(robot) == {1: "succeeded"}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("reason", ["o4", *(pytest.param(one, marks=RARE) for one in ("1", '"o2"', "77"))])
+@pytest.mark.parametrize("reason", sized(["o4", "1"], ["o4", "1", '"o2"', "77"]))
 def test_the_name_of_something_else_is_a_failure(reason):
-    robot = Mailbot(6, ROW)
-    robot.request(1, 2, 3)
-    robot.request(2, 2, 3)
-    robot.act(robot.plan()[0], reason)
-    assert what(robot.plan()[0]) == "o2", "it is not believed to be there"
-    robot.act(robot.plan()[0])
+    robot = Robot(6, ROW)
+    perform(robot, f"request 1 2 3; request 2 2 3; fails {reason}; goes o2; works 1")
     while robot.plan() is not None and not robot.ends:
         action = robot.answer_now()
-        robot.act(action, "2" if what(action) == "1" else "1")
-    assert all("could not be picked up" in end for end in ends(robot).values()), "three times, then it is given up"
-
-
-@pytest.mark.slow
-def test_what_could_not_be_put_down_is_asked_for_again():
-    robot = Mailbot(6, ROW)
-    robot.request(1, 1, 2)
-    robot.act(robot.plan()[0])
-    robot.act(robot.plan()[0])
-    for _ in range(3):
-        robot.act(robot.plan()[0], "failed")
-    assert robot.plan() == []
-    assert robot.places[1] == ("stuck",)
-    robot.request(1, 2, 4)
-    assert robot.plan() == [], "it is refused: the package is not there"
-    robot.request(1, 1, 4)
-    assert finish(robot) == 3
-    assert robot.places[1] is None
-    robot.request(1, 4, 1)
-    finish(robot)
-    assert ends(robot) == {1: "succeeded"}
+        robot.act(action, "2" if str(action.arguments[1]) == "1" else "1")
+    assert robot.ends
+    assert all("could not be picked up" in end for end, _ in robot.ends.values()), "three times, then it is given up"
 
 
 @pytest.mark.slow
@@ -306,63 +262,8 @@ def test_what_is_being_brought_back_is_asked_for_again(moves, then):
     assert [text[len("_action_lib(") :].rpartition(",")[0] for text in done] == then
 
 
-@pytest.mark.slow
-def test_what_is_lost_on_the_way_can_be_asked_for_where_it_is():
-    robot = Mailbot(6, ROW)
-    robot.request(1, 1, 2)
-    for reason in (None, None, "failed", "failed", "failed"):
-        robot.act(robot.plan()[0], reason)
-    robot.request(1, 1, 2)
-    robot.act(robot.plan()[0], "not_carried")
-    assert robot.plan() == []
-    assert ends(robot) == {1: 'aborted(("package ",1," is not on the robot"))'}
-    robot.request(1, 3, 2)
-    finish(robot)
-    assert ends(robot) == {1: "succeeded"}
-
-
-@pytest.mark.slow
-def test_cancel_and_failure_together():
-    robot = Mailbot(6, ROW)
-    robot.request(1, 1, 3)
-    robot.act(robot.plan()[0], "failed")
-    robot.cancel(1)
-    assert robot.plan() == []
-    robot.request(1, 1, 3)
-    robot.act(robot.plan()[0])
-    robot.act(robot.plan()[0])
-    robot.act(robot.plan()[0], "blocked")
-    robot.cancel(1)
-    assert finish(robot) == 2
-    assert ends(robot) == {1: "canceled"}
-
-
-@pytest.mark.slow
-def test_a_package_that_cannot_be_brought_back_stays_on_the_robot():
-    """Until the way is open again: then it is brought back after all."""
-    robot = Mailbot(6, ROW)
-    robot.request(1, 1, 3)
-    for _ in range(2):
-        robot.act(robot.plan()[0])
-    robot.request(2, 2, 1)
-    robot.act(robot.plan()[0])
-    robot.cancel(1)
-    robot.act(robot.plan()[0], "blocked")
-    assert robot.plan() is None
-    robot.cancel(2)
-    finish(robot)
-    assert robot.places == {1: ("rides", "o1"), 2: None}
-    robot.request(3, 1, 2)
-    finish(robot)
-    assert robot.places == {1: None, 2: None, 3: None}
-    assert ends(robot) == {1: "canceled", 2: "canceled", 3: "succeeded"}
-
-
 def test_a_request_replaces_a_live_one_of_the_same_id():
-    robot = Mailbot(6, ROW, 1)
-    robot.request(1, 6, 1)
-    robot.act(robot.plan()[0])
-    robot.request(1, 2, 1)
+    robot = perform(Robot(6, ROW, 1), "request 1 6 1; works 1; request 1 2 1")
     assert len(robot.plan()) == fewest_steps(robot.graph, 3, "o2", [("waits", "o2", "o1")])
 
 

@@ -167,7 +167,7 @@ class Run:
         self._go_on()
 
 
-@pytest.mark.parametrize("seed", sized([1, 3], [1, 2, 3]))
+@pytest.mark.parametrize("seed", sized([1], [1, 2, 3]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
 def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
     task = task_of(kind, seed, large=True)
@@ -176,7 +176,7 @@ def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
     assert all(plan), "no step is idle"
 
 
-@pytest.mark.parametrize("seed", sized([2, 4], [1, 2, 4]))
+@pytest.mark.parametrize("seed", sized([2], [1, 2, 4]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
 def test_shortest_plan_is_as_short_as_plain_clingo_finds(kind, seed):
     task = task_of(kind, seed)

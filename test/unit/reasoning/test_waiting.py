@@ -200,7 +200,7 @@ OTHERS = ("_lies(777,office1,now)", "_off(776,now)", "_aboard(775,now)", "_off(7
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize(("seed", "corrections"), [(1, ()), (6, OTHERS), *sized([], [(8, OTHERS)])])
+@pytest.mark.parametrize(("seed", "corrections"), [(6, OTHERS), *sized([], [(1, ()), (8, OTHERS)])])
 def test_packages_are_delivered_whatever_search_is_cut(seed, corrections):
     """The world is modelled apart from the program; what was picked up for a goal that waits is not forgotten."""
     program = shipped("mailbot.lp", "office.lp")
