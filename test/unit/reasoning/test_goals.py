@@ -2,6 +2,7 @@ import json
 
 import pytest
 from core_driver import Driver
+from core_scripts import play
 
 from rosoclingo.oclingo import parse_term
 from rosoclingo.reasoning.events import UpdateSent
@@ -114,14 +115,6 @@ def test_deep_nesting_is_refused_and_harms_nothing():
         assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
 
 
-def test_identity_is_unique_among_live_goals():
-    driver = Driver().goal("first", "do(walk,1)").goal("second", "do(run,1)").goal("first", "do(run,2)")
-    assert driver.message("second") == "the identity '1' is taken: do(walk,1) has not ended"
-    assert driver.message("first") == "the goal handle 'first' is in use"
-    driver.succeed().goal("second", "do(run,1)")
-    assert driver.states("second")[-1] == "succeeded"
-
-
 @pytest.mark.parametrize("rests_until", [float("-inf"), 0.0, 12.5, float("inf")])
 def test_what_is_kept_of_a_goal(rests_until):
     one, twin = goal(), goal()
@@ -138,29 +131,33 @@ def test_what_is_kept_of_a_goal(rests_until):
     ("text", "advice"),
     [
         ("gaol(office3,office2,1)", "did you mean goal(office3,office2,1)?"),
-        ("goal(office3,office2)", "rules look at goal(From,To,Id)"),
         ("gOAL(office3,office2,1)", "did you mean goal(office3,office2,1)?"),
+        ("goal(office3,office2)", "rules look at goal(From,To,Id)"),
         ("goal(goal(office3,office2,1))", "rules look at goal(From,To,Id)"),
         ("fetch(cup)", "rules look at goal(From,To,Id)"),
     ],
 )
-def test_unheard_goals_are_rejected_though_nothing_is_said_of_goals(text, advice):
-    driver = Driver.of_shipped("paper.lp").goal("key", text)
-    assert driver.message("key") == f"no rule of the program can see {text}: {advice}"
-    assert driver.states("key") == []
-    assert driver.journal.of(UpdateSent) == []
+def test_goals_that_no_rule_sees_are_rejected(text, advice):
+    play(
+        Driver.of_shipped("paper.lp"),
+        f"""
+        goal key {text}; says key no rule of the program can see {text}: {advice}; all key; unsent ...""",
+    )
 
 
-def test_unheard_goals_of_any_length_are_rejected_soon():
-    text = f"{'g' * 30000}({'a' * 30000})"
-    message = Driver.of_shipped("paper.lp").goal("key", text).message("key")
+def test_long_goals_that_no_rule_sees_are_rejected_soon():
+    message = Driver.of_shipped("paper.lp").goal("key", f"{'g' * 30000}({'a' * 30000})").message("key")
     assert message.startswith("no rule of the program can see ggg")
     assert len(message) < 1000
 
 
-def test_heard_goals_of_the_papers_program_are_planned_for():
-    driver = Driver.of_shipped("paper.lp").goal("a", "goal(office3,office2,1)").goal("b", 'goal(office1,office2,"b")')
-    assert driver.finish().states("a") == driver.states("b") == ["active", "succeeded"]
+def test_goals_of_the_papers_program_are_planned_for():
+    play(
+        Driver.of_shipped("paper.lp"),
+        """
+        goal a goal(office3,office2,1); goal b goal(office1,office2,"b"); finish; all a active succeeded
+        all b active succeeded""",
+    )
 
 
 VISITS = """
@@ -176,16 +173,14 @@ wanted(R,t) :- asked(R,t), room(R).
 """
 
 
-@pytest.mark.parametrize(
-    ("text", "advice"),
-    [
-        ("visit(attic)", "attic is none of hall, study"),
-        ('visit("hall")', "did you mean visit(hall)?"),
-        ("visit(studi)", "did you mean visit(study)?"),
-        ("visti(hall)", "did you mean visit(hall)?"),
-    ],
-)
-def test_unheard_goals_about_what_there_is_not_are_rejected(text, advice):
-    driver = Driver(VISITS).goal("key", text)
-    assert driver.message("key") == f"no rule of the program can see {text}: {advice}"
-    assert driver.goal("good", "visit(hall)").finish().states("good") == ["active", "succeeded"]
+def test_goals_about_other_things_are_rejected():
+    advice = {
+        "visit(attic)": "attic is none of hall, study",
+        'visit("hall")': "did you mean visit(hall)?",
+        "visit(studi)": "did you mean visit(study)?",
+        "visti(hall)": "did you mean visit(hall)?",
+    }
+    driver = Driver(VISITS)
+    for key, text in enumerate(advice):
+        play(driver, f"goal {key} {text}; says {key} no rule of the program can see {text}: {advice[text]}")
+    play(driver, "goal good visit(hall); finish; all good active succeeded")

@@ -97,7 +97,8 @@ UPDATES = {
         next 6 _request(goal(c,d,1),7)."""),
     "nothing is left once the update is accepted": (None, """
         goal g(1); done a,x,4; facts _seen(ball); is_pending yes
-        next 1 :- not _action_lib(a,x,4). _request(g(1),2). _seen(ball).; is_pending yes; take; is_pending no; next 2"""),
+        next 1 :- not _action_lib(a,x,4). _request(g(1),2). _seen(ball).; is_pending yes; take; is_pending no
+        next 2"""),
     "arrivals while an update is sent wait for the next one": (None, """
         cancel 7; reject 7; next 1 _request(cancel(7),1). _request(cancel(7),1).; goal g(2); cancel 8; facts _seen(ball)
         take; next 2 _request(g(2),3). _request(cancel(8),2). _seen(ball)."""),
