@@ -20,7 +20,7 @@ from weakref import proxy
 import clingo
 from clingo.propagator import Propagator
 
-from rosoclingo.oclingo.errors import DroppedError, SolverError
+from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.action_rules import BEYOND, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import GUARD

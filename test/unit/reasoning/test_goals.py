@@ -5,7 +5,6 @@ from core_driver import Driver
 from core_scripts import play
 
 from rosoclingo.oclingo import parse_term
-from rosoclingo.reasoning.events import UpdateSent
 from rosoclingo.reasoning.goals import (
     CANCELLING,
     TERMINAL,

@@ -65,7 +65,9 @@ class PackageOffice:
         ``carried`` lists those that the robot carries.
         """
         places = lying.entries("a mapping of labels to lists of packages", {})
-        found = [(package, label) for label, there in places for package in there.items("a list of packages")]
+        found: List[Tuple[Reader, Optional[str]]] = [
+            (package, label) for label, there in places for package in there.items("a list of packages")
+        ]
         found += [(package, None) for package in (carried.items("a list of packages") if carried else ())]
         for reader, label in found:
             package = str(reader.value)
