@@ -10,7 +10,6 @@ from rosoclingo.checking.more import Kinds
 from rosoclingo.checking.sample_requests import sample_requests
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program.action_rules import is_action
-from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.terms import signature_of
@@ -25,6 +24,7 @@ from rosoclingo.planning.history import Plan
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.reasoning.hearing import Hearing
 
 
 @dataclass(frozen=True)

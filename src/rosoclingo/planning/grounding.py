@@ -25,7 +25,6 @@ from rosoclingo.oclingo.program.action_rules import BEYOND, STEPS, no_plan_from,
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.return_rules import ReturnRules
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
@@ -40,6 +39,7 @@ from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
+from rosoclingo.planning.return_rules import ReturnRules, return_rules
 from rosoclingo.planning.snapshot import Past, Snapshot
 
 Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
@@ -117,7 +117,7 @@ class Grounding:
         self.ground_parts: List[Tuple[range, Parts]] = []
         self._dropped = dropped
         self._compacted = frozenset(atom for _, atom in self.past.shown)
-        self._return_rules = program.return_rules if predicts else None
+        self._return_rules = return_rules(program) if predicts else None
         self._hidden: Set[clingo.Symbol] = set()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
@@ -127,7 +127,9 @@ class Grounding:
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         with refusing(self.messages, self.program):
-            program.load_into(self._control, predicts)
+            program.load_into(self._control)
+            for rule in self._return_rules.texts if self._return_rules is not None else ():
+                self._control.add(*rule)
         self._clasp = ClaspSearch(self._control, program)
         self._build(horizon, max(PIECE, horizon) if whole else PIECE)
 

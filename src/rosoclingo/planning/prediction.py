@@ -3,7 +3,7 @@
 Let M be an answer, and R the success returns of some actions of M. Suppose that each ground rule with an atom of R in
 its body, negated or not, also has a literal that is no return and is false in M. Then M together with R is an answer of
 the program with R as facts: the rules whose bodies M satisfies are the same in both reducts. No search is needed; M
-itself says whether the condition holds, see :mod:`~rosoclingo.oclingo.program.return_rules`.
+itself says whether the condition holds, see :mod:`~rosoclingo.planning.return_rules`.
 
 Shorter answers can appear if the condition fails for another answer. They cannot if there are no such ground rules, or
 if a false literal is about actions of the same cycle: all answers agree on the actions executed in it.
@@ -15,9 +15,9 @@ from typing import Callable, Dict, FrozenSet, Iterable, NamedTuple, Optional, Se
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import RETURN
-from rosoclingo.oclingo.program.return_rules import ACTS, ASKS, ReturnRules
 from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Statement, StreamUpdate
 from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.return_rules import ACTS, ASKS, ReturnRules
 
 
 class Predicted(NamedTuple):

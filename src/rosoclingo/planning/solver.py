@@ -22,6 +22,7 @@ from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
+from rosoclingo.planning.return_rules import tells_plainly
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
@@ -85,7 +86,7 @@ class PlanSolver(PlanningSolver):
         self.models = models
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
         self._plan_time, self._clock = plan_time, clock
-        self._predicts = models == 1 and program.tells_plainly
+        self._predicts = models == 1 and tells_plainly(program)
         self._hint, self._idles = 0, idles  # a likely horizon: that of the last answer
         self._searched: Optional[_Cached] = None  # the last search, by the key of its history
         self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts

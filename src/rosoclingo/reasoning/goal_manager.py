@@ -5,13 +5,13 @@ from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 from clingo import Symbol
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, Outcome, read_goal
+from rosoclingo.reasoning.hearing import Hearing
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import Record, group, symbol_of

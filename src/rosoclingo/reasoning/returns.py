@@ -7,8 +7,8 @@ from typing import Callable, Container, Deque, Dict, Iterable, Iterator, List, O
 from clingo import Symbol, SymbolType
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
-from rosoclingo.oclingo.program.return_rules import may_heed
 from rosoclingo.oclingo.solving.results import is_ignored
+from rosoclingo.planning.return_rules import may_heed
 from rosoclingo.reasoning.events import Event, FactTaken, Problem, ReturnTaken
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (

@@ -7,7 +7,6 @@ import clingo
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault, ProgressionError
-from rosoclingo.oclingo.program.hearing import Hearing
 from rosoclingo.oclingo.program.likeness import asked, likely, likely_external, likely_value
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.survey import written
@@ -15,6 +14,7 @@ from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.planning.explaining.atom_patterns import shown
+from rosoclingo.reasoning.hearing import Hearing
 
 _MANY = 4  # atoms of rules that a message lists
 

@@ -9,7 +9,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks
-from rosoclingo.oclingo.program.action_rules import ACTION, RETURN, cycle_alone
+from rosoclingo.oclingo.program.action_rules import ACTION, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.constants import given_values
 from rosoclingo.oclingo.program.delays import Delays
@@ -17,7 +17,6 @@ from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by,
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, may_match, may_see_later
-from rosoclingo.oclingo.program.return_rules import ReturnRules, return_rules
 from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import Survey, places
@@ -32,7 +31,6 @@ class ReactiveProgram(LoadedProgram):
     """A loaded program and all that the solvers have to know of its rules.
 
     Attributes:
-        return_rules: rules that tell what returns bear on; None where they can't.
         faults: why it cannot be used; there are some where it is ``lenient`` alone.
         survey: its statements by predicates.
         trial: its ground first steps, None before they are ground.
@@ -58,7 +56,6 @@ class ReactiveProgram(LoadedProgram):
         self.faults = tuple(self._check())
         if self.faults and not lenient:
             raise ProgramError(self.faults)
-        self.return_rules: Optional[ReturnRules] = return_rules(self.parts, self.values)
 
     @classmethod
     def from_files(cls, files: Iterable[PathLike], constants: Optional[Mapping[str, str]] = None) -> "ReactiveProgram":
@@ -72,12 +69,6 @@ class ReactiveProgram(LoadedProgram):
         """Take one text; ``name`` stands for the file in messages."""
         return cls([Source(name, text)], constants)
 
-    def load_into(self, control: clingo.Control, foresees: bool = False) -> None:
-        """Add all statements to ``control``, with those that tell what returns bear on where it ``foresees``."""
-        super().load_into(control)
-        for rule in self.return_rules.texts if foresees and self.return_rules is not None else ():
-            control.add(*rule)
-
     def declares_external(self, name: str, arity: int) -> bool:
         """Tell whether some external of this name and arity is declared."""
         return Signature(name, arity) in self.external_signatures
@@ -90,15 +81,6 @@ class ReactiveProgram(LoadedProgram):
     def step_signatures(self) -> Set[Signature]:
         """The predicates that rules in the parts of steps define."""
         return {one.signature for part in self.parts if part.parameter for _, one in part.atoms if one.head}
-
-    @property
-    def tells_plainly(self) -> bool:
-        """Whether an answer tells its actions, no returns, and by rules of its own what returns bear on.
-
-        Answers are one plan then, and neither the best nor some of many.
-        """
-        shows = ACTION in self.shows and RETURN not in self.shows
-        return shows and not self.optimizes and self.return_rules is not None
 
     def delay_of(self, name: str, arity: int) -> Optional[int]:
         """Return after how many cycles (0 or 1) such a fact bears on actions; None where it has no cycle.

@@ -13,13 +13,13 @@ import clingo
 from clingo.ast import ASTType, ComparisonOperator, ProgramBuilder, Sign
 
 from rosoclingo.oclingo.program.domains import fixed_signatures, mentions, names_in
-from rosoclingo.oclingo.program.likely_terms import Misfit, bindings, fitted, likeness, listed, name_of, replaced
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.reasoning.likely_terms import Misfit, bindings, fitted, likeness, listed, name_of, replaced
 
 _STATED, _HEARD = "__oclingo_stated", "__oclingo_heard"
 _DEAF = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)

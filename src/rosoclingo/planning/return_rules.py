@@ -9,6 +9,7 @@ so that an answer itself tells it. Where the rest is about actions of the same c
 where these are, or are not, done as the rule has it.
 """
 
+from functools import lru_cache
 from typing import FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
@@ -20,6 +21,7 @@ from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import FAR, Pattern
+from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -58,8 +60,19 @@ def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo
     )
 
 
-def return_rules(parts: Sequence[Part], constants: Constants) -> Optional[ReturnRules]:
-    """Return the rules for ``parts``; None where more than single atoms in the bodies of rules may ask for returns."""
+def tells_plainly(program: ReactiveProgram) -> bool:
+    """Return whether an answer tells its actions, no returns, and by rules of its own what returns bear on.
+
+    Answers are one plan then, and neither the best nor some of many.
+    """
+    shows = ACTION in program.shows and RETURN not in program.shows
+    return shows and not program.optimizes and return_rules(program) is not None
+
+
+@lru_cache(maxsize=8)
+def return_rules(program: ReactiveProgram) -> Optional[ReturnRules]:
+    """Return the rules for a program; None if more than single atoms in the bodies of its rules may ask for returns."""
+    parts, constants = program.parts, program.values
     if not _acts_at_its_step(parts, constants):
         return None
     texts: List[Tuple[str, List[str], str]] = []

@@ -3,13 +3,14 @@
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.planning.return_rules import return_rules
 
 ACTS = "#program cumulative(t). #external _return/3. { _action_lib(go,1..3,t) }. "
 
 
 def texts(rules):
     """The rules that are made for a program with these, without the sign that ends them."""
-    found = ReactiveProgram.from_text(ACTS + rules + " #program volatile(t).").return_rules
+    found = return_rules(ReactiveProgram.from_text(ACTS + rules + " #program volatile(t)."))
     return (
         None
         if found is None

@@ -5,7 +5,7 @@ from shipped import shipped
 
 from rosoclingo.checking.lint.stream_lint import lint_stream
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.oclingo.program.hearing import Hearing
+from rosoclingo.reasoning.hearing import Hearing
 
 VISITS = """
 #const depth = 3.
