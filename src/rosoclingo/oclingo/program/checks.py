@@ -10,7 +10,7 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.survey import Place, places, written
 from rosoclingo.oclingo.progression.terms import Signature
@@ -101,9 +101,7 @@ def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol
         return False
     if not use.part.parameter:
         return True
-    for mine, its in zip(use.occurrence.arguments, declaration.occurrence.arguments):
-        ahead = time_offset(mine, use.part.parameter, constants)
-        known = time_offset(its, declaration.part.parameter, constants)
-        if ahead is not None and known is not None:
-            return ahead > known
-    return False
+    ahead = time_offsets(use.occurrence.arguments, use.part.parameter, constants)
+    known = time_offsets(declaration.occurrence.arguments, declaration.part.parameter, constants)
+    position = min(ahead.keys() & known.keys(), default=None)
+    return position is not None and ahead[position] > known[position]

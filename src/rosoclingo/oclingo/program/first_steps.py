@@ -3,11 +3,10 @@
 from typing import Dict, List, Optional, Sequence, Set
 
 import clingo
-from clingo.ast import ASTType
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.survey import places
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
@@ -41,12 +40,10 @@ def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol])
     offsets: Dict[Signature, Set[object]] = {}
     stepped: Set[Signature] = set()
     for place in places(parts):
-        if place.occurrence.head and place.statement.ast_type == ASTType.Rule:
-            signature, step = place.occurrence.signature, place.part.parameter
-            found = (
-                {time_offset(one, step, constants) for one in place.occurrence.arguments} - {None} if step else set()
-            )
-            offsets.setdefault(signature, set()).update(found or {None})
+        if place.defines:
+            signature, step = place.signature, place.part.parameter
+            found = time_offsets(place.occurrence.arguments, step, constants)
+            offsets.setdefault(signature, set()).update(found.values() or {None})
             stepped.update({signature} if step else ())
     return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
 
@@ -118,8 +115,5 @@ def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -
     return [
         place.fault("redefinition", message, mend)
         for place in places(parts)
-        if place.occurrence.head
-        and place.part.parameter
-        and place.occurrence.signature in signatures
-        and place.statement.ast_type == ASTType.Rule
+        if place.defines and place.part.parameter and place.signature in signatures
     ]

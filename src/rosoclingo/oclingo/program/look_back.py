@@ -3,7 +3,7 @@
 Terms are read as sums ``a*t + b*T + c``, held as a mapping from names to factors, the constant under the empty name.
 """
 
-from typing import Dict, Iterator, Optional, Tuple
+from typing import Dict, Iterable, Iterator, Optional, Tuple
 
 import clingo
 from clingo.ast import ASTType, BinaryOperator, ComparisonOperator, Sign, UnaryOperator
@@ -20,6 +20,12 @@ def time_offset(term: Node, parameter: str, constants: Dict[str, clingo.Symbol])
     if found is None or set(found) - {""} != {parameter} or found[parameter] != 1:
         return None
     return found.get("", 0)
+
+
+def time_offsets(arguments: Iterable[Node], parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[int, int]:
+    """Return the positions of the arguments that are the step plus a number, in order, each with this number."""
+    found = {n: time_offset(one, parameter, constants) for n, one in enumerate(arguments if parameter else ())}
+    return {position: offset for position, offset in found.items() if offset is not None}
 
 
 def longest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:

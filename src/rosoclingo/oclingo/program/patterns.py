@@ -7,7 +7,7 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.domains import mentions
-from rosoclingo.oclingo.program.look_back import longest_look_back, time_offset
+from rosoclingo.oclingo.program.look_back import longest_look_back, time_offsets
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
@@ -34,8 +34,7 @@ class Pattern:
     @cached_property
     def offsets(self) -> Dict[int, int]:
         """The positions of the arguments that are the parameter plus a number, in order, each with this number."""
-        found = {n: time_offset(one, self.parameter, self._constants) for n, one in enumerate(self._arguments())}
-        return {position: offset for position, offset in found.items() if offset is not None}
+        return time_offsets(self._arguments(), self.parameter, self._constants)
 
     @cached_property
     def _look_back(self) -> Dict[int, int]:

@@ -28,10 +28,14 @@ class Occurrence(NamedTuple):
         return arguments_of(self.term)
 
 
+def bare(term: Node) -> Node:
+    """Return a term without the sign of classical negation."""
+    return term.argument if term.ast_type == ASTType.UnaryOperation else term
+
+
 def arguments_of(atom: Node) -> List[Node]:
     """Return the arguments of an atom's term, which may be classically negated."""
-    bare = atom.argument if atom.ast_type == ASTType.UnaryOperation else atom
-    return list(bare.arguments) if bare.ast_type == ASTType.Function else []
+    return list(bare(atom).arguments) if bare(atom).ast_type == ASTType.Function else []
 
 
 def term_signature(term: Node) -> Signature:

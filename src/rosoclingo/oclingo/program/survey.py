@@ -8,7 +8,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import Opened
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
@@ -140,9 +140,7 @@ class Survey:
         """Return the arguments of an atom that are the step plus a number, each with this number."""
         key, step = id(place.occurrence.term), place.part.parameter
         if key not in self._steps:
-            row = enumerate(place.occurrence.arguments) if step else ()
-            found = ((number, time_offset(one, step, self.constants)) for number, one in row)
-            self._steps[key] = {number: offset for number, offset in found if offset is not None}
+            self._steps[key] = time_offsets(place.occurrence.arguments, step, self.constants)
         return self._steps[key]
 
     def number(self, term: Node) -> Optional[int]:
