@@ -16,7 +16,7 @@ import clingo
 from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.domains import names_in
+from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part

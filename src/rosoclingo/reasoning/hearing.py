@@ -12,7 +12,7 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 import clingo
 from clingo.ast import ASTType, ComparisonOperator, ProgramBuilder, Sign
 
-from rosoclingo.oclingo.program.domains import fixed_signatures, mentions, names_in
+from rosoclingo.oclingo.program.literals import fixed_signatures, mentions, names_in
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import FAR, Pattern

@@ -7,8 +7,8 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.likeness import asked, is_slip
+from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.program.survey import LABELS, Survey, fault_at

@@ -7,7 +7,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
-from rosoclingo.oclingo.program.domains import mentions
+from rosoclingo.oclingo.program.literals import mentions
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import Survey, fault_at, written
 from rosoclingo.oclingo.program.undefined import QUERY

@@ -8,8 +8,8 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.domains import names_in
 from rosoclingo.oclingo.program.likeness import asked, likely_value, slip_of
+from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences, parted
 from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written

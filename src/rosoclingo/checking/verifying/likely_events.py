@@ -14,7 +14,7 @@ from rosoclingo.checking.verifying.scope import EventSelection
 from rosoclingo.checking.verifying.shared_solver import Streams
 from rosoclingo.checking.verifying.time_shift import Argument
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, is_action
-from rosoclingo.oclingo.program.domains import binds, fixed_signatures, mentions, names_in, plain_literals
+from rosoclingo.oclingo.program.literals import binds, fixed_signatures, mentions, names_in, plain_literals
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram

@@ -6,7 +6,7 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence
 import clingo
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo.program.domains import mentions
+from rosoclingo.oclingo.program.literals import mentions
 from rosoclingo.oclingo.program.look_back import longest_look_back, time_offsets
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate

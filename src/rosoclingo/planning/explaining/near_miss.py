@@ -7,7 +7,7 @@ from typing import Iterator, List, Mapping, Optional, Sequence, Tuple
 import clingo
 from clingo.ast import ASTType, Sign
 
-from rosoclingo.oclingo.program.domains import plain_literals
+from rosoclingo.oclingo.program.literals import plain_literals
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram

@@ -21,7 +21,7 @@ from typing import AbstractSet, Dict, Iterable, Iterator, List, Mapping, NamedTu
 import clingo
 from clingo.ast import ASTType, BodyAggregate, BodyAggregateElement, Literal, Sign
 
-from rosoclingo.oclingo.program.domains import names_in
+from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
