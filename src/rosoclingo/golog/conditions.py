@@ -45,7 +45,7 @@ class Without(NamedTuple):
 Literal = Union[Plain, Without]
 
 
-class Scope:
+class Bindings:
     """Makes names for variables that are bound within conditions, and knows where faults are."""
 
     def __init__(self, file: str) -> None:
@@ -111,7 +111,7 @@ def _written(variable: SyntaxNode, names: Names) -> str:
     return f"Any'{variable.line}'{variable.column}" if found and variable.text == "_" else found
 
 
-def alternatives(condition: SyntaxNode, names: Names, scope: Scope, positive: bool = True) -> List[List[Literal]]:
+def alternatives(condition: SyntaxNode, names: Names, scope: Bindings, positive: bool = True) -> List[List[Literal]]:
     """Return in which ways a condition holds, or with ``positive`` False does not hold."""
     kind, parts = condition.kind, condition.parts
     if kind == "not":
@@ -137,7 +137,7 @@ def alternatives(condition: SyntaxNode, names: Names, scope: Scope, positive: bo
     return [[Without(condition, names, known)]]
 
 
-def instances(condition: SyntaxNode, names: Names, scope: Scope) -> List[List[Literal]]:
+def instances(condition: SyntaxNode, names: Names, scope: Bindings) -> List[List[Literal]]:
     """Return in which ways there are values for ``some``, or against ``all``, or for each _ of a fluent."""
     if condition.kind == "compound":
         return alternatives(condition, names, scope)
@@ -146,7 +146,7 @@ def instances(condition: SyntaxNode, names: Names, scope: Scope) -> List[List[Li
     return _all_of(condition, ways, scope)
 
 
-def _all_of(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: Scope) -> List[List[Literal]]:
+def _all_of(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: Bindings) -> List[List[Literal]]:
     """Return the ways in which all sides of a condition hold, of which each has these ways."""
     count = 1
     for side in sides:
@@ -156,7 +156,7 @@ def _all_of(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: 
     return [list(chain(*ways)) for ways in product(*sides)]
 
 
-def _member(condition: SyntaxNode, names: Names, scope: Scope, positive: bool) -> List[List[Literal]]:
+def _member(condition: SyntaxNode, names: Names, scope: Bindings, positive: bool) -> List[List[Literal]]:
     variable, values = condition.parts
     if variable.kind != "variable":
         raise scope.fault(variable, "'in' behind what is no variable", "write it as in X in 1..3")
@@ -170,14 +170,14 @@ def _member(condition: SyntaxNode, names: Names, scope: Scope, positive: bool) -
     return [[_compared(variable, "!=", one, names, scope) for one in values.parts]]
 
 
-def _compared(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Scope) -> Plain:
+def _compared(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Bindings) -> Plain:
     text = f"{scope.term(left, names)}{operator}{scope.term(right, names)}"
     used, sides = _used(left, names) | _used(right, names), [one for one in (left, right) if one.kind == "variable"]
     binds = frozenset(_written(one, names) for one in sides[:1] if operator == "=")
     return Plain(text, used - binds, binds)
 
 
-def _fluent(fluent: SyntaxNode, names: Names, scope: Scope, positive: bool) -> Plain:
+def _fluent(fluent: SyntaxNode, names: Names, scope: Bindings, positive: bool) -> Plain:
     own = {**names, "_": "_"}
     text, used = f"golog_holds({scope.term(fluent, own)},{STEP})", _used(fluent, own)
     if not positive:

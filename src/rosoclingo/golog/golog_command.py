@@ -40,13 +40,13 @@ def _translate(file: str, silent: bool) -> int:
     collector = Collector()
     collector.add(source)
     collector.translate()
-    texts = {one.name: one.text for one in collector.sources}
+    texts = {one.source.name: one.source.text for one in collector.files}
     for fault in collector.faults:
         sys.stderr.write(_told(fault, texts.get(fault.file, "").splitlines()))
     if collector.faults:
         return FAULTY
     if not silent:
-        sys.stdout.write(collector.texts[0])
+        sys.stdout.write(collector.files[0].text)
     return GOOD
 
 

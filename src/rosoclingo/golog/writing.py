@@ -6,11 +6,11 @@ from typing import Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple, Un
 
 from rosoclingo.golog.conditions import (
     STEP,
+    Bindings,
     GologError,
     Literal,
     Names,
     Plain,
-    Scope,
     Without,
     alternatives,
     instances,
@@ -66,7 +66,7 @@ class Writer:
         self._file, self._stem, self._procedures = file, stem, procedures
         self._count = 0
         self._actions: Set[str] = set()
-        self._scope = Scope(file)
+        self._scope = Bindings(file)
         self.lines: List[str] = []
         self.places: List[Tuple[int, int]] = []
         for one in program.includes:

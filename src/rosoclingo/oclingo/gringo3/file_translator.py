@@ -7,7 +7,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple, Union
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.dialect import GRINGO3_WORDS, STEP_DIRECTIVES, Dialect, SourceFile
-from rosoclingo.oclingo.gringo3.grammar import UntranslatableError, aggregate_of, parse
+from rosoclingo.oclingo.gringo3.grammar import UntranslatableError, parse
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, TranslationError
 from rosoclingo.oclingo.gringo3.optimization import OptimizationWriter
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
@@ -22,13 +22,13 @@ from rosoclingo.oclingo.gringo3.terms import (
     show,
     variables,
 )
-from rosoclingo.oclingo.gringo3.visibility import ShowStatement, Visibility, signature, signatures_of
+from rosoclingo.oclingo.gringo3.visibility import ShowStatement, Visibility, signature
 
 MARK = "% dialect: clingo 5"
 """The comment at the end of a translation."""
 
-_ARITHMETIC = {"+", "-", "*", "/", "\\", "**", "..", "&", "^", "?", "~", "|", "#mod", "#div", "#pow"}
-_COMPARISONS = {"=", ":=", "==", "!=", "<", "<=", ">", ">="}
+_HOLDERS = ("list", "pool", "comparison", "weight", "priority")
+"""Nodes whose parts are terms. In arithmetic gringo 3 stops at a name without a value."""
 
 
 class Constants:
@@ -38,34 +38,20 @@ class Constants:
     """
 
     def __init__(self) -> None:
-        self._used: Dict[str, Tuple[str, SourceToken]] = {}
+        self._used: Dict[str, str] = {}
 
-    def note(self, file: str, statement: Sequence[SourceToken]) -> None:
-        """Note the names that a statement uses as terms.
-
-        Names inside arithmetic do not count: there gringo 3 stops at a name without a value, so that no program can
-        mean anything else than today's solver takes it for.
-        """
-        for token in _names(statement):
-            self._used.setdefault(token.text, (file, token))
+    def note(self, file: str, statement: SyntaxNode) -> None:
+        """Note the names that a statement uses as terms, outside of arithmetic."""
+        for node in statement.walk():
+            for part in node.parts if node.kind in _HOLDERS else ():
+                if part.kind == "symbol" and part.first.type == "IDENTIFIER":
+                    self._used.setdefault(part.text, f"{file}:{part.line}")
 
     def define(self, const: SyntaxNode, name: str) -> None:
         """Note a ``#const``; :class:`UntranslatableError` if a statement before it uses the name."""
         if name in self._used:
-            file, use = self._used[name]
             message = f"gringo 3 does not replace '{name}' in the statements before this #const, but clingo 5 does"
-            raise UntranslatableError(const, message, f"put the #const before its use in {file}:{use.line}")
-
-
-def _names(statement: Sequence[SourceToken]) -> List[SourceToken]:
-    found, depth = [], 0
-    for before, token, after in zip(("", *(t.text for t in statement)), statement, (*statement[1:], statement[-1])):
-        depth += {"(": 1, ")": -1}.get(token.text, 0)
-        around = {before, after.text}
-        is_term = depth > 0 or around & _COMPARISONS
-        if token.kind is TokenKind.IDENTIFIER and after.text != "(" and is_term and not around & _ARITHMETIC:
-            found.append(token)
-    return found
+            raise UntranslatableError(const, message, f"put the #const before its use in {self._used[name]}")
 
 
 class Program:
@@ -229,9 +215,11 @@ class FileTranslator:
             place = (self._name, self.faults, self.rewriting, self.source.ranges[number])
             self._program.visibility.add(ShowStatement(*place, self._step, tree, self._domains(tree)))
         elif tree.kind in _WRITERS:
-            self.rewriting.replace(*self.source.ranges[number], _WRITERS[tree.kind](self, tree))
+            text = _WRITERS[tree.kind](self, tree)
+            self.rewriting.replace(*self.source.ranges[number], text)
+            self._program.visibility.note(text, self._step)
         if tree.kind != "const":
-            self._program.constants.note(self._file, tokens)
+            self._program.constants.note(self._file, tree)
         self._program.seen_variables.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
 
     def _leave(self, tokens: Sequence[SourceToken]) -> None:
@@ -241,16 +229,12 @@ class FileTranslator:
         if domain_atoms([one.text for one in tokens], self._program.domains):
             message = "a variable that #domain declares cannot stand in a statement of clingo 5"
             raise UntranslatableError(tokens[0], message, "use another variable")
-        self._program.visibility.leave(self.source.text[tokens[0].start : tokens[-1].end], self._step)
+        self._program.visibility.note(self.source.text[tokens[0].start : tokens[-1].end], self._step)
 
     def _domains(self, node: SyntaxNode) -> List[str]:
         return domain_atoms(variables([node]), self._program.domains)
 
     def _rule(self, rule: SyntaxNode) -> str:
-        heads = [part for part in rule.parts if part.kind != "body"][:1]
-        literals = [one for head in heads for one in ([head] if head.kind == "literal" else _literals(head))]
-        literals = [one for one in literals if one.kind == "literal" and one.children[0] != "not"]
-        self._program.visibility.define([found for one in literals for found in signatures_of(one)], self._step)
         return self._rules.rule(rule, self._domains(rule))
 
     def _weak(self, weak: SyntaxNode) -> str:
@@ -289,10 +273,11 @@ class FileTranslator:
     def _external(self, external: SyntaxNode) -> str:
         declared = external.parts[0]
         if declared.kind == "signature":
-            self._program.visibility.define([signature(declared)], self._step)
+            name, arity = signature(declared)
+            arguments = f"({','.join('_' * arity)})" if arity else ""
+            self._program.visibility.note(f"#external {name}{arguments}.", self._step)
             return _shown(external)
         element = Element.of(declared)
-        self._program.visibility.define(signatures_of(element.literal), self._step)
         conditions = [show(found) for condition in element.conditions for found in alternatives(condition)]
         conditions += self._domains(declared)
         return f"#external {show(element.literal)}{' : ' if conditions else ''}{', '.join(conditions)}."
@@ -320,9 +305,3 @@ _WRITERS: Dict[str, Callable[[FileTranslator, SyntaxNode], str]] = {
 
 def _shown(directive: SyntaxNode) -> str:
     return " ".join(map(show, directive.children))
-
-
-def _literals(head: SyntaxNode) -> List[SyntaxNode]:
-    """The literals of a disjunction or an aggregate, without their conditions."""
-    elements = aggregate_of(head).core.parts if head.kind == "aggregate" else head.parts
-    return [Element.of(element).literal for element in elements]

@@ -77,23 +77,13 @@ class Visibility:
         self._statements: List[ShowStatement] = []
         self._defined: Dict[Signature, None] = {}
         self._in_steps: Set[Signature] = set()
-        self._left: Dict[str, List[str]] = {}
+        self._texts: List[Tuple[str, str]] = []
         self._hides_all = False
         self._listed = False
 
-    def define(self, signatures: Sequence[Signature], step: str) -> None:
-        """Note that a part of the program, with its parameter, defines atoms of these signatures."""
-        self._defined.update(dict.fromkeys(signatures))
-        if step:
-            self._in_steps.update(signatures)
-
-    def leave(self, text: str, step: str) -> None:
-        """Note a statement of clingo 5, which may define something; clingo is asked only if it matters."""
-        self._left.setdefault(step, []).append(text)
-
-    def _read_what_was_left(self) -> None:
-        for step, texts in self._left.items():
-            self.define(head_signatures("\n".join(texts)), step)
+    def note(self, text: str, step: str) -> None:
+        """Note a statement in clingo 5's language, which may define something; clingo is asked only if it matters."""
+        self._texts.append((text, step))
 
     def add(self, statement: ShowStatement) -> None:
         """Note a ``#show`` or ``#hide``."""
@@ -103,8 +93,10 @@ class Visibility:
 
     def write(self) -> None:
         """Edit the files; statements that cannot be written are among the faults of their files."""
-        if self._statements:
-            self._read_what_was_left()
+        for text, step in self._texts if self._statements else ():
+            found = head_signatures(text)
+            self._defined.update(dict.fromkeys(found))
+            self._in_steps.update(found if step else ())
         for statement in self._statements:
             try:
                 statement.rewriting.replace(*statement.place, self._text(statement))

@@ -2,7 +2,7 @@
 
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
 
@@ -63,17 +63,37 @@ def read_sources(
     texts: Sequence[str] = ()
     faults = list(collector.faults)
     try:
-        results = translate_program([(one.name, text) for one, text in zip(collector.sources, collector.texts)])
+        results = translate_program([(one.source.name, one.text) for one in collector.files])
         texts = [result.text for result in results]
-        for source, result in zip(collector.sources, results):
-            remarks.extend(_remark(source.name, warning) for warning in result.warnings)
+        for one, result in zip(collector.files, results):
+            remarks.extend(_remark(one.source.name, warning) for warning in result.warnings)
     except ProgramError as error:
         faults.extend(error.faults)
-    written = zip(collector.sources, texts, collector.translations)
-    parsed = [_parse(source, text, found, faults, other) for source, text, other in written]
+    pairs = zip(collector.files, texts)
+    parsed = [_parse(one.source, text, found, faults, one.translation) for one, text in pairs]
     if faults or found.faults:
         raise ProgramError([*found.faults, *faults])
     return parsed
+
+
+@dataclass(eq=False)
+class ProgramFile:
+    """A text of a program.
+
+    Attributes:
+        source: the text as it is.
+        document: how its language reads it, if it has one of its own.
+        text: it in clingo's language or gringo 3's.
+        translation: where the lines of this text come from, if it was translated.
+        includes: the files that it includes, None for those that are not there.
+
+    """
+
+    source: Source
+    document: Optional[Document]
+    text: str
+    translation: Optional[Translation] = None
+    includes: List[Optional["ProgramFile"]] = field(default_factory=list)
 
 
 class Collector:
@@ -84,34 +104,25 @@ class Collector:
 
     def __init__(self, given: Sequence[Source] = ()) -> None:
         self._given = {os.path.normpath(one.name): one for one in given}
-        self._numbers: Dict[Path, int] = {}
         self._unreadable: Set[Path] = set()
-        self._documents: Dict[int, Document] = {}  # of sources in a language of their own
-        self._includes: List[List[Optional[int]]] = []  # of each source, which ones it includes; None if not there
-        self.sources: List[Source] = []
-        self.translations: List[Optional[Translation]] = []  # of each source, where it is in a language of its own
-        self.texts: List[str] = []  # of each source, in clingo's language or gringo 3's
+        self.files: List[ProgramFile] = []
         self.faults: List[Fault] = []
 
-    def add(self, source: Source) -> int:
-        """Take a source and all that it includes, unless it was included or named before; return its number."""
-        number = self._numbers.setdefault(Path(source.name).resolve(), len(self.sources))
-        if number < len(self.sources) and self.sources[number].text == source.text:
-            return number
-        language, number = language_of(source.name), len(self.sources)
-        if language is not None:
-            self._documents[number] = language.read(source.text, source.name)
-            includes = self._documents[number].includes
-        else:
-            includes = tuple(Include(name, line, 1) for name, line in included_files(source.text))
-        self.sources.append(source)
-        self.texts.append(source.text)
-        self.translations.append(None)
-        self._includes.append([])
-        for one in includes:
+    def add(self, source: Source) -> ProgramFile:
+        """Take a source and all that it includes, unless it was included or named before; return its file."""
+        path = Path(source.name).resolve()
+        known = (one for one in self.files if Path(one.source.name).resolve() == path)
+        before = next((one for one in known if one.source.text == source.text), None)
+        if before is not None:
+            return before
+        language = language_of(source.name)
+        file = ProgramFile(source, language.read(source.text, source.name) if language else None, source.text)
+        self.files.append(file)
+        own = (Include(name, line, 1) for name, line in included_files(source.text))
+        for one in file.document.includes if file.document else own:
             included = self._find(source, one)
-            self._includes[number].append(None if included is None else self.add(included))
-        return number
+            file.includes.append(None if included is None else self.add(included))
+        return file
 
     def _find(self, source: Source, wanted: Include) -> Optional[Source]:
         """Return the file that a source includes, None if it is not there or cannot be read."""
@@ -134,31 +145,32 @@ class Collector:
         return None
 
     def translate(self) -> None:
-        """Translate what is in languages of their own."""
-        languages = {number: language_of(one.name) for number, one in self._documents.items()}
-        for language in filter(None, dict.fromkeys(languages.values())):
-            numbers = [number for number, other in languages.items() if other is language]
-            included = [[self._brought(other, numbers) for other in self._includes[one]] for one in numbers]
-            try:
-                documents = [self._documents[number] for number in numbers]
-                for number, one in zip(numbers, language.translate_files(documents, included)):
-                    self.translations[number], self.texts[number] = one, one.text
-            except ProgramError as error:
-                self.faults.extend(error.faults)
-                for number in numbers:
-                    self.texts[number] = ""
+        """Translate what is in a language of its own."""
+        files = [one for one in self.files if one.document is not None]
+        language = language_of(files[0].source.name) if files else None
+        if language is None:
+            return
+        included = [[self._brought(other, files) for other in one.includes] for one in files]
+        try:
+            found = language.translate_files([one.document for one in files], included)
+            for one, translation in zip(files, found):
+                one.translation, one.text = translation, translation.text
+        except ProgramError as error:
+            self.faults.extend(error.faults)
+            for one in files:
+                one.text = ""
 
-    def _brought(self, number: Optional[int], wanted: Sequence[int]) -> List[int]:
-        """Return the places among the ``wanted`` sources of those that an include brings in."""
+    def _brought(self, file: Optional[ProgramFile], wanted: Sequence[ProgramFile]) -> List[int]:
+        """Return the places among the ``wanted`` files of those that an include brings in."""
         found: List[int] = []
-        waiting, seen = [number], {number}
+        waiting, seen = [file], {file}
         while waiting:
             one = waiting.pop()
             if one in wanted:
                 found.append(wanted.index(one))
             elif one is not None:
-                waiting += [other for other in self._includes[one] if other not in seen]
-                seen.update(self._includes[one])
+                waiting += [other for other in one.includes if other not in seen]
+                seen.update(one.includes)
         return sorted(found)
 
 

@@ -180,7 +180,7 @@ def test_statements_of_gringo_3_are_translated_in_a_file_of_clingo_5_too():
         "x :- a; b.",
         "f(1). ",
         "q(X) :- g, X = 1, f(X).",
-        "#show. #show q/1. #show f/1.",
+        "#show. #show f/1. #show q/1.",
         ":- a : b, c.",
     ]
     assert translate(text + "% dialect: clingo 5", "x.lp").text == text + "% dialect: clingo 5"
