@@ -71,9 +71,9 @@ class SourceFile:
     def not_clingo5(self) -> Set[int]:
         """The numbers of the statements that clingo 5 does not accept."""
         texts = [self._shown_to_clingo(self.statement(number)) for number in range(len(self.ranges))]
-        if _accepted("\n".join(texts)):
+        if accepted_by_clingo("\n".join(texts)):
             return set()
-        return {number for number, text in enumerate(texts) if not _accepted(text)}
+        return {number for number, text in enumerate(texts) if not accepted_by_clingo(text)}
 
     @cached_property
     def has_gringo3_words(self) -> bool:
@@ -100,7 +100,7 @@ def is_signature(statement: Sequence[SourceToken]) -> bool:
     return words[0] == "#external" and len(words) in (5, 6) and words[-3] == "/" and words[-1] == "."
 
 
-def _accepted(text: str) -> bool:
+def accepted_by_clingo(text: str) -> bool:
     """Return whether clingo's parser accepts a text.
 
     Only ASCII goes to clingo: its Python module ends the process when a message cuts another character in two.
