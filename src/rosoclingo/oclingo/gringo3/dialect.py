@@ -18,6 +18,9 @@ GRINGO3_WORDS = frozenset(
 )
 """Tokens that only gringo 3 has, or reads in its own way."""
 
+_AMBIGUOUS = frozenset([";", "|", "#show", "#minimize", "#maximize", "#minimise", "#maximise", "#count"])
+"""Tokens that both languages have, at times with different meanings."""
+
 STEP_DIRECTIVES = ("#base", "#cumulative", "#volatile", "#iinit", "#forget")
 """oClingo's directives, which clingo does not know."""
 
@@ -81,10 +84,22 @@ class SourceFile:
         return any(one.text in GRINGO3_WORDS for one in self.tokens)
 
     @property
-    def is_clingo5(self) -> bool:
-        """Whether nothing in the file speaks for gringo 3, or the file says that it is in clingo 5's language."""
-        plain = self.by_directives is not Dialect.GRINGO3 and not self.has_gringo3_words and not self.not_clingo5
-        return self.pragma is Dialect.CLINGO5 or (self.pragma is None and plain)
+    def is_plain(self) -> bool:
+        """Whether no statement of the file speaks for gringo 3."""
+        plain = self.pragma is None and not self.has_gringo3_words and not self.not_clingo5
+        return plain or self.pragma is Dialect.CLINGO5
+
+    @cached_property
+    def reads_alike(self) -> bool:
+        """Whether no statement of a plain file has anything that the languages may read differently."""
+        for first, after in self.ranges:
+            words = [one.text for one in self.tokens[first:after]]
+            behind = words[words.index(":") :] if ":" in words else []
+            if words[0] not in STEP_DIRECTIVES and (
+                not _AMBIGUOUS.isdisjoint(words) or behind.count(":") > 1 or "," in behind or (behind and ".." in words)
+            ):
+                return False
+        return True
 
     def _shown_to_clingo(self, statement: Sequence[SourceToken]) -> str:
         """Return the text of a statement; "" for directives that clingo does not know, or that name other files."""

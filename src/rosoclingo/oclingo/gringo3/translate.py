@@ -37,9 +37,11 @@ def translate_program(
     Raises :class:`TranslationError` with all faults of all files.
     """
     sources = [SourceFile(name, text) for name, text in files]
-    decided = any(Dialect.CLINGO5 in (one.pragma, one.by_directives) or not one.ranges for one in sources)
-    if decided and all(one.is_clingo5 for one in sources):
-        return tuple(TranslationResult(one.text, (), Dialect.CLINGO5) for one in sources)
+    known = [one.pragma or one.by_directives for one in sources]
+    common = Dialect.CLINGO5 if Dialect.CLINGO5 in known else None
+    decided = [one.reads_alike or (its or common) is Dialect.CLINGO5 for one, its in zip(sources, known)]
+    if all(decided) and all(one.is_plain for one in sources):
+        return tuple(TranslationResult(one.text, (), its or Dialect.EITHER) for one, its in zip(sources, known))
     from rosoclingo.oclingo.gringo3.file_translator import translated  # noqa: PLC0415 most programs are clingo's
 
     return tuple(TranslationResult(*found) for found in translated(sources, undecided))
