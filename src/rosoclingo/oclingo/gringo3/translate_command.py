@@ -5,9 +5,8 @@ import sys
 from pathlib import Path
 from typing import List, Optional, Sequence, Tuple
 
-from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.gringo3.dialect import Dialect
-from rosoclingo.oclingo.gringo3.lexer import TranslationError
 from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
 from rosoclingo.oclingo.unread import ends_unread
 
@@ -34,7 +33,7 @@ def _translate(names: Sequence[str], folder: Optional[str]) -> int:
     try:
         sources = [(name, _read(name)) for name in names]
         results = translate_program(sources, Dialect.GRINGO3)
-    except (TranslationError, _UnreadableError) as error:
+    except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return 1
     warnings = [warning for result in results for warning in result.warnings]
@@ -42,19 +41,15 @@ def _translate(names: Sequence[str], folder: Optional[str]) -> int:
     return _write(list(zip(names, results)), folder)
 
 
-class _UnreadableError(Exception):
-    """A file cannot be read."""
-
-
 def _read(name: str) -> str:
     try:
         data = sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
         return data.decode("utf-8")
     except OSError as error:
-        raise _UnreadableError(str(Fault(name, 0, 0, f"cannot be read: {error.strerror}"))) from None
+        raise ProgramError([Fault(name, 0, 0, f"cannot be read: {error.strerror}")]) from None
     except UnicodeDecodeError as error:
         message = f"no UTF-8 text: {error.reason} at byte {error.start}"
-        raise _UnreadableError(str(Fault(name, 0, 0, message, "save the file as UTF-8"))) from None
+        raise ProgramError([Fault(name, 0, 0, message, "save the file as UTF-8")]) from None
 
 
 def _left_out(sources: Sequence[Tuple[str, str]]) -> List[str]:
