@@ -1,4 +1,4 @@
-"""Parsers made by lark from grammars: trees whose nodes know their places, and errors that know what would fit."""
+"""Parsers made by lark from grammars: trees whose nodes know their places, and errors that list the accepted tokens."""
 
 import os
 import re
@@ -20,7 +20,7 @@ except ModuleNotFoundError as error:
 __all__ = ["DEEPEST", "Grammar", "MisfitError", "SyntaxNode", "Token"]
 
 DEEPEST = 250
-"""How many unfinished rules a text can be in: what is nested deeper would exhaust Python's stack later."""
+"""Limit of the unfinished rules around a token: deeper nesting would exhaust Python's stack later."""
 
 
 class SyntaxNode(Tree[Token]):
@@ -93,7 +93,7 @@ class _NoLexer(Lexer):
 class MisfitError(Exception):
     """A token that no rule accepts where it stands; ``accepted`` are the types of those that would fit.
 
-    None are named where what is nested is too deep.
+    None are listed if the nesting is too deep.
     """
 
     def __init__(self, token: Token, accepted: AbstractSet[str]) -> None:

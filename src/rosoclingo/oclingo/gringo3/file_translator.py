@@ -34,7 +34,7 @@ _HOLDERS = ("list", "pool", "comparison", "weight", "priority")
 class Constants:
     """Records where names are used as terms before ``#const`` gives them a value.
 
-    gringo 3 replaces a constant only in what follows, today's solver everywhere.
+    gringo 3 replaces a constant only in later statements, today's solver everywhere.
     """
 
     def __init__(self) -> None:
@@ -55,7 +55,7 @@ class Constants:
 
 
 class Program:
-    """What reaches from file to file: ``#domain``, ``#show`` and ``#hide``, constants, the order of optimization."""
+    """Declarations that reach from file to file: ``#domain``, ``#show`` and ``#hide``, constants, the order of optimization."""
 
     def __init__(self, naming: Naming) -> None:
         self.naming = naming
@@ -134,7 +134,7 @@ def translated(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[
 
 
 def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> List["FileTranslator"]:
-    """Translate all files; what of them is shown is written at the end."""
+    """Translate all files, and their ``#show`` and ``#hide`` statements at the end."""
     variables = (one.text for found in evidence for one in found.source.tokens if one.kind is TokenKind.VARIABLE)
     program = Program(Naming(variables))
     translators = [FileTranslator(program, one, dialect) for one, dialect in zip(evidence, dialects)]
@@ -161,7 +161,7 @@ class FileTranslator:
         source: the file.
         own_text: its translation, without what ``#show`` and ``#hide`` become.
         warnings: warnings about it.
-        faults: what could not be translated.
+        faults: why statements could not be translated.
 
     """
 

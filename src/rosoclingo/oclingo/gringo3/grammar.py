@@ -1,4 +1,4 @@
-"""The grammar of gringo 3's statements and oClingo's directives, and what is wrong with one that it does not accept."""
+"""The grammar of gringo 3's statements and oClingo's directives, and messages about those that it does not accept."""
 
 from functools import lru_cache
 from typing import AbstractSet, Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Union
@@ -128,7 +128,7 @@ class UntranslatableError(Exception):
     """One statement cannot be translated; the translator collects these into a :class:`TranslationError`.
 
     Attributes:
-        limits: whether gringo 3 has the statement, but it goes beyond what the translation can do.
+        limits: whether gringo 3 has the statement, but the translation cannot handle it.
 
     """
 
@@ -213,7 +213,7 @@ def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Iterator[Gra
 
 
 def _refusal(token: SourceToken, accepted: AbstractSet[str], mend: str) -> UntranslatableError:
-    """Return what is wrong where a token is not accepted."""
+    """Return the error that a token is not accepted."""
     if not accepted:
         return UntranslatableError(token, "terms are nested too deeply here", limits=True)
     rows = ([name for kind, name in row.items() if kind in accepted] for row in _WANTED)
@@ -228,7 +228,7 @@ def unexpected(token: Place, wanted: str = "", mend: str = "") -> Untranslatable
     return UntranslatableError(token, message, mend)
 
 
-# ---- what the grammar leaves open ----------------------------------------------------------------------------------
+# ---- conditions that the grammar does not have ----------------------------------------------------------------------------------
 
 
 def _check_literal(literal: SyntaxNode, tokens: Sequence[SourceToken]) -> None:

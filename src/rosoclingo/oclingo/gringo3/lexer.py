@@ -115,7 +115,7 @@ _VALUES = ("true", "false", "free", "release")
 """The values that can stand in brackets behind an ``#external``."""
 
 
-@lru_cache(maxsize=32)  # a program's texts are asked for several times, by what it includes and by its checks
+@lru_cache(maxsize=32)  # includes, dialect, directives and checks all ask for the tokens of a text
 def _pieces(text: str) -> Tuple[Sequence[SourceToken], Sequence[str]]:
     found: List[SourceToken] = []
     remarks: List[str] = []

@@ -50,5 +50,5 @@ class Rewriting:
 
 
 def _gap(text: str, row: Sequence[SourceToken], index: int) -> str:
-    """Return what stands between a token and the one before."""
+    """Return the text between a token and the one before."""
     return text[row[index - 1].end : row[index].start] if 0 < index < len(row) else ""

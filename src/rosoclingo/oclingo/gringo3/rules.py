@@ -16,7 +16,7 @@ _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
 
 
 class RuleWriter:
-    """Writes rules and what they are made of."""
+    """Writes rules, their bodies and their aggregates."""
 
     def __init__(self, naming: Naming) -> None:
         self._naming = naming

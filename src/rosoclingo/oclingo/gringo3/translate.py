@@ -1,6 +1,6 @@
 """Translates programs of gringo 3 and oClingo into clingo 5's language.
 
-Only what differs is changed; comments, layout and line numbers stay. oClingo's own directives stay too, with today's
+Only differing parts change; comments, layout and line numbers stay. oClingo's own directives stay too, with today's
 separators inside.
 """
 
@@ -50,7 +50,7 @@ def translate_program(
 def included_files(text: str) -> List[Tuple[str, int]]:
     """The files that ``#include`` statements name, each with its line, in either language.
 
-    A program's files have to be translated together, so whoever loads them needs to know before the translation.
+    A program's files have to be translated together, so their loader needs these names before the translation.
     """
     found = tokens(text) if "#include" in text else []
     pairs = zip(found, found[1:])

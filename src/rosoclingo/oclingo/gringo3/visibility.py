@@ -70,7 +70,7 @@ class ShowStatement(NamedTuple):
 
 
 class Visibility:
-    """Collects what a program shows, hides and defines, and writes it in today's terms."""
+    """Collects the atoms that a program shows, hides and defines, and writes ``#show`` statements of today."""
 
     def __init__(self, naming: Naming) -> None:
         self._naming = naming

@@ -100,7 +100,7 @@ def take_directives(text: str, file: str, found: Directives) -> str:
 
 
 def _replacement(statement: Sequence[SourceToken], file: str, found: Directives) -> Optional[str]:
-    """Return the text for clingo in place of a directive, None for any other statement; note what it says."""
+    """Return the text for clingo in place of a directive, None for any other statement; note its value."""
     word, line, words = statement[0].text, statement[0].line, [one.text for one in statement]
     if is_signature(statement):
         found.opened.append(Opened(Signature(words[-4], int(words[-2]), words[1] != "-"), file, line))

@@ -31,7 +31,7 @@ class LoadedProgram:
         windows: the distinct lengths w of ``#volatile t : w.``, in steps.
         forgets: the ``#forget t : term.`` directives.
         open_signatures: the predicates of ``#external p/n.``
-        remarks: what is odd but usable.
+        remarks: oddities that do not keep the program from being used.
 
     """
 
@@ -75,12 +75,12 @@ class LoadedProgram:
 
     @property
     def warnings(self) -> List[str]:
-        """What is odd but usable, as text."""
+        """The remarks as text."""
         return [str(one) for one in self.remarks]
 
     @property
     def fingerprint(self) -> str:
-        """What programs of the same texts and constants share, wherever their files lie: a SHA-256 in hexadecimal."""
+        """A SHA-256 of texts and constants in hexadecimal, independent of where the files lie."""
         constants = sorted((name, str(value)) for name, value in self.constants.items())
         return sha256(json.dumps([[one.text for one in self.texts], constants]).encode("ascii")).hexdigest()
 
@@ -138,6 +138,6 @@ class LoadedProgram:
             self.load_into(control)
             control.ground([("__oclingo_no_part", [])])  # now clingo looks for unsafe variables
         except RuntimeError as error:
-            told = partial(statement_at, self.texts)
-            raise ProgramError(messages.faults(error, self.parameter_at, told)) from None
+            as_written = partial(statement_at, self.texts)
+            raise ProgramError(messages.faults(error, self.parameter_at, as_written)) from None
         return control

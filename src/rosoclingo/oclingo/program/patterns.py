@@ -50,7 +50,7 @@ class Pattern:
     def may_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
         """Tell whether a ground instance at some step first..last (base: always grounded) could be ``atom``.
 
-        Never wrongly False; variables, intervals and what is hard to evaluate count as a match.
+        Never wrongly False; variables, intervals and terms without a known value count as a match.
         """
         if not self.parameter:
             return self._fits(self._term, atom, None)
@@ -100,7 +100,7 @@ def are_apart(patterns: Iterable[Pattern]) -> bool:
 
 
 def may_see_later(seen: Mapping[Signature, Iterable[Pattern]], defined: Mapping[Signature, Iterable[Pattern]]) -> bool:
-    """Tell whether a rule of some step could see what a later step defines or declares; never wrongly False.
+    """Tell whether a rule of some step could see an atom that a later step defines or declares; never wrongly False.
 
     Where none does, steps can be ground one by one or together.
     """

@@ -28,10 +28,10 @@ PathLike = Union[str, Path]
 
 
 class ReactiveProgram(LoadedProgram):
-    """A loaded program and all that the solvers have to know of its rules.
+    """A loaded program with the analyses of its rules that solvers and checks need.
 
     Attributes:
-        faults: why it cannot be used; there are some where it is ``lenient`` alone.
+        faults: why it cannot be used; only a ``lenient`` program can have some.
         survey: its statements by predicates.
         trial: its ground first steps, None before they are ground.
 
@@ -46,12 +46,12 @@ class ReactiveProgram(LoadedProgram):
     ) -> None:
         """Take the texts in order; with ``whole`` all that they include is among them.
 
-        Raises ProgramError with all faults that can be found without grounding; a ``lenient`` one, which is to be
-        looked at alone, has those in its ``faults`` that do not keep it from being read.
+        Raises ProgramError with all faults that can be found without grounding; a ``lenient`` one, which is for
+        inspection only, has those in its ``faults`` that do not keep it from being read.
         """
         super().__init__(sources, constants or {}, whole)
         self.trial: Optional[TrialGrounding] = None
-        self._said: Optional[List[Fault]] = None  # what clingo says of the first steps, once they have been ground
+        self._said: Optional[List[Fault]] = None  # clingo's messages about the first steps, once they are ground
         self.survey = Survey(self.parts, self.values, self._directives.opened)
         self.faults = tuple(self._check())
         if self.faults and not lenient:
@@ -141,7 +141,7 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def steps_apart(self) -> bool:
-        """Whether no step sees what a later one defines, so that steps may as well be ground together."""
+        """Whether no step sees atoms that a later one defines, so that steps can be ground together."""
         return not any(may_see_later(self._patterns["seen"], self._patterns[one]) for one in ("defined", "declared"))
 
     @cached_property
@@ -214,7 +214,7 @@ class ReactiveProgram(LoadedProgram):
         return may_match(self._patterns[role].get(signature_of(atom), ()), atom, first, last, base)
 
     def _check(self) -> List[Fault]:
-        """Return all faults that show before anything is grounded, or in the first steps; note what is odd."""
+        """Return all faults that show before anything is grounded, or in the first steps; note remarks."""
         faults = checks.wrong_arities(self.parts) + self._load_faults
         odd = checks.missing_parts(self.parts)
         late = checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self.values)
@@ -239,14 +239,14 @@ class ReactiveProgram(LoadedProgram):
         return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice", kind="redefinition")]
 
     def said_of_steps(self) -> List[Fault]:
-        """Return what clingo says of the first steps, which are ground for it unless they have been."""
+        """Return clingo's messages about the first steps; ground them if nobody has."""
         if self._said is None and not self.faults:
             messages = Messages()
             self._try(self._control(messages), messages)
         return self._said or []
 
     def _try(self, control: clingo.Control, messages: Messages) -> List[Fault]:
-        """Ground the first steps; return the faults that show, and note what clingo says of them."""
+        """Ground the first steps; return the faults that show, and note clingo's messages."""
         self._said = []
         try:
             self.trial = TrialGrounding(control, self.first_step)

@@ -1,4 +1,4 @@
-"""What a program's statements mention: signatures, the values of simple terms, and who depends on whom.
+"""The atoms of statements, their signatures and dependencies, and the values of simple terms.
 
 Works on :mod:`clingo.ast` statements.
 """
