@@ -55,7 +55,7 @@ class Constants:
 
 
 class Program:
-    """Declarations that reach from file to file: ``#domain``, ``#show`` and ``#hide``, constants, the order of optimization."""
+    """Declarations that reach from file to file: ``#domain``, ``#show``, ``#hide``, constants, optimization."""
 
     def __init__(self, naming: Naming) -> None:
         self.naming = naming

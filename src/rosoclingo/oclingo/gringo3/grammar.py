@@ -228,7 +228,7 @@ def unexpected(token: Place, wanted: str = "", mend: str = "") -> Untranslatable
     return UntranslatableError(token, message, mend)
 
 
-# ---- conditions that the grammar does not have ----------------------------------------------------------------------------------
+# ---- conditions that the grammar does not have ---------------------------------------------------------------------
 
 
 def _check_literal(literal: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
