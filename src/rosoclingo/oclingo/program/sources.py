@@ -77,7 +77,7 @@ def read_sources(
 
 
 @dataclass(eq=False)
-class ProgramFile:
+class LoadedFile:
     """A text of a program.
 
     Attributes:
@@ -93,7 +93,7 @@ class ProgramFile:
     document: Optional[Document]
     text: str
     translation: Optional[Translation] = None
-    includes: List[Optional["ProgramFile"]] = field(default_factory=list)
+    includes: List[Optional["LoadedFile"]] = field(default_factory=list)
 
 
 class Collector:
@@ -105,10 +105,10 @@ class Collector:
     def __init__(self, given: Sequence[Source] = ()) -> None:
         self._given = {os.path.normpath(one.name): one for one in given}
         self._unreadable: Set[Path] = set()
-        self.files: List[ProgramFile] = []
+        self.files: List[LoadedFile] = []
         self.faults: List[Fault] = []
 
-    def add(self, source: Source) -> ProgramFile:
+    def add(self, source: Source) -> LoadedFile:
         """Take a source and all that it includes, unless it was included or named before; return its file."""
         path = Path(source.name).resolve()
         known = (one for one in self.files if Path(one.source.name).resolve() == path)
@@ -116,7 +116,7 @@ class Collector:
         if before is not None:
             return before
         language = language_of(source.name)
-        file = ProgramFile(source, language.read(source.text, source.name) if language else None, source.text)
+        file = LoadedFile(source, language.read(source.text, source.name) if language else None, source.text)
         self.files.append(file)
         own = (Include(name, line, 1) for name, line in included_files(source.text))
         for one in file.document.includes if file.document else own:
@@ -160,7 +160,7 @@ class Collector:
             for one in files:
                 one.text = ""
 
-    def _brought(self, file: Optional[ProgramFile], wanted: Sequence[ProgramFile]) -> List[int]:
+    def _brought(self, file: Optional[LoadedFile], wanted: Sequence[LoadedFile]) -> List[int]:
         """Return the places among the ``wanted`` files of those that an include brings in."""
         found: List[int] = []
         waiting, seen = [file], {file}
