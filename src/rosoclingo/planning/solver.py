@@ -27,7 +27,7 @@ from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
 from rosoclingo.planning.strategies.shortest import SearchResult, shortest
-from rosoclingo.planning.strategies.soon import CLOCK, Clock, Soon, TimeLimit
+from rosoclingo.planning.strategies.soon import Soon, TimeLimit
 
 BLOCK = 8
 """Number of steps to ground at once if further steps leave answers valid."""
@@ -63,7 +63,6 @@ class PlanSolver(PlanningSolver):
         horizon_limit: Optional[int] = None,
         log_limit: int = LONG,
         plan_time: Optional[float] = None,
-        clock: Clock = CLOCK,
         idles: Optional[bool] = None,
         dropped: Stop = never,
     ) -> None:
@@ -76,7 +75,6 @@ class PlanSolver(PlanningSolver):
             log_limit: the number of updates after which a checkpoint follows a search; higher for large snapshots.
             plan_time: the time limit for shortest plans, in seconds of processor time; after it the best plan so far,
                 or the first one that is found, is the answer. None for no limit.
-            clock: returns the processor time.
             idles: whether further steps leave answers valid; None to test it.
             dropped: polled while the program is grounded; if it returns true, DroppedError is raised.
 
@@ -85,14 +83,14 @@ class PlanSolver(PlanningSolver):
         self.program, self._dropped = program, dropped
         self.models = models
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
-        self._plan_time, self._clock = plan_time, clock
+        self._plan_time = plan_time
         self._predicts = models == 1 and tells_plainly(program)
         self._hint, self._idles = 0, idles  # a likely horizon: that of the last answer
         self._searched: Optional[_Cached] = None  # the last search, by the key of its history
         self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts
         self._improvement: Optional[Improvement] = None
         self._checked_until = 0  # steps before it were checked for compaction
-        self.remarks = set(program.warnings)  # of clingo, each of which is reported once
+        self._remarks = set(program.warnings)  # of clingo, each of which is reported once
 
     @property
     def snapshot(self) -> Snapshot:
@@ -111,7 +109,7 @@ class PlanSolver(PlanningSolver):
             strategy = shortest(asking, self.models, self._hint)
         else:
             predictable = update is not None and reports_only_success(update, before.permanent)
-            limit = TimeLimit(self._plan_time, predictable, self._clock)
+            limit = TimeLimit(self._plan_time, predictable)
             strategy = Soon(asking, self.models, self.log.plan, limit).run()
         try:
             found = asking.run(strategy, stopped)
@@ -176,8 +174,8 @@ class PlanSolver(PlanningSolver):
         yield from asking.grounding.warnings
         messages = asking.grounding.messages
         for one in messages.new_remarks(self.program.parameter_at) if messages.said else ():
-            if str(one) not in self.remarks:
-                self.remarks.add(str(one))
+            if str(one) not in self._remarks:
+                self._remarks.add(str(one))
                 yield str(one)
 
     def recent(self, answer: Answer) -> Answer:

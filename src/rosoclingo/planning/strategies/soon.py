@@ -9,7 +9,7 @@ at once.
 """
 
 import time
-from typing import Callable, Generator, List, Optional, TypeVar
+from typing import Generator, List, Optional, TypeVar
 
 from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan
@@ -21,11 +21,6 @@ from rosoclingo.planning.strategies.trim import trimmed
 
 T = TypeVar("T")
 _Asks = Generator[Question, Reply, T]
-
-Clock = Callable[[], float]
-"""Returns this process's processor time in seconds: other processes do not change the plans."""
-
-CLOCK: Clock = time.process_time
 
 CONFLICTS = 100
 """Initial limit of conflicts of a question.
@@ -55,17 +50,17 @@ KEPT = 0.1
 
 
 class TimeLimit:
-    """The time limit for one update.
+    """The time limit for one update, in processor time of this process: other processes do not change the plans.
 
     Attributes:
         predicted: whether the update only reports success; the last plan had its search time before.
 
     """
 
-    def __init__(self, seconds: float, predicted: bool = False, clock: Clock = CLOCK) -> None:
-        """Allow ``seconds`` of ``clock`` from now on."""
-        self._seconds, self.predicted, self._clock = seconds, predicted, clock
-        self._start = clock()
+    def __init__(self, seconds: float, predicted: bool = False) -> None:
+        """Allow ``seconds`` from now on."""
+        self._seconds, self.predicted = seconds, predicted
+        self._start = time.process_time()
 
     def plan_is_kept(self, shortest: bool) -> None:
         """Reduce the limit: the last plan, proven ``shortest`` or not, is still valid, and improved while it runs."""
@@ -73,7 +68,7 @@ class TimeLimit:
 
     def is_over(self) -> bool:
         """Return whether to accept the best plan so far."""
-        return self._clock() - self._start >= self._seconds
+        return time.process_time() - self._start >= self._seconds
 
 
 class Soon:

@@ -1,6 +1,6 @@
 """An incremental solver that can continue from any history."""
 
-from typing import Any, FrozenSet, Optional
+from typing import Any, Optional
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
@@ -15,11 +15,8 @@ class LoggedSolver:
 
     Attributes:
         log: the history.
-        remarks: none, as :class:`ReactiveSolver` reports clingo's remarks with the update that caused them.
 
     """
-
-    remarks: FrozenSet[str] = frozenset()
 
     def __init__(self, program: ReactiveProgram, dropped: Stop, **options: Any) -> None:
         """Use solvers with ``options``; ``dropped`` is that of :meth:`ReactiveSolver.update`."""

@@ -6,7 +6,7 @@ stop, or crashes, is replaced. Workers have no state except caches, so this cost
 
 import time
 from contextlib import suppress
-from typing import Any, Callable, Optional, Set, Type, TypeVar
+from typing import Any, Callable, Optional, Type, TypeVar
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -38,9 +38,6 @@ class WorkerPool:
     after ``grace`` seconds it is dropped between two pieces, after ``patience`` seconds the worker is killed. In both
     cases the update is dropped and DroppedError raised, as after repeated crashes of workers. While a worker loads the
     program, a stop raises NotReadyError.
-
-    Attributes:
-        remarks: clingo's remarks on the program that were reported; each new worker repeats them.
 
     """
 
@@ -75,7 +72,6 @@ class WorkerPool:
         self._standby: Optional[SolverWorker] = None
         self._closed = False
         self._cpu_time = 0.0  # of former active workers, less that of the active one before it became active
-        self.remarks: Set[str] = set(program.warnings)
         self._replace()
 
     @property

@@ -1,7 +1,6 @@
 """A solver that runs in worker processes."""
 
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, FrozenSet, Optional, Sequence
 
 import clingo
@@ -84,10 +83,7 @@ class ProcessSolver(PlanningSolver):
 
     def _adopt_reply(self, reply: WorkerReply) -> SolveResult:
         """Adopt the history and the answer in ``reply``; return the answer."""
-        reported = self._pool.remarks
-        remarks = [one for one in reply.remarks if one not in reported]
-        reported.update(remarks)
-        result: SolveResult = replace(reply.value, warnings=(*reply.value.warnings, *remarks))
+        result: SolveResult = reply.value
         assert reply.log is not None
         self.log, self._answer = reply.log, (reply.log, result)
         return result

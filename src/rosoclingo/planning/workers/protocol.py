@@ -40,7 +40,6 @@ class WorkerReply(NamedTuple):
     Attributes:
         value: the result of the method, or the error that it raised.
         entries: the entries to append to the history.
-        remarks: all remarks of clingo so far.
         is_last: whether the command has ended; a search that improves its plan replies with each plan.
         log: the history after the command, which the parent adds.
 
@@ -48,6 +47,5 @@ class WorkerReply(NamedTuple):
 
     value: Any = None
     entries: Sequence[Entry] = ()
-    remarks: Tuple[str, ...] = ()
     is_last: bool = True
     log: Optional[History] = None

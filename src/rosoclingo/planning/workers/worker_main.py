@@ -70,13 +70,10 @@ class WorkerMain:
             return WorkerReply(error)
 
     def _reply(self, value: object, is_last: bool = True) -> WorkerReply:
-        """Return the reply with ``value``; old atoms of an answer and clingo's remarks are left out of it."""
-        remarks = self._solver.remarks
+        """Return the reply with ``value``; old atoms of an answer are left out of it."""
         if isinstance(value, SolveResult):
-            answers = tuple(map(self._solver.recent, value.answers))
-            value = replace(value, answers=answers, warnings=tuple(one for one in value.warnings if one not in remarks))
-        entries = self._solver.log.entries_after(self._start) or []
-        return WorkerReply(value, entries, tuple(sorted(remarks)), is_last)
+            value = replace(value, answers=tuple(map(self._solver.recent, value.answers)))
+        return WorkerReply(value, self._solver.log.entries_after(self._start) or [], is_last)
 
     # ---- Commands ----------------------------------------------------------------------------------------------------
 

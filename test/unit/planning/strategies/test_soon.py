@@ -1,6 +1,8 @@
 """Plans soon: the questions that are asked, and plans of whole streams against a plain reading of the program."""
 
 from itertools import count, product
+from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 from fake_grounding import FakeGrounding, actions
@@ -35,6 +37,11 @@ def plain(monkeypatch):
     monkeypatch.setattr(soon, "trimmed", as_found)
 
 
+def clock(read):
+    """Let ``read`` return the processor time."""
+    return mock.patch.object(soon, "time", SimpleNamespace(process_time=read))
+
+
 def plan(horizon, *cycles, shortest=False):
     return Plan(actions(*cycles), horizon, shortest)
 
@@ -42,8 +49,9 @@ def plan(horizon, *cycles, shortest=False):
 def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted=False):
     """Return the plan's horizon, False for none and None after a stop; whether it is proven; and the questions."""
     world = FakeGrounding(plans, **options)
-    limit = TimeLimit(seconds, predicted, world.time)
-    found, asked = world.run(lambda asking: Soon(asking, models, last, limit).run(), block)
+    with clock(world.time):
+        limit = TimeLimit(seconds, predicted)
+        found, asked = world.run(lambda asking: Soon(asking, models, last, limit).run(), block)
     if found is None:
         return None, False, asked
     return found.reply.satisfiable and found.reply.horizon, found.proven, asked
@@ -188,11 +196,6 @@ def test_soon_shortens_a_plan_that_is_still_valid_for_a_tenth_of_the_time(last, 
 NEWS = st.tuples(st.lists(st.integers(-3, 4), max_size=2), st.booleans())
 
 
-def solver_of(advice, plan_time, **options):
-    ticks = count()
-    return PlanSolver(PROGRAMS[advice], plan_time=plan_time, clock=lambda: float(next(ticks)), **options)
-
-
 def play(solver, news, bound=None):
     """Play a stream in which the plan is executed; yield the walk, the result and what was left before each update."""
     walk, left = Walk(), None
@@ -216,7 +219,11 @@ def play(solver, news, bound=None):
 )
 def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
     """Each is a plan, the shortest if there is time; without time the last one is kept if it is one still."""
-    solver = solver_of(advice, plan_time, log_limit=2)
+    with clock(count(0.0).__next__):
+        check_stream(PlanSolver(PROGRAMS[advice], plan_time=plan_time, log_limit=2), plan_time, bound, news)
+
+
+def check_stream(solver, plan_time, bound, news):
     for walk, result, before in play(solver, news, bound):
         if result.outcome is SolveOutcome.UNSATISFIABLE:
             assert walk.least(walk.step, walk.step + bound) is None
@@ -231,7 +238,7 @@ def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
             assert found.rest(walk.step).actions == before.actions
             assert found.horizon <= max(before.horizon, walk.step)
         if plan_time == 0 and bound is None:
-            reader = solver_of(advice, 0.0)
+            reader = PlanSolver(solver.program, plan_time=0.0)
             reader.restore(copied(solver.log))
             again = Plan.from_result(reader.solve())
             assert walk.allows(again.horizon, again.rest(walk.step).actions)
@@ -239,13 +246,15 @@ def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
 
 @pytest.mark.parametrize("news", ["", "_request(0,2)."])
 def test_soon_has_no_time_for_a_predicted_plan(news, searches):
-    time = iter([0.0, 2.0])  # it stands still from then on
-    solver = PlanSolver(PROGRAMS[True], plan_time=1.0, clock=lambda: next(time, 2.0))
-    first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
+    ticks = iter([0.0, 2.0])  # it stands still from then on
+    solver = PlanSolver(PROGRAMS[True], plan_time=1.0)
+    with clock(lambda: next(ticks, 2.0)):
+        first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
     (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)
     assert not first.shortest
     searches.clear()
-    result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
+    with clock(lambda: 2.0):
+        result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
     assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
@@ -264,12 +273,13 @@ def test_soon_takes_the_best_answer_that_was_found_in_time(monkeypatch):
             before.extend((grounding, grounding.shown))
         return ask(grounding, question, stopped)
 
-    def clock():
+    def now():
         """The time is over as soon as the search for the best has a plan."""
         return float(bool(before) and before[0].shown is not before[1])
 
     monkeypatch.setattr(Grounding, "ask", asked)
-    solver = PlanSolver(ReactiveProgram.from_text(text), plan_time=1.0, clock=clock)
-    result = solver.update(StreamUpdate(1))
+    solver = PlanSolver(ReactiveProgram.from_text(text), plan_time=1.0)
+    with clock(now):
+        result = solver.update(StreamUpdate(1))
     assert result.outcome is SolveOutcome.SATISFIABLE
     assert result.answers[0] == before[0].shown != before[1]

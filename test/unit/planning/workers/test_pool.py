@@ -121,17 +121,6 @@ def test_answers_leave_out_cycles_that_are_long_over():
     assert answers(result) == [sorted([*recent, "named(x)"])]
 
 
-def test_remarks_of_clingo_are_reported_once():
-    """Though each worker makes them again."""
-    with pool_of("#cumulative t. #external e(t). c(Y+t) :- e(t), p(Y). #base. p(1). p(a).", shortest=True) as pool:
-        solver = ProcessSolver(pool)
-        found = list(fed(solver, "1 : 0. e(1). e(x).").warnings)
-        kill(pool)
-        found += fed(solver, "2 : 0. e(2). e(x).").warnings
-    assert sum("e(x)" in one for one in found) == 2, "each update ignores something"
-    assert sum("undefined operation" in one for one in found) == 1
-
-
 # ---- The life of workers ---------------------------------------------------------------------------------------------
 
 
@@ -149,24 +138,6 @@ def test_closed_pool_refuses_all_questions():
     pool.close()
     with pytest.raises(SolverError, match="has been closed"):
         ProcessSolver(pool).solve()
-
-
-@pytest.mark.slow
-def test_crashed_worker_costs_only_time():
-    with pool_of(ENDLESS) as pool:
-        solver, killed = ProcessSolver(pool), []
-
-        def stopped():
-            if not killed:
-                killed.append(pool.pid)
-                kill(pool)
-            return solver.reached > 3
-
-        result = fed(solver, "1.", stopped)
-        assert (result.outcome, pool.pid != killed[0]) == (SolveOutcome.INTERRUPTED, True)
-        assert solver.reached == solver.horizon == result.horizon > 3
-        kill(pool)
-        assert fed(solver, f"{result.horizon} : 0. e({result.horizon}).").outcome is SolveOutcome.SATISFIABLE
 
 
 @pytest.mark.slow

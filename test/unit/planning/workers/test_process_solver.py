@@ -8,7 +8,7 @@ import pytest
 from children import ended, kill, wait_until_prepared
 from plain_walk import ONWARD, onward, program_text
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolverError, parse_atom, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolverError, parse_atom, parse_update
 from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import process_solver
@@ -327,14 +327,6 @@ def test_new_worker_begins_with_the_plan_in_force():
         kill(pool)
         again = solver.update(parse_update(f"#step 2. :- not {action}. fail(1). #endstep."))
         assert Plan.from_result(again).rest(2).actions == worse.rest(2).actions
-
-
-def test_incremental_solver_adopts_no_plan():
-    """To find the actions among all atoms of an answer takes time."""
-    with WorkerPool(PLAIN) as pool:
-        solver = ProcessSolver(pool)
-        assert solver.update(ASK_PLAIN).answers == ReactiveSolver(PLAIN).update(ASK_PLAIN).answers != ()
-        assert solver.log.plan is None
 
 
 def test_worker_answers_what_would_be():

@@ -4,11 +4,10 @@ import os
 import signal
 
 import pytest
-from children import ended
 
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.question import never
-from rosoclingo.planning.workers.worker import Request, SolverWorker, WorkerLostError
+from rosoclingo.planning.workers.worker import Request, SolverWorker
 
 PATIENCE = (300.0, 300.0)
 
@@ -43,10 +42,3 @@ def test_worker_that_hangs_can_be_killed(worker):
     worker.begin(load(f'b("{"x" * 2**20}").'))
     worker.kill()
     assert (worker.memory, worker.is_busy()) == (0, False)
-
-
-def test_worker_that_ended_is_reported_as_lost(worker):
-    os.kill(worker.pid, signal.SIGKILL)
-    assert ended(worker.pid)
-    with pytest.raises(WorkerLostError, match="ended by signal SIGKILL"):
-        worker.ask(load(), never)
