@@ -145,23 +145,16 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
         (2, (*AS_PLANNED, Statement(success_of(THEN))), False),
         (2, (*AS_PLANNED, Withdraw(THEN)), False),
         (2, (*AS_PLANNED, Statement(success_of(NOW), (commitment(THEN).body[0],))), False),
+        (2, (*AS_PLANNED[:2], Statement(parse_atom("_return(go,no,1)"))), False),
+        (2, (*AS_PLANNED, Statement(parse_atom("_request(1,2)"))), False),
+        (2, (*AS_PLANNED, Volatile(), Statement(None, commitment(THEN).body)), False),
+        (2, (*AS_PLANNED, Assert(parse_atom("x"))), False),
     ],
 )
 def test_update_is_predicted_if_the_step_went_as_planned(step, items, expected):
     plan, returns = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
     assert is_predicted(plan, returns, 1, StreamUpdate(step, None, items)) is expected
     assert not is_predicted(Plan(frozenset([NOW]), 2), returns, 1, StreamUpdate(step, None, items)), "no action is left"
-
-
-def test_unpredicted_update_is_searched(searches):
-    volatile = (Volatile(), Statement(None, (commitment(parse_atom("at(1,1)")).body[0],)))
-    asserted = (Assert(parse_atom("x")), *statements("_request(3,2)"))
-    for case in ({"fails": True}, {"wanted": [1]}, {"further": volatile}, {"further": asserted}):
-        solver = solver_of(WALK + FAILS)
-        asked(solver)
-        searches.clear()
-        assert solver.update(next_update(solver, **case)).outcome is SolveOutcome.SATISFIABLE
-        assert searches != []
 
 
 def test_prediction_belongs_to_one_history(searches):

@@ -8,7 +8,7 @@ from rosoclingo.planning.explaining.questions import Stream, stream_to_message
 from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.pool import WorkerPool
-from rosoclingo.planning.workers.worker import Request
+from rosoclingo.planning.workers.worker import WorkerRequest
 
 GRACE, PATIENCE = 2.0, 5.0
 """Those of the pool, longer: a stopped worker still assembles what it has found."""
@@ -37,7 +37,7 @@ def explain_in_worker(
             return stopped() or elapsed() >= seconds
 
         try:
-            reply = pool.ask(Request("explain", (stream_to_message(stream),)), is_over)
+            reply = pool.ask(WorkerRequest("explain", (stream_to_message(stream),)), is_over)
         except DroppedError as error:
             if is_over():
                 raise DroppedError(f"no explanation was found in {seconds:g} s") from None

@@ -12,7 +12,7 @@ from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.workers.protocol import WorkerReply
-from rosoclingo.planning.workers.worker import Request, SolverWorker, WorkerLostError
+from rosoclingo.planning.workers.worker import SolverWorker, WorkerLostError, WorkerRequest
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ class WorkerPool:
         self._keeps_standby = standby
         self._forked = program if fork else None
         constants = {name: str(value) for name, value in program.constants.items()}
-        self._load = Request("load", ([*program.texts], constants, options))
+        self._load = WorkerRequest("load", ([*program.texts], constants, options))
         self._active: Optional[SolverWorker] = None
         self._standby: Optional[SolverWorker] = None
         self._closed = False
@@ -125,7 +125,7 @@ class WorkerPool:
 
     # ---- Asking ------------------------------------------------------------------------------------------------------
 
-    def ask(self, request: Request, stopped: Stop = never, idle: bool = False) -> WorkerReply:
+    def ask(self, request: WorkerRequest, stopped: Stop = never, idle: bool = False) -> WorkerReply:
         """Return the reply to ``request``, see :meth:`SolverWorker.ask`; raises DroppedError if workers are lost.
 
         The standby worker takes over if it has begun this request.
@@ -141,7 +141,7 @@ class WorkerPool:
                 self._get_standby()
         return reply
 
-    def prefetch(self, request: Request) -> bool:
+    def prefetch(self, request: WorkerRequest) -> bool:
         """Begin ``request`` in the standby worker; return whether it is searching or has the answer."""
         if self._closed or not self._keeps_standby:
             return False
@@ -153,7 +153,7 @@ class WorkerPool:
             return True
         return False
 
-    def has_prefetched(self, request: Request, stopped: Stop) -> bool:
+    def has_prefetched(self, request: WorkerRequest, stopped: Stop) -> bool:
         """Return whether the standby worker has the answer to ``request``; wait for it until ``stopped``."""
         return self._standby is not None and self._standby.has_answer(request, stopped)
 

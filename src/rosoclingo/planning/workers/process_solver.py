@@ -12,7 +12,7 @@ from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
 from rosoclingo.planning.question import Reply, Stop, never
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.protocol import WorkerReply
-from rosoclingo.planning.workers.worker import Request
+from rosoclingo.planning.workers.worker import WorkerRequest
 
 
 class ProcessSolver(PlanningSolver):
@@ -33,7 +33,7 @@ class ProcessSolver(PlanningSolver):
         Predicted updates can come ``before`` it: then the standby worker also shortens the plan.
         """
         log = self._log_after(before) if before else self.log
-        return log is not None and self._pool.prefetch(Request("search", (update, bool(before)), log))
+        return log is not None and self._pool.prefetch(WorkerRequest("search", (update, bool(before)), log))
 
     def has_prefetched(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> bool:
         """Return whether the answer to ``update`` was prefetched; wait for it until ``stopped``."""
@@ -72,8 +72,8 @@ class ProcessSolver(PlanningSolver):
     def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         return self._adopt_reply(self._pool.ask(self._request("search", update, False), stopped))
 
-    def _request(self, name: str, *arguments: Any) -> Request:
-        return Request(name, arguments, self.log)
+    def _request(self, name: str, *arguments: Any) -> WorkerRequest:
+        return WorkerRequest(name, arguments, self.log)
 
     def _ask_idle(self, name: str, stopped: Optional[Stop]) -> WorkerReply:
         """Return the reply to an optional command; an empty reply after a stop."""

@@ -5,7 +5,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 from rosoclingo.planning.history import Entry, History
 
 
-class Command(NamedTuple):
+class WorkerCommand(NamedTuple):
     """A method of the worker to call.
 
     Attributes:
@@ -28,7 +28,7 @@ class Interrupt(NamedTuple):
     drop_at: float
 
 
-class Progress(NamedTuple):
+class SearchProgress(NamedTuple):
     """The last grounded ``horizon`` of the running search."""
 
     horizon: int

@@ -15,7 +15,7 @@ from rosoclingo.planning.history import History
 from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.workers.channel import Channel
 from rosoclingo.planning.workers.process import WorkerProcess
-from rosoclingo.planning.workers.protocol import Command, Interrupt, Progress, WorkerReply
+from rosoclingo.planning.workers.protocol import Interrupt, SearchProgress, WorkerCommand, WorkerReply
 
 POLL = 0.002
 """Seconds of wall time between two calls of a stop function."""
@@ -34,7 +34,7 @@ class WorkerLostError(Exception):
     """The worker process has ended; the text says how."""
 
 
-class Request(NamedTuple):
+class WorkerRequest(NamedTuple):
     """A command of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain` for a history, or for none.
 
     Attributes:
@@ -48,7 +48,7 @@ class Request(NamedTuple):
     arguments: Tuple[Any, ...] = ()
     log: Optional[History] = None
 
-    def has_answer_of(self, other: "Request") -> bool:
+    def has_answer_of(self, other: "WorkerRequest") -> bool:
         """Return whether both are searches with the same answer."""
         if self.log is None or other.log is None or self.name != "search" or other.name != "search":
             return False
@@ -66,7 +66,7 @@ class SolverWorker:
 
     """
 
-    def __init__(self, load: Request, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
+    def __init__(self, load: WorkerRequest, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
         """Start a process and send it the request to ``load``; raises WorkerLostError.
 
         With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`, and is waited for, as it is
@@ -85,7 +85,7 @@ class SolverWorker:
         self._reply: Optional[WorkerReply] = None  # to the last command
         self._cpu_time, self._first_memory = 0.0, 0
         self.is_ready, self.reached = False, 0
-        self.request: Optional[Request] = None
+        self.request: Optional[WorkerRequest] = None
         self.log: Optional[History] = None
         self.begin(load)
         if program is not None:
@@ -132,7 +132,7 @@ class SolverWorker:
 
     # ---- Requests ----------------------------------------------------------------------------------------------------
 
-    def begin(self, request: Request) -> None:
+    def begin(self, request: WorkerRequest) -> None:
         """Send the command of ``request``; abandon a running command.
 
         The worker gets the entries that follow its own history if it can, otherwise the whole history.
@@ -143,7 +143,7 @@ class SolverWorker:
         continues = entries is not None
         if log is not None and entries is None:
             entries = log.entries
-        self._channel.send(Command(name, arguments, entries, continues))
+        self._channel.send(WorkerCommand(name, arguments, entries, continues))
         self.request, self.log, self.reached = request, None, 0
         self._open += 1
 
@@ -159,7 +159,7 @@ class SolverWorker:
             if not self._receive(POLL) and stopped():
                 raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
 
-    def ask(self, request: Request, stopped: Stop, idle: bool = False) -> WorkerReply:
+    def ask(self, request: WorkerRequest, stopped: Stop, idle: bool = False) -> WorkerReply:
         """Return the last reply to ``request``, which can have been begun, with the history after it.
 
         A stop interrupts the command, and so does a first answer that is being improved. If the worker does not react,
@@ -202,14 +202,14 @@ class SolverWorker:
                 pass
         return self.alive and self._open > 0
 
-    def has_begun(self, request: Request, same_plan: bool = False) -> bool:
+    def has_begun(self, request: WorkerRequest, same_plan: bool = False) -> bool:
         """Return whether it has begun ``request``, or one with the same answer, also from another plan in force."""
         begun = self.request
         if not self.alive or begun is None or not begun.has_answer_of(request):
             return False
         return not same_plan or (begun.log and begun.log.plan) == (request.log and request.log.plan)
 
-    def has_answer(self, request: Request, stopped: Stop) -> bool:
+    def has_answer(self, request: WorkerRequest, stopped: Stop) -> bool:
         """Return whether it has found the answer to ``request``; wait for it until ``stopped``."""
         while self.has_begun(request) and self.is_busy() and self._reply is None and not stopped():
             with suppress(WorkerLostError):
@@ -229,7 +229,7 @@ class SolverWorker:
         except EOFError:
             self._raise_lost()
         message = self._channel.unread.popleft()
-        if isinstance(message, Progress):
+        if isinstance(message, SearchProgress):
             self.reached = message.horizon
             return True
         if self._open == 1:

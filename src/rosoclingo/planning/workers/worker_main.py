@@ -25,7 +25,7 @@ from rosoclingo.planning.history import History
 from rosoclingo.planning.question import Reply
 from rosoclingo.planning.workers.channel import CONNECTION, Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
-from rosoclingo.planning.workers.protocol import Command, Interrupt, Progress, WorkerReply
+from rosoclingo.planning.workers.protocol import Interrupt, SearchProgress, WorkerCommand, WorkerReply
 
 if TYPE_CHECKING:
     from rosoclingo.planning.solver import PlanSolver
@@ -55,10 +55,10 @@ class WorkerMain:
         while True:
             self._channel.wait()
             command = self._channel.unread.popleft()
-            if isinstance(command, Command):  # late interrupts are ignored
+            if isinstance(command, WorkerCommand):  # late interrupts are ignored
                 self._channel.send(self._execute(command))
 
-    def _execute(self, command: Command) -> WorkerReply:
+    def _execute(self, command: WorkerCommand) -> WorkerReply:
         self._reported = time.monotonic()
         if command.entries is not None:
             before = self._solver.log if command.continues else History()
@@ -140,7 +140,7 @@ class WorkerMain:
         """Return whether to stop the running search; reports its progress at times."""
         if time.monotonic() - self._reported >= REPORTING:
             self._reported = time.monotonic()
-            self._channel.send(Progress(self._solver.reached))
+            self._channel.send(SearchProgress(self._solver.reached))
         return any(self._interrupts())
 
     def _is_dropped(self) -> bool:

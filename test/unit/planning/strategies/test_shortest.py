@@ -2,60 +2,53 @@
 
 import pytest
 from fake_grounding import FakeGrounding
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosoclingo.planning.strategies.shortest import shortest
 
+HORIZONS = st.integers(2, 12)
+WORLDS = st.fixed_dictionaries(
+    {
+        "step": st.integers(1, 2),
+        "horizon": HORIZONS,
+        "most": st.integers(12, 20),
+        "dead": st.none() | HORIZONS,
+        "optimizes": st.booleans(),
+    }
+)
 
-def grounding(answers, **options):
-    return FakeGrounding({horizon: [] for horizon in answers}, **{"most": 9, **options})
 
-
-def run(world, models=1, hint=0, block=1):
-    """Return what was found, None after a stop; and the questions."""
+def run(answers, models=1, hint=0, block=1, **options):
+    """Return the reply, None after a stop; and the questions."""
+    world = FakeGrounding({horizon: [] for horizon in answers}, **{"most": 9, **options})
     found, asked = world.run(lambda asking: shortest(asking, models, hint), block)
     assert found is None or found.proven is (found.reply.satisfiable is True)
-    return found, asked
+    return found and found.reply, asked
+
+
+@given(st.lists(HORIZONS, max_size=3), WORLDS, st.integers(0, 14), st.sampled_from([1, 8]), st.sampled_from([0, 1]))
+def test_shortest_finds_the_least_horizon_unless_stopped(answers, world, hint, block, models):
+    least = min((one for one in answers if one <= world["most"]), default=None)
+    hopeless = world["dead"] is not None and (least is None or world["dead"] < least)
+    reply, asked = run([] if hopeless else answers, models, hint, block, **world)
+    assert (reply.satisfiable, reply.permanent) == (least is not None and not hopeless, hopeless)
+    assert not reply.satisfiable or reply.horizon == least
+    assert not reply.satisfiable or (models == 1 and not world["optimizes"]) or f"{least}..{least}!" in asked
+    for halts in range(asked.count("..")):
+        assert run(answers, models, hint, block, **world, halts=halts, cut=True)[0] is None
 
 
 @pytest.mark.parametrize(
-    ("world", "settings", "horizon", "asked"),
+    ("answers", "options", "asked"),
     [
-        (grounding([3]), {}, 3, "1..1! >2 2..2! >3 3..3!"),
-        (grounding([3, 4]), {"block": 3}, 3, "1..1! >4 2..4 2..3 2..2"),
-        (grounding([4], most=4), {"block": 8}, 4, "1..1! >4 2..4 2..3"),
-        (grounding([2, 4], horizon=5), {"hint": 4}, 2, "1..3 1..1"),
-        (grounding([5], horizon=5), {"hint": 4}, 5, "1..3 4..4 5..5"),
-        (grounding([2, 5], horizon=5), {"hint": 1}, 2, "1..1 2..5 2..4"),
-        (grounding([5], horizon=5), {"hint": 9}, 5, "1..4 5..5"),
-        (grounding([1, 4], step=2, horizon=4), {}, 4, "2..2 3..4 3..3"),
+        ([3, 4], {"block": 3}, "1..1! >4 2..4 2..3 2..2"),
+        ([4], {"block": 8, "most": 4}, "1..1! >4 2..4 2..3"),
+        ([2, 4], {"hint": 4, "horizon": 5}, "1..3 1..1"),
+        ([5], {"hint": 4, "horizon": 5}, "1..3 4..4 5..5"),
+        ([2, 5], {"hint": 1, "horizon": 5}, "1..1 2..5 2..4"),
+        ([], {"hint": 2, "horizon": 4, "dead": 2}, "1..1 2..2"),
     ],
 )
-def test_shortest_finds_the_least_horizon(world, settings, horizon, asked):
-    found, questions = run(world, **settings)
-    assert found.reply.satisfiable is True
-    assert (found.reply.horizon, questions) == (horizon, asked)
-
-
-@pytest.mark.parametrize(("models", "optimizes", "mark"), [(0, False, "!0"), (1, True, "!")])
-def test_shortest_asks_for_the_best_at_the_least_horizon(models, optimizes, mark):
-    found, questions = run(grounding([2, 3], optimizes=optimizes, horizon=3), models=models, block=2)
-    assert (found.reply.horizon, questions) == (2, f"1..1 2..3 2..2 2..2{mark}")
-
-
-@pytest.mark.parametrize(
-    ("world", "settings", "satisfiable", "asked"),
-    [
-        (grounding([], most=3), {}, False, "1..1! >2 2..2! >3 3..3!"),
-        (grounding([], horizon=4, most=4), {"hint": 2}, False, "1..1 2..2 3..4"),
-        (grounding([], horizon=4, dead=2), {"hint": 2}, False, "1..1 2..2"),
-        (grounding([9], dead=3), {}, False, "1..1! >2 2..2! >3 3..3!"),
-        (grounding([4], horizon=4, halts=2, cut=True), {"hint": 2}, None, "1..1 2..2"),
-        (grounding([], halts=1, cut=True, dead=1), {}, None, "1..1!"),
-        (grounding([1], halts=0), {}, None, ""),
-        (grounding([2, 3, 4], horizon=4, halts=2), {"hint": 1}, None, "1..1 2..4"),
-    ],
-)
-def test_shortest_without_answer_or_after_a_stop(world, settings, satisfiable, asked):
-    found, questions = run(world, **settings)
-    assert (found and found.reply.satisfiable, questions) == (satisfiable, asked)
-    assert found is None or found.reply.permanent == (world.dead is not None)
+def test_shortest_asks_few_questions(answers, options, asked):
+    assert run(answers, **options)[1] == asked

@@ -7,14 +7,14 @@ import pytest
 
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.question import never
-from rosoclingo.planning.workers.worker import Request, SolverWorker
+from rosoclingo.planning.workers.worker import SolverWorker, WorkerRequest
 
 PATIENCE = (300.0, 300.0)
 
 
 def load(text=""):
     """A request to load a program."""
-    return Request("load", ([Source("a.lp", f"#program base. a. {text}")], {}, {}))
+    return WorkerRequest("load", ([Source("a.lp", f"#program base. a. {text}")], {}, {}))
 
 
 @pytest.fixture
