@@ -194,12 +194,11 @@ class GoalManager:
         else:
             left[0].tries += 1
             left[0].rests_until = float("inf")  # the search has taken time: the rest begins at the next tick
-        for goal in left:
-            goal.waits = True
         self._wait(left, "the solver could not take it in time")
 
     def _wait(self, goals: Sequence[Goal], why: str) -> None:
         for goal in goals:
+            goal.waits = True
             self._feeder.withdraw(goal)
             goal.forget()
         self.tell_wait(goals, why)

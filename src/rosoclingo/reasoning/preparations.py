@@ -85,7 +85,7 @@ class Preparations:
         if join is not None:
             planner.has_prepared(join.whole)  # reads what the standby worker reports, which can be much
             if self._is_broken(join, planner) or self._feeder.has_beside(join.updates[step - join.first].heads):
-                self._lose(join)
+                self.join = None
         if self.join is not None or not self._execution.awaited:
             return
         feeder, execution = self._feeder, self._execution
@@ -111,7 +111,7 @@ class Preparations:
         rest, predicted = self._feeder.next_update(step, over, ()), self._predicted(plan, step, over)
         goes_on = not rest.failures and planner.predicts(predicted)
         if join is not None and (self._is_broken(join, planner) or rest.update != join.updates[step - join.first]):
-            self._lose(join)
+            self.join = None
         if self.join is None and goes_on and rest.update == predicted:
             self._begin_join(planner, plan, step, over, planner.lookahead)
         if self.join is None:
@@ -177,13 +177,6 @@ class Preparations:
         new = [one for one in self._feeder.requests if one not in join.requests]
         soon = len(join.updates) == 1 or not all(isinstance(one, Goal) for one in new)
         return planner is not join.planner or not set(join.requests).issubset(waiting) or (bool(new) and soon)
-
-    def _lose(self, join: Join) -> None:
-        """Something else has come before requests joined."""
-        self.join = None
-        if len(join.updates) > 1:
-            waiting = [goal for goal in goals_of(join.requests) if goal.live]
-            self._goals.tell_wait(waiting, "something else has come before the cycle in which it was to join")
 
 
 def goals_of(requests: Iterable[Request]) -> List[Goal]:

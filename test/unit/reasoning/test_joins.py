@@ -179,7 +179,7 @@ def test_failure_brings_new_goals_into_the_update():
         world.go_on()
     world.step(fails=True)
     assert world.fed == ["1", "2", "3"]
-    assert world.waits("3")[-1] == "something else has come before the cycle in which it was to join"
+    assert world.waits("3")[-1].startswith("it joins in cycle ")
     world.finish()
 
 
