@@ -1,5 +1,6 @@
 """What an answer shows of the present: what the program believes now, besides what it plans."""
 
+from functools import lru_cache
 from typing import Callable, Dict, FrozenSet, List, Optional, Tuple
 
 from clingo import Function, Number, Symbol, SymbolType
@@ -9,45 +10,36 @@ from rosoclingo.reasoning.keywords import NOW
 #: Tells by name and arity which argument of an atom is its cycle, None where none is.
 TimePosition = Callable[[str, int], Optional[int]]
 
+#: The atoms of an answer without a time, and the others by their times, each with the position of that.
+_Sorted = Tuple[List[Symbol], Dict[Symbol, List[Tuple[Symbol, int]]]]
+
 
 class Present:
-    """Reads the present out of answers. An answer that comes again, in whatever cycle, is gone through once.
+    """Reads the present out of answers. An answer that comes again, in any cycle, is read once.
 
-    ``position`` tells of each predicate, and of terms that are shown, which argument is the cycle.
+    ``position`` returns the argument that is the cycle, for each predicate and for terms that are shown.
     """
 
     def __init__(self, position: TimePosition) -> None:
-        self._find = position
-        self._positions: Dict[Tuple[str, int], Optional[int]] = {}
-        self._answer: FrozenSet[Symbol] = frozenset()
-        self._timeless: List[Symbol] = []
-        self._timed: Dict[Symbol, List[Tuple[Symbol, int]]] = {}  # by their times, each with the position of that
+        self._position = lru_cache(maxsize=None)(position)
+        self._sorted = lru_cache(maxsize=1)(self._sort)
 
     def of(self, answer: FrozenSet[Symbol], cycle: int) -> FrozenSet[Symbol]:
         """The atoms without a time, and those of the cycle, with the constant ``now`` in its place."""
-        if answer is not self._answer:
-            self._sort(answer)
-        timed = self._timed.get(Number(cycle), ())
-        return frozenset([*self._timeless, *(_at_now(*one) for one in timed)])
+        timeless, timed = self._sorted(answer)
+        return frozenset([*timeless, *(_at_now(*one) for one in timed.get(Number(cycle), ()))])
 
-    def _sort(self, answer: FrozenSet[Symbol]) -> None:
-        self._answer, self._timeless, self._timed = answer, [], {}
+    def _sort(self, answer: FrozenSet[Symbol]) -> _Sorted:
+        timeless: List[Symbol] = []
+        timed: Dict[Symbol, List[Tuple[Symbol, int]]] = {}
         for atom in answer:
-            try:
-                name, arguments = atom.name, atom.arguments
-            except RuntimeError:  # a number or a string
-                position = None
+            is_function = atom.type is SymbolType.Function
+            position = self._position(atom.name, len(atom.arguments)) if is_function else None
+            if position is not None and atom.arguments[position].type is SymbolType.Number:
+                timed.setdefault(atom.arguments[position], []).append((atom, position))
             else:
-                position = self._position(name, len(arguments))
-            if position is not None and arguments[position].type is SymbolType.Number:
-                self._timed.setdefault(arguments[position], []).append((atom, position))
-            else:
-                self._timeless.append(atom)
-
-    def _position(self, name: str, arity: int) -> Optional[int]:
-        if (name, arity) not in self._positions:
-            self._positions[name, arity] = self._find(name, arity)
-        return self._positions[name, arity]
+                timeless.append(atom)
+        return timeless, timed
 
 
 def _at_now(atom: Symbol, position: int) -> Symbol:

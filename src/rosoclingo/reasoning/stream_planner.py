@@ -247,18 +247,18 @@ class Planner:
         return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def before_update(self) -> "Planner":
-        """Return a planner beside this one that has not accepted the last update."""
+        """Return another planner, which has not accepted the last update."""
         return self.at(self._before or History())
 
     def instead(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
-        """Return a planner beside this one that was fed ``update`` in place of the last one."""
+        """Return another planner, which was fed ``update`` in place of the last one, and the result."""
         planner = self.before_update()
         return planner, planner.update(update)
 
     def corrected(self, gone: FrozenSet[Symbol], new: Iterable[Symbol] = ()) -> Tuple["Planner", SolveResult]:
-        """Return a planner beside this one whose last update has ``new`` facts in place of the ones ``gone``.
+        """Return another planner, whose last update has ``new`` facts in place of the ones ``gone``, and the result.
 
-        It withdraws those of earlier updates.
+        The update withdraws those of them that earlier updates stated.
         """
         update = self.in_force
         present = update.heads | update.committed
