@@ -13,6 +13,7 @@ from rosoclingo.reasoning.explanations import Explanations, refusals, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
 from rosoclingo.reasoning.goals import Goal, Outcome
+from rosoclingo.reasoning.hypotheses import Impasse, Way
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.preemption import Preemption
@@ -31,7 +32,6 @@ from rosoclingo.reasoning.stream_planner import (
     in_turns,
     unwatched,
 )
-from rosoclingo.reasoning.trials import Impasse, Way
 
 
 class Core:

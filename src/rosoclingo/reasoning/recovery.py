@@ -24,10 +24,10 @@ from rosoclingo.planning.minimal_sets import (
 from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.explanations import UnmetGoal
 from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.hypotheses import Hypotheses, Impasse, Way, facts_of, first_found
 from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.observations import Observation, UnhandledFailure
 from rosoclingo.reasoning.stream_planner import Planner
-from rosoclingo.reasoning.trials import Impasse, Trials, Way, facts_of, first_found
 
 #: Limit of the observations that are reported although it is not sure that all of them matter.
 FEW = 3
@@ -180,12 +180,12 @@ class _Finder:
 
     def __init__(self, planner: Planner, impasse: Impasse, way: Way) -> None:
         self._planner, self._impasse, self._way = planner, impasse, way
-        self._trials = Trials(planner, impasse, way, facts_of(impasse.observations))
+        self._hypotheses = Hypotheses(planner, impasse, way, facts_of(impasse.observations))
         self._look = impasse.watch()
 
     def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
         """Return whether there is a plan, of ``steps`` steps at least, for the goals kept; raises UndecidedError."""
-        reply = self._trials.ask(kept, facts_of(seen), steps)
+        reply = self._hypotheses.ask(kept, facts_of(seen), steps)
         if reply.satisfiable is None:
             raise UndecidedError
         return reply.satisfiable

@@ -13,10 +13,10 @@ from clingo import Symbol
 from rosoclingo.oclingo import SolverError, SolveResult
 from rosoclingo.planning.minimal_sets import UndecidedError, Witness, find_diagnosis, find_mus, remember
 from rosoclingo.planning.question import Reply
+from rosoclingo.reasoning.hypotheses import Hypotheses, Impasse, Way, facts_of, first_found
 from rosoclingo.reasoning.keywords import CANCEL, REQUEST, Action, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.stream_planner import Planner
-from rosoclingo.reasoning.trials import Impasse, Trials, Way, facts_of, first_found
 
 T = TypeVar("T")
 
@@ -76,7 +76,7 @@ class _Finder:
         present = (impasse.clock.at_present(one.atom, self._step) for one in observed if self._is_late(one))
         further = sorted(frozenset(present) - self._known)
         ways = [way for way in Way if way is Way.KEPT or impasse.goals]  # a search without goals is easier
-        self._trials = [Trials(planner, impasse, way, self._known, further) for way in ways]
+        self._hypotheses = [Hypotheses(planner, impasse, way, self._known, further) for way in ways]
 
     def pools(self) -> Iterator[Tuple[Observation, ...]]:
         """Yield the observations to doubt, newest first: late facts, this update's, earlier ones, returns.
@@ -182,8 +182,8 @@ class _Finder:
         """
         facts = (self._known - facts_of(doubted) - undone).union((moved or {}).values())
         replies: List[Reply] = []
-        for trials in self._trials:
-            replies.append(trials.ask((), facts))
+        for one in self._hypotheses:
+            replies.append(one.ask((), facts))
             if replies[-1].satisfiable:
                 return replies[-1]
         if any(reply.satisfiable is None for reply in replies):

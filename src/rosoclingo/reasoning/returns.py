@@ -87,28 +87,21 @@ class Dispatch:
     @property
     def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
         """The returns that were no success, each with the actions that it can be about; those that name one first."""
-        named: List[Tuple[Return, Tuple[Action, ...]]] = []
-        others: List[Tuple[Return, Tuple[Action, ...]]] = []
-        for answer in self.returns:
-            action = self._about(answer)
-            if action is None:
-                others.append((answer, tuple(one for one in self._unanswered if one.interface == answer.interface)))
-            elif answer.value != action.parameter:
-                named.append((answer, (action,)))
-        return [*named, *others]
+        about = [(one, self._about(one)) for one in self.returns]
+        named = [(one, (action,)) for one, action in about if action is not None and one.value != action.parameter]
+        unnamed = [one for one, action in about if action is None]
+        left = [tuple(one for one in self._unanswered if one.interface == answer.interface) for answer in unnamed]
+        return [*named, *zip(unnamed, left)]
 
     def take(self, answer: Return) -> None:
         """Count a return; raises ReturnError when it answers none of the actions under way."""
         if answer.cycle != self.cycle:
             raise ReturnError(f"it is cycle {self.cycle} now")
-        interfaces = [action.interface for action in self.actions]
-        if answer.interface not in interfaces:
+        if answer.interface not in [one.interface for one in self.actions]:
             raise ReturnError(f"no action of '{answer.interface}' is under way in cycle {self.cycle}")
-        if interfaces.count(answer.interface) == sum(one.interface == answer.interface for one in self.returns):
-            raise ReturnError("every action of this interface has returned already")
-        action = self._about(answer)
-        if action is not None and action not in self._unanswered:
-            raise ReturnError("this action has returned already")
+        action, missing = self._about(answer), [one.interface for one in self.missing]
+        if answer.interface not in missing or (action is not None and action not in self._unanswered):
+            raise ReturnError("the action has returned already")
         self.returns.append(answer)
 
     def expire(self, reason: Symbol) -> List[Tuple[Action, Return]]:

@@ -12,10 +12,10 @@ from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.hypotheses import Impasse, Way
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.recovery import FEW, recover
 from rosoclingo.reasoning.stream_planner import Halt
-from rosoclingo.reasoning.trials import Impasse, Way
 
 #: The cycle that is to start.
 STEP = 5

@@ -8,12 +8,12 @@ from rosoclingo.oclingo.progression.updates import Closed
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.hypotheses import Impasse
 from rosoclingo.reasoning.input_feeder import Clock
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.repair import Change, repair
 from rosoclingo.reasoning.stream_planner import Halt
-from rosoclingo.reasoning.trials import Impasse
 
 #: The cycle that the update starts.
 STEP = 5

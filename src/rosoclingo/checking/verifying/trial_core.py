@@ -9,12 +9,12 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
 from rosoclingo.reasoning.events import Event, UpdateSent
+from rosoclingo.reasoning.hypotheses import Way
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.records import Record
 from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Response, State
-from rosoclingo.reasoning.trials import Way
 
 
 class BrokenError(Exception):

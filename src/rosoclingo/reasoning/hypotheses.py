@@ -56,7 +56,7 @@ class Way(Enum):
     KEPT = 2
 
 
-class Trials:
+class Hypotheses:
     """Hypothetical questions about an impasse, for one way to drop goals.
 
     Goals that are kept are asked for in the cycle of the impasse, the others in the next one.
