@@ -16,6 +16,7 @@ from rosoclingo.planning.explaining.reach import Condition, HeadRule, Reach, Unc
 STATUS = Signature("_status", 3)
 
 _MOST = 2000  # atoms of a predicate whose values are compared
+_TRANSITION = "_g_"  # begins the predicates of encodings/golog/transitions.lp: many atoms, and none of a user's
 
 Misfit = Tuple[int, List[clingo.Symbol]]
 """The position of an argument that an atom cannot have, and what it can be there."""
@@ -44,7 +45,8 @@ class ArgumentValues:
         self.rules: Sequence[HeadRule] = ()
         self._columns: Dict[Tuple[Signature, int, Optional[clingo.Symbol]], Set[clingo.Symbol]] = {}
         try:
-            self._reach = Reach(program, numbered=(ACTION, STATUS))
+            transitions = (one for one in program.head_signatures if one.name.startswith(_TRANSITION))
+            self._reach = Reach(program, numbered=(ACTION, STATUS), free=transitions)
             self.rules = self._reach.rules
         except UncertainError:
             pass

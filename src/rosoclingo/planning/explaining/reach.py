@@ -131,11 +131,12 @@ class Reach:
         program: ReactiveProgram,
         known: Optional[Iterable[clingo.Symbol]] = None,
         numbered: Container[Signature] = (),
+        free: Iterable[Signature] = (),
     ) -> None:
         """Compute the atoms that are reachable from ``known`` ones; raises UncertainError.
 
         Without ``known`` atoms, externals can be true as they are declared. For rules of the ``numbered`` predicates
-        :meth:`derived_by` is known.
+        :meth:`derived_by` is known. Nothing is computed for the ``free`` ones.
         """
         survey = program.survey
         self._constants = {**survey.constants, **dict.fromkeys(survey.unvalued, ANY)}
@@ -150,7 +151,7 @@ class Reach:
             for rule in self._rules_of(statement, part.parameter)
         ]
         used = {one.signature for rule in self.rules for one in rule.body} | survey.using.keys()
-        self.free: Set[Signature] = set() if known is not None else {*survey.opened, *(used - survey.known)}
+        self.free: Set[Signature] = set(free) if known is not None else {*free, *survey.opened, *(used - survey.known)}
         self._growing = _growing(self.rules)
         self._exact: Dict[int, Set[str]] = {}
         self._open = self._open_arguments()
@@ -298,6 +299,8 @@ class Reach:
 
 def _inlined(head: Condition, body: Sequence[Condition], comparisons: Sequence[Comparison]) -> Condition:
     """Return a head with the terms to which equations alone bind its variables."""
+    if not comparisons:
+        return head
     known = _names(pattern for one in body for pattern in one.patterns)
     equal = [one for one in comparisons if one.operator == "=" and len(one.left) == len(one.right) == 1]
     sides = [(one.left[0], one.right[0]) for one in equal] + [(one.right[0], one.left[0]) for one in equal]
@@ -442,7 +445,7 @@ class _Counter(Observer):
 def _ground(text: str) -> clingo.Control:
     """Return a control with the rules in ``text`` ground."""
     control = clingo.Control(["-Wnone"], logger=lambda code, message: None)
-    control.register_observer(_Counter())
+    control.register_observer(_Counter(), replace=True)  # only the atoms are of interest
     try:
         control.add("base", [], text)
         control.ground([("base", [])])
