@@ -16,7 +16,7 @@ are removed, and the program is grounded again.
 
 from copy import copy
 from dataclasses import replace
-from typing import AbstractSet, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import AbstractSet, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType, BodyAggregate, BodyAggregateElement, Literal, Sign
@@ -26,7 +26,6 @@ from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
-from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import shows
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleKind, RuleTexts
@@ -58,13 +57,7 @@ class RelaxedProgram(ReactiveProgram):
 
     """
 
-    def __init__(
-        self, sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
-    ) -> None:
-        """Load a program, see :class:`ReactiveProgram`."""
-        self.rules: List[NamedRule] = []
-        self._facts: Dict[int, Tuple[Signature, Node]] = {}
-        super().__init__(sources, constants, whole)
+    rules: List[NamedRule]
 
     @classmethod
     def of(cls, program: ReactiveProgram) -> "RelaxedProgram":
@@ -82,6 +75,8 @@ class RelaxedProgram(ReactiveProgram):
 
     def adapt_parts(self) -> None:
         """Relax the constraints."""
+        self.rules = []
+        self._facts: Dict[int, Tuple[Signature, Node]] = {}
         texts, names = RuleTexts(self.texts), {one.name for one in self.texts}
         showing = any(shows(statement) for part in self.parts for statement in part.statements)
         self.parts = [self._relax(part, texts, names) for part in self.parts]
@@ -120,49 +115,41 @@ class RelaxedProgram(ReactiveProgram):
         selectors: List[str] = []
         for statement in part.statements:
             own = statement.ast_type == ASTType.Rule and statement.location.begin.filename in names
+            forbidden, rest = _split(statement) if own else (None, [statement])
             if own and part.name == _BASE and not statement.body and _is_atom(statement.head):
-                relaxed.statements += self._enter_facts(statement, texts)
-                continue
-            split = _split(statement) if own else None
-            if split is None:
-                relaxed.statements.append(statement)
-                continue
-            kind = RuleKind.VOLATILE if part.window else RuleKind.INTEGRITY
-            variables = tuple(sorted(_variables(split.forbidden) | _guard_variables(statement.head)))
-            rule = self._enter(statement, texts, RuleKind.BOUND if split.rest else kind, variables)
-            step = part.parameter or _BASE
-            values = ",".join(variables) + ("," if len(variables) == 1 else "")
-            head = _parse(f"{BROKEN}({rule.number},{step},({values})).")[0].head
-            relaxed.statements += [*split.rest, statement.update(head=head, body=split.forbidden)]
-            selectors.append(_SELECTORS.format(keep=KEEP, whole=WHOLE, broken=BROKEN, number=rule.number, step=step))
+                rest = list(self._enter_facts(statement, texts))
+            relaxed.statements += rest
+            if forbidden is not None:
+                kind = RuleKind.VOLATILE if part.window else RuleKind.INTEGRITY
+                variables = tuple(sorted(_variables(forbidden) | _guard_variables(statement.head)))
+                number = self._enter(statement, texts, RuleKind.BOUND if rest else kind, variables)
+                step = part.parameter or _BASE
+                values = ",".join(variables) + ("," if len(variables) == 1 else "")
+                head = _parse(f"{BROKEN}({number},{step},({values})).")[0].head
+                relaxed.statements.append(statement.update(head=head, body=forbidden))
+                selectors.append(_SELECTORS.format(keep=KEEP, whole=WHOLE, broken=BROKEN, number=number, step=step))
         relaxed.statements += _parse("".join(selectors))
         return relaxed
 
     def _enter(
         self, statement: Node, texts: RuleTexts, kind: RuleKind, variables: Tuple[str, ...] = (), text: str = ""
-    ) -> NamedRule:
-        begin = statement.location.begin
+    ) -> int:
+        """Add a rule or fact and return its number."""
+        begin, number = statement.location.begin, len(self.rules)
         place = (begin.filename, begin.line, begin.column)
         text, words = text or texts.text(statement), texts.words(statement)
-        self.rules.append(NamedRule(len(self.rules), kind, *place, text, words, variables))
-        return self.rules[-1]
+        self.rules.append(NamedRule(number, kind, *place, text, words, variables))
+        return number
 
     def _enter_facts(self, statement: Node, texts: RuleTexts) -> Iterator[Node]:
         """Yield a fact, or the facts of a pool."""
         terms = list(atom_terms(statement.head.atom.symbol))
         for term in terms:
-            rule = self._enter(statement, texts, RuleKind.FACT, text=f"{term}." if len(terms) > 1 else "")
+            number = self._enter(statement, texts, RuleKind.FACT, text=f"{term}." if len(terms) > 1 else "")
             atom = statement.head.atom.update(symbol=term)
             fact = statement.update(head=statement.head.update(atom=atom))
-            self._facts[rule.number] = term_signature(term), fact
+            self._facts[number] = term_signature(term), fact
             yield fact
-
-
-class _Split(NamedTuple):
-    """A rule in two parts: what it forbids, as the body of a constraint, and the remaining rules."""
-
-    forbidden: List[Node]
-    rest: List[Node]
 
 
 def _parse(text: str) -> List[Node]:
@@ -179,22 +166,20 @@ def _is_atom(head: Node) -> bool:
     return bool(plain and head.atom.ast_type == ASTType.SymbolicAtom)
 
 
-def _split(rule: Node) -> Optional[_Split]:
-    """Split a rule; None if it forbids nothing."""
+def _split(rule: Node) -> Tuple[Optional[List[Node]], List[Node]]:
+    """Return what a rule forbids, as the body of a constraint, None for nothing; and the remaining rules."""
     head, body = rule.head, list(rule.body)
     if head.ast_type == ASTType.Literal:
         if head.atom.ast_type == ASTType.BooleanConstant:
-            return _Split(body, []) if not head.atom.value and head.sign == Sign.NoSign else None
+            return (body, []) if not head.atom.value and head.sign == Sign.NoSign else (None, [rule])
         if head.sign == Sign.NoSign:
-            return None
+            return None, [rule]
         sign = Sign.NoSign if head.sign == Sign.Negation else Sign.Negation
-        return _Split([*body, head.update(sign=sign)], [])
-    guards = [getattr(head, name, None) for name in _GUARDS]
-    if all(guard is None for guard in guards):
-        return None
-    free = rule.update(head=head.update(left_guard=None, right_guard=None))
+        return [*body, head.update(sign=sign)], []
+    if all(getattr(head, name, None) is None for name in _GUARDS):
+        return None, [rule]
     counted = make(Literal, rule.location, Sign.Negation, _in_body(head))
-    return _Split([*body, counted], [free])
+    return [*body, counted], [rule.update(head=head.update(left_guard=None, right_guard=None))]
 
 
 def _in_body(aggregate: Node) -> Node:
