@@ -7,7 +7,7 @@ Constraints are relaxed by assumptions on one grounding (see
 each, and come last.
 """
 
-from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Sequence, Tuple, TypeVar
 
 import clingo
 
@@ -41,11 +41,8 @@ Blamed = Tuple[Tuple[T, Optional[bool]], ...]
 """Facts without which there is a plan, each with whether it hinders, see :class:`BlamedFact`."""
 
 
-class _Relaxation(NamedTuple):
-    """The shortest plan without one rule, and the fewest rules ``besides`` it that have to be removed as well."""
-
-    plan: Reply
-    besides: Rules
+Relaxations = Dict[int, Tuple[Reply, Rules]]
+"""The shortest plan without each of some rules, and the fewest rules that have to be removed along with it."""
 
 
 def explain(program: ReactiveProgram, stream: Stream, halt: Stop = lambda: False) -> Optional[WhyNot]:
@@ -76,12 +73,12 @@ class _Explainer:
         rules = frozenset(mus.items)
         never: bool = self._in_time(lambda: self._questions.ask(_selectors(rules)).hopeless, False)
         stream_facts: Blamed[clingo.Symbol] = self._in_time(lambda: self._find_stream_facts(rules), ())
-        relaxations: Dict[int, _Relaxation] = {}
+        relaxations: Relaxations = {}
         self._in_time(lambda: self._relax_each(rules, oracle, relaxations), None)
         steps: Dict[int, Tuple[int, ...]] = self._in_time(lambda: self._find_steps(mus.items), {})
         program_facts: Blamed[int] = self._in_time(lambda: self._find_program_facts(rules), ())
         rule_of = self._relaxed.rules
-        blamed = tuple(self._blamed(number, relaxations.get(number), steps.get(number, ())) for number in mus.items)
+        blamed = tuple(self._blamed(number, relaxations, steps.get(number, ())) for number in mus.items)
         reach = self._reach() if self._complete else None
         last = self._steps[-1]
         return WhyNot(
@@ -125,7 +122,7 @@ class _Explainer:
             return Witness(True, frozenset(self._all) - broken)
         return Witness(False, frozenset(atom.arguments[0].number for atom in reply.blamed))
 
-    def _relax_each(self, rules: Rules, oracle: Oracle[int], found: Dict[int, _Relaxation]) -> None:
+    def _relax_each(self, rules: Rules, oracle: Oracle[int], found: Relaxations) -> None:
         """Find, for each of the rules, the shortest plan without it that obeys a maximal set of the other rules."""
         for number in sorted(rules):
             possible = frozenset(self._all) - {number}
@@ -133,7 +130,7 @@ class _Explainer:
                 possible = grow(rules - {number}, self._all, oracle)
             kept = _selectors(possible)
             plan = self._questions.shortest(kept, self._questions.ask(kept))
-            found[number] = _Relaxation(plan, frozenset(self._all) - possible - {number})
+            found[number] = plan, frozenset(self._all) - possible - {number}
 
     def _find_steps(self, rules: Iterable[int]) -> Dict[int, Tuple[int, ...]]:
         """Find the steps at which the rules are in conflict; late steps are removed first."""
@@ -153,23 +150,25 @@ class _Explainer:
                 found.setdefault(rule.number, []).append(place.number)
         return {rule: tuple(sorted(steps)) for rule, steps in found.items()}
 
-    def _blamed(self, number: int, relaxation: Optional[_Relaxation], steps: Tuple[int, ...]) -> BlamedRule:
-        rule = self._relaxed.rules[number]
-        if relaxation is None:
-            return BlamedRule(rule, steps)
-        breaches = [one for one in self._relaxed.breaches(relaxation.plan.answers[-1]) if one.number == number]
-        breach = (breaches[0].step, dict(breaches[0].values)) if breaches else None
-        return BlamedRule(rule, steps, tuple(self._relaxed.rules[one] for one in sorted(relaxation.besides)), breach)
+    def _blamed(self, number: int, relaxations: Relaxations, steps: Tuple[int, ...]) -> BlamedRule:
+        rules = self._relaxed.rules
+        if number not in relaxations:
+            return BlamedRule(rules[number], steps)
+        plan, besides = relaxations[number]
+        breaches = (one for one in self._relaxed.breaches(plan.answers[-1]) if one.number == number)
+        breach = next(((one.step, dict(one.values)) for one in breaches), None)
+        return BlamedRule(rules[number], steps, tuple(rules[one] for one in sorted(besides)), breach)
 
-    def _broken_plan(self, relaxations: Dict[int, _Relaxation]) -> Optional[BrokenPlan]:
+    def _broken_plan(self, relaxations: Relaxations) -> Optional[BrokenPlan]:
         """Return a plan that violates the fewest rules; plans that only end too early are left out."""
-        kinds = {rule.number: rule.kind for rule in self._relaxed.constraints}
-        some = [one for one in relaxations if kinds[one] is not RuleKind.VOLATILE]
+        rules = self._relaxed.rules
+        some = [one for one in relaxations if rules[one].kind is not RuleKind.VOLATILE]
         if not some:
             return None
-        best = min(some, key=lambda one: len(relaxations[one].besides))
-        broken = (self._relaxed.rules[one] for one in (best, *sorted(relaxations[best].besides)))
-        return BrokenPlan(tuple(broken), tuple(map(str, self._actions(relaxations[best].plan))))
+        best = min(some, key=lambda one: len(relaxations[one][1]))
+        plan, besides = relaxations[best]
+        broken = tuple(rules[one] for one in (best, *sorted(besides)))
+        return BrokenPlan(broken, tuple(map(str, self._actions(plan))))
 
     # -- facts
 
