@@ -12,8 +12,6 @@ from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
 
-__all__ = ["Body", "BodyState", "Point"]
-
 Point = Union[Sequence[float], np.ndarray]  # x, y (m)
 
 CLEAR = 0.005  # m that corners keep free in a turn, as commands come late

@@ -11,8 +11,6 @@ import numpy as np
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.local_planner import Velocity
 
-__all__ = ["braked"]
-
 AHEAD, MARGIN = np.linspace(0.2, 1.0, 5), 0.05  # s, m: of a robot that drives; that a thing may come nearer is in it
 SOON, CORNERS = np.linspace(0.05, 0.4, 8), 0.02  # s, m: of one that turns on the spot, which stops at once
 PARTS = (1.0, 0.6, 0.3, 0.0)  # of the speed, tried in turn

@@ -12,8 +12,6 @@ from rosoclingo.robot.navigation.compiled.marks import Mapped, count_scan, hits_
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OCCUPIED, OccupancyGrid
 
-__all__ = ["SPARE", "Costmap", "CostmapLimits", "Ground"]
-
 Window = Tuple[int, int, int, int]
 EMPTY: Window = (0, 0, 0, 0)
 SPARE = 0.015  # m that ways keep free beside the robot's radius: what is seen and driven is not exact to the millimetre

@@ -12,8 +12,6 @@ from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import STOP, FollowOutcome, LocalPlanner, Velocity, VelocityCommand
 from rosoclingo.robot.navigation.navigation_types import FollowerLimits
 
-__all__ = ["RolloutFollower"]
-
 # A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
 NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
 EXACT = 0.01  # m: a robot that is there is at the goal

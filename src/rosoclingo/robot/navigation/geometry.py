@@ -3,8 +3,6 @@
 import math
 from typing import NamedTuple, Optional, Tuple
 
-__all__ = ["Pose2D", "normalize_angle", "quaternion_to_yaw", "yaw_to_quaternion"]
-
 
 def normalize_angle(angle: float) -> float:
     """Return ``angle`` (rad) in [-pi, pi]."""

@@ -9,8 +9,6 @@ from PIL import Image
 
 from rosoclingo.common.reading import Reader, read_yaml
 
-__all__ = ["FREE", "OCCUPIED", "UNKNOWN", "MapError", "OccupancyGrid", "load_map", "read_map_info"]
-
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 MODES = ("trinary", "scale", "raw")
 FAR = 1e7  # m: no origin is further off

@@ -12,8 +12,6 @@ from rosoclingo.robot.navigation.compiled.path import least_along
 from rosoclingo.robot.navigation.costmap import SPARE, Costmap, Ground
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-__all__ = ["GlobalPlan", "GlobalPlanner", "GridPlanner", "GridPlannerLimits", "PlanOutcome"]
-
 STRAIGHT = 5.0  # weight of room on ways that are narrower than the robot's turning circle
 JOINED = 3.0  # cells: so near to where a robot can stand, next to a wall or not, is an open cell
 # A way keeps so much (m) more than its radius free, and half a cell, where it can: else it costs DEAR more.

@@ -9,8 +9,6 @@ from rosoclingo.robot.navigation.compiled.marching import march, way_down
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-__all__ = ["navfn_lengths"]
-
 INSCRIBED = 253  # costmap_2d's cost of a cell in which the robot's middle cannot be
 NEUTRAL, FACTOR = 50.0, 0.8  # what navfn adds for each cell, and by what it takes the costmap's cost of it
 

@@ -9,8 +9,6 @@ import numpy as np
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-__all__ = ["STOP", "FollowOutcome", "LocalPlanner", "Velocity", "VelocityCommand", "inscribed_radius", "way_radii"]
-
 
 class Velocity(NamedTuple):
     """Speed forward (m/s) and turn (rad/s) of a differential drive."""

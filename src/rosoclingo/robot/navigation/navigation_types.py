@@ -5,18 +5,6 @@ from typing import NamedTuple, Optional
 
 from rosoclingo.robot.navigation.local_planner import STOP, Velocity
 
-__all__ = [
-    "TRANSITIONS",
-    "FollowerLimits",
-    "NavigationError",
-    "NavigationOutcome",
-    "NavigatorLimits",
-    "NavigatorState",
-    "Result",
-    "Tick",
-    "Trigger",
-]
-
 
 class NavigationError(RuntimeError):
     """A call that the navigator's state does not allow."""

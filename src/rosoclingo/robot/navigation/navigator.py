@@ -25,9 +25,6 @@ from rosoclingo.robot.navigation.planning import Planning, from_here
 from rosoclingo.robot.navigation.progress import WayProgress
 from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
-__all__ = ["Navigator"]
-
-
 # The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
 MOMENT = 0.25
 # For so long (s) a way must seem to be blocked to be left, by how many were left before without any progress since:

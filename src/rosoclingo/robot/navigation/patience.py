@@ -3,8 +3,6 @@
 import time
 from typing import Callable
 
-__all__ = ["PatienceClock"]
-
 FASTEST = 20.0  # s a second
 
 

@@ -8,8 +8,6 @@ from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner
 
-__all__ = ["Planning", "from_here"]
-
 
 class Planning:
     """Has a planner plan at once; subclasses do it elsewhere, and answer when it is done."""

@@ -6,8 +6,6 @@ from typing import Optional, Tuple
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 
-__all__ = ["WayProgress"]
-
 # A new way is a detour when it is that much (m) longer; a bound keeps a hopeless goal from lasting for ever.
 DETOUR, MOST_DETOURS = 1.0, 20
 

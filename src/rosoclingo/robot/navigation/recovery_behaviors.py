@@ -7,8 +7,6 @@ from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import STOP, LocalPlanner, Velocity
 
-__all__ = ["ClearCostmap", "RecoveryBehavior", "RecoveryStep", "RotateRecovery", "default_recoveries"]
-
 
 class RecoveryStep(NamedTuple):
     """One step of a recovery: what to drive, and whether that was the last."""

@@ -24,8 +24,6 @@ from rosoclingo.robot.navigation.navigator import Navigator
 from rosoclingo.robot.simulation.simulation import Simulation
 from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, RobotSpec, WorldSpec
 
-__all__ = ["PARTS", "compile_once"]
-
 FOOTPRINT = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))  # m
 
 

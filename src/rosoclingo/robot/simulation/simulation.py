@@ -19,8 +19,6 @@ from rosoclingo.robot.simulation.simulated_robot import Robot
 from rosoclingo.robot.simulation.spec import DoorSpec, ObstacleSpec, Point, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
-__all__ = ["Collision", "Simulation", "load_simulation"]
-
 # A robot that touches something stands free of it: a pose that was reached by driving must not be refused by rounding.
 TOUCH = 1e-9
 HITS = {HIT_WALL: "a wall", HIT_SEGMENT: "a door, a box or a robot's side", HIT_DISC: "an obstacle or a robot"}

@@ -6,18 +6,6 @@ from typing import List, NamedTuple, Optional, Tuple, Union
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OccupancyGrid
 
-__all__ = [
-    "Box",
-    "DoorSpec",
-    "LaserSpec",
-    "ObstacleSpec",
-    "PackageSpec",
-    "Point",
-    "RobotSpec",
-    "WorldError",
-    "WorldSpec",
-]
-
 Point = Tuple[float, float]
 
 

@@ -7,8 +7,6 @@ from typing import List
 
 from rosoclingo.robot.simulation.spec import WorldError
 
-__all__ = ["paced_world", "read_stage_world"]
-
 # Comments, texts, brackets, words and numbers, white space.
 TOKENS = re.compile(r'#[^\n]*|"[^"\n]*"|[()\[\]]|[^\s"#()\[\]]+|\s+|.')
 FILES = ("bitmap", "include", "texture")  # words before the name of a file, which is relative to the world file

@@ -12,8 +12,6 @@ from rosoclingo.robot.navigation.grid import read_map_info
 from rosoclingo.robot.simulation.spec import LaserSpec, ObstacleSpec, Point, RobotSpec, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
-__all__ = ["StageWorld", "stage_world", "write_stage_world"]
-
 # Stage takes every pixel for occupied whose first channel is no lighter than that.
 DARK = 127
 # A laser is mounted that high (m) and a body is that high, so that robots see each other.

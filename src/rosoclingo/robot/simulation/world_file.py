@@ -21,8 +21,6 @@ from rosoclingo.robot.simulation.spec import (
     WorldSpec,
 )
 
-__all__ = ["MOST_DELAY", "load_world"]
-
 # Beyond any robot: m, m/s, rad/s; and what a message can hold in a step of reasonable length.
 MOST, MOST_BEAMS = 1000.0, 100000
 MOST_DELAY = 2.0  # s that a scan may be late

@@ -7,8 +7,6 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.simulation.simulation import Simulation
 from rosoclingo.robot.simulation.spec import Box, ObstacleSpec, WorldError
 
-__all__ = ["resume_world", "world_state"]
-
 
 def world_state(simulation: Simulation) -> Dict[str, Any]:
     """Return where all is now, in numbers, texts, lists and mappings: m and rad.

@@ -10,8 +10,6 @@ import numpy as np
 
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["inflate", "ray_length", "square_distance", "update_clearance", "update_open"]
-
 HALF_DIAGONAL = math.sqrt(0.5)
 
 

@@ -15,8 +15,6 @@ from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-__all__ = ["Around", "around", "body_clearance"]
-
 NEAR = 0.75  # cells: the interpolation between cells can be that wrong
 PARTS = 16
 

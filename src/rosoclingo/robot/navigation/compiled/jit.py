@@ -9,8 +9,6 @@ from typing import Any, Callable
 
 import numba
 
-__all__ = ["cache_folder", "jit"]
-
 SOURCES = Path(os.path.abspath(__file__)).parents[2]  # as numba knows it, with its links
 BUILT = Path("share", "rosoclingo", "numba")  # what the build has compiled, in the devel or install space
 

@@ -12,8 +12,6 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["ease", "march", "thin", "way_down"]
-
 STEP = 0.5  # of a way down, in cells
 TURNS = 6  # steps within one cell before the way goes on to the lowest cell next to it
 STEEP = 1e-9

@@ -11,8 +11,6 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["Mapped", "count_scan", "hits_apart"]
-
 # A scan shows something in a cell in which one of so many of its rays ends; in one that is marked, fewer are enough.
 PART, PART_MARKED = 4, 10
 # It counts for GAIN, one that looks through the cell for -1. From SURE on the cell is marked, at 0 it is cleared.

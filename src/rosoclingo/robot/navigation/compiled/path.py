@@ -6,8 +6,6 @@ import numpy as np
 
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["first_block", "least_along", "place_on", "point_clearance"]
-
 
 @jit
 def point_clearance(clearance, x, y):

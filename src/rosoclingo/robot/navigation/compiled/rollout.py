@@ -8,8 +8,6 @@ from rosoclingo.robot.navigation.compiled.footprints import body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-__all__ = ["best_arc", "best_command", "spare_after"]
-
 STEPS = 12  # poses checked along a command
 ANGLE, NEARNESS = 0.25, 0.6  # m by which a rad off the point, and a m that lacks to the comfort, make a command worse
 FINE = 0.1  # cells: the shortest step along an arc

@@ -7,8 +7,6 @@ from typing import Callable
 import rospy
 from geometry_msgs.msg import Twist
 
-__all__ = ["CommandWatch"]
-
 LEAST, PERIODS = 0.5, 4.0  # s, and periods of control, that a command may be late
 WALL, EVERY = 0.3, 0.1  # s of wall time: late by less is not late, however fast simulated time runs; between two looks
 

@@ -12,8 +12,6 @@ import rospkg
 
 from rosoclingo.robot.simulation.stage_pace import paced_world, read_stage_world
 
-__all__ = ["StageError", "run_command", "run_stage", "stage_command"]
-
 STAGEROS = ["rosrun", "stage_ros", "stageros"]
 VIRTUAL = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24"]
 

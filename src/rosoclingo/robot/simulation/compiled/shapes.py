@@ -12,8 +12,6 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import ray_length, square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-__all__ = ["CLEAR", "HIT_DISC", "HIT_SEGMENT", "HIT_WALL", "Surroundings", "body_hits", "cast_rays", "inside", "sweep"]
-
 CLEAR, HIT_WALL, HIT_SEGMENT, HIT_DISC = 0, 1, 2, 3
 
 
