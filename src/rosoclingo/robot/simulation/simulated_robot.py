@@ -78,9 +78,11 @@ class Robot:
     def seen_from(self, laser: int, dt: float) -> Pose2D:
         """Return the pose (m) from which a laser's scan of now is taken, ``dt`` s being a step."""
         late = self.lasers[laser].spec.delay / dt
+        if late <= 0.0 or not self._before:
+            return self.pose
         path = [self.pose, *self._before]
         newer, older = (path[min(int(late) + i, len(path) - 1)] for i in (0, 1))
-        return newer.towards(older, late % 1.0) if late else self.pose
+        return newer.towards(older, late % 1.0)
 
     def accelerate(self, now: float, dt: float, watchdog: float) -> None:
         """Change the velocity towards the command, within the limits; towards a stop when that is too old.
