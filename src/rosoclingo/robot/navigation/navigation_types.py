@@ -34,25 +34,18 @@ class NavigationOutcome(enum.Enum):
 class Trigger(enum.Enum):
     """Why the robot recovers: the outcome if it cannot, and the words of move_base."""
 
-    PLANNING = (NavigationOutcome.NO_PLAN, "Failed to find a valid plan. Even after executing recovery behaviors")
-    CONTROLLING = (
-        NavigationOutcome.NO_CONTROL,
-        "Failed to find a valid control. Even after executing recovery behaviors",
-    )
-    OSCILLATION = (NavigationOutcome.OSCILLATING, "Robot is oscillating. Even after executing recovery behaviors")
-    STUCK = (NavigationOutcome.NO_PROGRESS, "Robot makes no progress. Even after executing recovery behaviors")
+    PLANNING = (NavigationOutcome.NO_PLAN, "Failed to find a valid plan.")
+    CONTROLLING = (NavigationOutcome.NO_CONTROL, "Failed to find a valid control.")
+    OSCILLATION = (NavigationOutcome.OSCILLATING, "Robot is oscillating.")
+    STUCK = (NavigationOutcome.NO_PROGRESS, "Robot makes no progress.")
 
 
+#: The states that can follow each state, by their values.
 TRANSITIONS = {
-    NavigatorState.IDLE: (NavigatorState.PLANNING,),
-    NavigatorState.PLANNING: (
-        NavigatorState.CONTROLLING,
-        NavigatorState.CLEARING,
-        NavigatorState.IDLE,
-        NavigatorState.PLANNING,
-    ),
-    NavigatorState.CONTROLLING: (NavigatorState.PLANNING, NavigatorState.CLEARING, NavigatorState.IDLE),
-    NavigatorState.CLEARING: (NavigatorState.PLANNING, NavigatorState.IDLE),
+    "idle": ("planning",),
+    "planning": ("controlling", "clearing", "idle", "planning"),
+    "controlling": ("planning", "clearing", "idle"),
+    "clearing": ("planning", "idle"),
 }
 
 

@@ -92,12 +92,7 @@ class Navigator:
         """Drive to a pose (m, rad; the map's frame) from now (s) on, instead of to any other."""
         self.goal = goal
         self._start(now)
-        if (
-            self.state is NavigatorState.CONTROLLING
-            or self.state is NavigatorState.CLEARING
-            or self.state is NavigatorState.IDLE
-        ):
-            self._go(NavigatorState.PLANNING)
+        self._go(NavigatorState.PLANNING)
 
     def cancel(self) -> None:
         """Give the goal up."""
@@ -154,7 +149,7 @@ class Navigator:
         self._blind_since = None
 
     def _go(self, state: NavigatorState) -> None:
-        if state not in TRANSITIONS[self.state]:
+        if state.value not in TRANSITIONS[self.state.value]:
             raise NavigationError(f"no transition from {self.state.value} to {state.value}")
         if state in (NavigatorState.IDLE, NavigatorState.CLEARING):
             self._drop()
@@ -226,6 +221,7 @@ class Navigator:
         """Start the next recovery behaviour, or give up when there is none left."""
         outcome, words = trigger.value
         if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
+            words += " Even after executing recovery behaviors"
             return Tick(result=Result(outcome, f"{words}: {self._reason or outcome.name.lower()}."))
         self._running = self.recoveries[self._recovery]
         self._recovery += 1
