@@ -163,8 +163,6 @@ class Interface(abc.ABC):
             rospy.logwarn("%s: %s goes on: the core that cancels it has been replaced", self.name, command.action.atom)
         else:
             attempt.unwanted = True
-            if attempt.inquiry is None:
-                self._handle(attempt, ActionEvent.CANCEL)
 
     def _begin_run(self, run: str) -> None:
         if not self._memory.begin_run(run):
@@ -200,9 +198,6 @@ class Interface(abc.ABC):
                 attempt.goal_id = known.goal
                 self._inquire(attempt, self.make_check(action))
             self._settle()
-
-    def _handle(self, attempt: Attempt, event: ActionEvent) -> None:
-        self._do(attempt, attempt.run.handle(event, _now()))
 
     def _do(self, attempt: Attempt, effect: Effect) -> None:
         if effect is Effect.SEND:
@@ -283,8 +278,6 @@ class Interface(abc.ABC):
         elif finding is InquiryResult.UNKNOWN and (attempt.unwanted or not self._repeatable):
             text = "it was begun by a node that died, and whether it was done is not known"
             self._end(attempt, Ended(INTERRUPTED, text))
-        elif attempt.unwanted:
-            self._handle(attempt, ActionEvent.CANCEL)
         elif inquiry.used:
             attempt.goal_id, attempt.handle = new_goal_id(), None
 
@@ -293,8 +286,6 @@ class Interface(abc.ABC):
         attempt.lost, attempt.run = None, Run(attempt.limits, now)
         attempt.run.handle(ActionEvent.SERVER_FOUND, now)
         attempt.run.handle(ActionEvent.ACKNOWLEDGED, now)
-        if attempt.unwanted:
-            self._handle(attempt, ActionEvent.CANCEL)
 
     # ---- time and shutdown ----------------------------------------------------------------------------------------
 
@@ -310,18 +301,25 @@ class Interface(abc.ABC):
     def _tick(self, attempt: Attempt, now: Instant, gone: bool) -> None:
         if attempt.inquiry is not None:
             self._look_for(attempt, attempt.inquiry, now)
-        elif attempt.run.phase is Phase.WAITING and self._link.connected:
-            self._handle(attempt, ActionEvent.SERVER_FOUND)
-        elif attempt.run.phase is Phase.WAITING and self._link.starting and attempt.run.wait_on(now):
+            return
+        run = attempt.run
+        for event in (self._event(attempt, gone), ActionEvent.CANCEL if attempt.unwanted else None):
+            if event is not None and not run.done:
+                self._do(attempt, run.handle(event, now))
+        if run.phase is Phase.WAITING and self._link.starting and run.wait_on(now):
             rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
-        elif attempt.run.phase is Phase.WAITING:
-            self._do(attempt, attempt.run.tick(now))
-        else:
-            event, ended = (ActionEvent.SERVER_LOST, None) if gone else progress(attempt.handle)
-            attempt.ended = ended or attempt.ended
-            self._do(attempt, attempt.run.handle(event, now) if event is not None else Effect.NOTHING)
-            if not attempt.run.done:
-                self._do(attempt, attempt.run.tick(now))
+        elif not run.done:
+            self._do(attempt, run.tick(now))
+
+    def _event(self, attempt: Attempt, gone: bool) -> Optional[ActionEvent]:
+        """Return what the server has done, None for nothing yet."""
+        if attempt.run.phase is Phase.WAITING:
+            return ActionEvent.SERVER_FOUND if self._link.connected and not attempt.unwanted else None
+        if gone:
+            return ActionEvent.SERVER_LOST
+        event, ended = progress(attempt.handle)
+        attempt.ended = ended or attempt.ended
+        return event
 
     def _look(self) -> Tuple[bool, List[str]]:
         return self._link.connected, [str(action.atom) for action in self._attempts]
@@ -340,7 +338,7 @@ class Interface(abc.ABC):
         if attempt.lost is not None:
             self._end(attempt, attempt.lost)
         else:
-            self._handle(attempt, ActionEvent.SHUTDOWN)
+            self._do(attempt, attempt.run.handle(ActionEvent.SHUTDOWN, _now()))
 
     # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
 
