@@ -32,7 +32,7 @@ LOOKS = 4
 class Registration:
     """Asks the master whether it knows this node, and tells it the topics, services and private parameters it lacks.
 
-    rospy is told of publishers that the master lists and that it is not connected to, once each.
+    Trigger one connection attempt per publisher that the master lists and rospy is not connected to.
 
     Made by a node that has read its parameters and asked for all it wants; asks until the node ends, in a thread of
     its own, as a master may take seconds to answer.
@@ -43,12 +43,11 @@ class Registration:
         self._master = api(rosgraph.get_master_uri())
         self._parameters: Optional[Dict[str, Any]] = None  # what the node was started with, once asked for
         self._ended = threading.Event()
-        self._missing: List[Entries] = [set(), set(), set()]  # publications, subscriptions and services
+        self._lacking: List[Entries] = [set() for _ in range(4)]  # at the last comparison, see _compare
         self._seen: Any = None  # own entries at the last question
         self._looks = LOOKS  # still to come
         self._lost = False
-        self._unheard: Entries = set()  # topic, type and a node that publishes it, and is not connected
-        self._told: Entries = set()  # those of them that rospy was told of
+        self._told: Entries = set()  # publishers that rospy was told of
         rospy.on_shutdown(self._ended.set)
         threading.Thread(target=self._run, name="registration", daemon=True).start()
 
@@ -69,18 +68,23 @@ class Registration:
             self._compare()
 
     def _compare(self) -> None:
+        """Register the publications, subscriptions and services that the master lacks; connect missed publishers.
+
+        Each has to be lacking twice: rospy is about to tell the master the latest entries.
+        """
         lists = self._master.getSystemState(self._name)[2]
-        unheard_before, self._unheard = self._unheard, _unheard(dict(lists[0]))
         listed = [{name for name, nodes in entries if self._name in nodes} for entries in lists]
-        missing = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._seen, listed)]
-        before, self._missing = self._missing, missing
-        twice = [now & then for now, then in zip(missing, before)]  # what is new rospy is about to tell the master
-        if ending():  # it takes its entries back
+        lacking = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._seen, listed)]
+        before, self._lacking = self._lacking, [*lacking, _unheard(dict(lists[0]))]
+        *missing, unheard = (now & then for now, then in zip(self._lacking, before))
+        if ending():  # rospy takes its entries back
             return
-        if any(twice):
+        if any(missing):
             self._lose("the ROS master was restarted and does not know all of this node: it is told again")
-            self._register(*twice)
-        self._connect(self._unheard & unheard_before - self._told)
+            self._register(*missing)
+        # rospy asks a node that does not answer again itself, so one subscription is enough
+        self._subscribe({(topic, kind) for topic, kind, _ in unheard - self._told})
+        self._told = (self._told | unheard) & self._lacking[3]
         if self._parameters is None:
             self._parameters = _parameters(self._name)
         self._lost = False
@@ -109,11 +113,6 @@ class Registration:
             if code == 1:
                 api(self._uri).publisherUpdate("/master", topic, publishers)
 
-    def _connect(self, unheard: Entries) -> None:
-        """Let rospy connect, once: it asks a node that does not answer again itself, and one it cannot hear it told."""
-        self._subscribe({(topic, kind) for topic, kind, _ in unheard})
-        self._told = (self._told | unheard) & self._unheard
-
     def _restore_parameters(self) -> None:
         """Set what the node was started with, for a process that takes its place; what is there already stays."""
         for name, value in (self._parameters or {}).items():
@@ -123,11 +122,12 @@ class Registration:
 
 def _unheard(publishers: Dict[str, List[str]]) -> Entries:
     """Subscriptions with their types, each with a node among its publishers that rospy is not connected to."""
-    topics, found = get_topic_manager(), set()
-    for topic, kind in topics.get_subscriptions():
-        heard = heard_nodes(topics.get_subscriber_impl(topic))
-        found |= {(topic, kind, node) for node in publishers.get(topic, ()) if node not in heard}
-    return found
+    topics = get_topic_manager()
+    return {
+        (topic, kind, node)
+        for topic, kind in topics.get_subscriptions()
+        for node in set(publishers.get(topic, ())) - heard_nodes(topics.get_subscriber_impl(topic))
+    }
 
 
 def _parameters(node: str) -> Dict[str, Any]:

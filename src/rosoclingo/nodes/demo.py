@@ -89,8 +89,7 @@ class DemoSystem:
         """Wait until ``condition`` holds; raises DemoError when the system ended or START_TIME passed."""
         end = time.monotonic() + START_TIME
         while not condition():
-            if self._process is not None and self._process.poll() is not None:
-                raise DemoError(f"the system ended before it was up; its log is {self.log}{self._tail()}")
+            self.check()
             if time.monotonic() > end:
                 raise DemoError(f"{what} is not up after {START_TIME:g} s; the log is {self.log}")
             time.sleep(0.05)
