@@ -1,10 +1,10 @@
 """The node that shows labels, packages, robot, plan, goals and what the program has drawn in rviz."""
 
 import functools
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point as PointMessage
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import ColorRGBA, String
 from visualization_msgs.msg import Marker, MarkerArray
@@ -14,9 +14,9 @@ from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import GoalStates, PackageStates, State, TaskPlan
-from rosoclingo.nodes.rviz.map_view import bounds_of, text_factor
-from rosoclingo.nodes.rviz.panel import GoalRow, Panel, goals_text, plan_text
-from rosoclingo.nodes.rviz.plain_shapes import Shape, larger, plated
+from rosoclingo.nodes.rviz.map_view import Bounds, bounds_of, text_factor
+from rosoclingo.nodes.rviz.panel import Panel, goals_text, plan_text
+from rosoclingo.nodes.rviz.plain_shapes import Point, Shape, larger, plated
 from rosoclingo.nodes.rviz.scene import (
     drawn_shapes,
     label_shapes,
@@ -40,6 +40,10 @@ _KINDS = {
     "line": Marker.LINE_STRIP,
     "text": Marker.TEXT_VIEW_FACING,
 }
+
+
+PROGRAM, STATE, PLAN, GOALS = (f"rosoclingo/{name}" for name in ("program", "state", "task_plan", "goals"))
+TOPICS = {"packages": PackageStates, PROGRAM: String, STATE: State, PLAN: TaskPlan, GOALS: GoalStates}
 
 
 class MarkersNode:
@@ -73,111 +77,85 @@ class MarkersNode:
     def __init__(self) -> None:
         given = Parameters()
         self._pose = RobotPose(given)
-        self._map_frame, self._base_frame = self._pose.map_frame, self._pose.base_frame
-        self._labels = LabelTable.read(given.at("labels"), self._map_frame)
+        self._labels = LabelTable.read(given.at("labels"), self._pose.map_frame)
         panel = given.at("panel").numbers((0, 2), (), "[x, y] in metres")
-        self._given = (*panel, HEIGHT) if panel else None, given.at("size").number(0.0, low=0.0)
+        self._top: Optional[Point] = (*panel, HEIGHT) if panel else None  # type: ignore[assignment]
+        self._size = given.at("size").number(0.0, low=0.0)
         self._title = given.at("title").text("")
         radius = given.at("robot_radius").number(0.18, low=0.0)
         given.check()
-        self._panel = Panel(self._given[0] or NOWHERE, self._map_frame, self._given[1] or 1.0)
-        self._groups: Dict[str, List[Shape]] = {
-            "robot": robot_shapes(self._base_frame, radius),
-            "labels": label_shapes(self._labels),
-        }
-        self._plan: Optional[TaskPlan] = None
-        self._goals: Optional[List[GoalRow]] = None
-        self._drawings, self._told_packages = Drawings(), False
-        self._state: Sequence[str] = ()
-        self._lay_out()
+        self._fixed = [*robot_shapes(self._pose.base_frame, radius), *label_shapes(self._labels)]
+        self._latest: Dict[str, Any] = {}  # messages by topic
+        self._bounds: Optional[Bounds] = None  # of the map
+        self._start: Optional[Tuple[float, float]] = None  # the robot's place at the latest plan
+        self._drawings = Drawings()
         self._changed = True
+        self._shown: Optional[List[Shape]] = None
         self._publisher = rospy.Publisher("~markers", MarkerArray, queue_size=1, latch=True)
         self._worker = Worker(settle=self._draw, period=0.2)
         rospy.on_shutdown(lambda: self._worker.stop(2.0))
         self._worker.start()
-        if not all(self._given):
-            rospy.Subscriber("map", OccupancyGrid, self._enqueue(self._take_map), queue_size=1)
-        rospy.Subscriber("packages", PackageStates, self._enqueue(self._take_packages))
-        rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._enqueue(self._take_plan))
-        rospy.Subscriber("rosoclingo/goals", GoalStates, self._enqueue(self._take_goals))
-        rospy.Subscriber("rosoclingo/program", String, self._enqueue(self._take_program))
-        rospy.Subscriber("rosoclingo/state", State, self._enqueue(self._take_state))
+        fits = self._top is None or not self._size
+        for name, kind in {**TOPICS, **({"map": OccupancyGrid} if fits else {})}.items():
+            rospy.Subscriber(name, kind, self._on_message, callback_args=name, queue_size=1)
 
-    def _enqueue(self, take: Callable[[Any], None]) -> Callable[[Any], None]:
-        return lambda message: self._worker.put(functools.partial(take, message))
+    def _on_message(self, message: Any, name: str) -> None:
+        self._worker.put(functools.partial(self._take, name, message))
 
-    def _take_packages(self, message: PackageStates) -> None:
-        self._told_packages = True
-        self._show_things([(package.id, package.location, package.carried) for package in message.packages])
+    def _take(self, name: str, message: Any) -> None:
+        self._latest[name], self._changed = message, True
+        if name == "map":
+            self._bounds = bounds_of(message)
+        elif name == PLAN:
+            self._start = self._pose.look_up() if message.actions else None
+        elif name == PROGRAM:
+            self._take_program(message.data)
 
-    def _take_map(self, message: OccupancyGrid) -> None:
-        """Put the panel below the map, and have texts that can be read when all of it is seen."""
-        bounds = bounds_of(message)
-        panel, size = self._given
-        top = panel or ((bounds[0] + bounds[2]) / 2.0, bounds[1], HEIGHT)
-        self._panel = Panel(top, self._map_frame, size or text_factor(bounds))
-        self._lay_out()
-
-    def _lay_out(self) -> None:
-        """Put words where they belong."""
-        self._set("title", self._panel.title(self._title))
-        if self._plan is not None:
-            self._take_plan(self._plan)
-        self._lay_out_goals()
-
-    def _lay_out_goals(self) -> None:
-        if self._goals is not None:
-            self._set("goals", [self._panel.goals(goals_text(self._goals))])
-
-    def _take_plan(self, message: TaskPlan) -> None:
-        self._plan = message
-        steps = plan_steps(_actions(message.actions), self._labels)
-        words = self._panel.plan(plan_text([step.action for step in steps], message.cycle))
-        self._set("plan", [words, *plan_shapes(steps, message.cycle, self._pose.look_up() if steps else None)])
-
-    def _take_goals(self, message: GoalStates) -> None:
-        self._goals = [(goal.request, goal.status, goal.reason) for goal in message.goals]
-        self._lay_out_goals()
-
-    def _take_program(self, message: String) -> None:
+    def _take_program(self, text: str) -> None:
         try:
-            self._drawings = drawings_of(RunProgram.parse(message.data))
+            self._drawings = drawings_of(RunProgram.parse(text))
             for fault in self._drawings.faults:
                 rospy.logwarn("%s", fault)
         except RecordingError as error:
             rospy.logwarn("the program's drawings are not shown: %s", error)
-        self._show_drawn()
-
-    def _take_state(self, message: State) -> None:
-        self._state = message.atoms
-        self._show_drawn()
-
-    def _show_drawn(self) -> None:
-        """Show what the program wants to have drawn; its things where nobody else tells of any."""
-        drawn = self._drawings.of(self._state, frozenset(self._labels.names))
-        self._set("drawn", drawn_shapes(drawn, self._labels))
-        if not self._told_packages:
-            self._show_things(things_in(drawn))
-
-    def _show_things(self, places: List[Tuple[str, str, bool]]) -> None:
-        self._set("packages", package_shapes(places, self._labels, self._base_frame))
-
-    def _set(self, group: str, shapes: List[Shape]) -> None:
-        if self._groups.get(group) != shapes:
-            self._groups[group] = shapes
-            self._changed = True
 
     def _draw(self) -> None:
         if not self._changed:
             return
         self._changed = False
-        fitting = (larger(shape, self._panel.factor) for group in self._groups.values() for shape in group)
-        shapes = [one for shape in fitting for one in plated(shape)]
-        markers = [
-            Marker(action=Marker.DELETEALL),
-            *(_marker(shape, index) for index, shape in enumerate(shapes)),
-        ]
-        self._publisher.publish(MarkerArray(markers=markers))
+        panel = self._panel()
+        shapes = [one for shape in self._shapes(panel) for one in plated(larger(shape, panel.factor))]
+        if shapes != self._shown:
+            self._shown = shapes
+            markers = [Marker(action=Marker.DELETEALL), *(_marker(one, index) for index, one in enumerate(shapes))]
+            self._publisher.publish(MarkerArray(markers=markers))
+
+    def _panel(self) -> Panel:
+        """Return the panel below the map, with words that can be read when all of the map is seen."""
+        below, factor = NOWHERE, 1.0
+        if self._bounds is not None:
+            below, factor = (
+                ((self._bounds[0] + self._bounds[2]) / 2.0, self._bounds[1], HEIGHT),
+                text_factor(self._bounds),
+            )
+        return Panel(self._top or below, self._pose.map_frame, self._size or factor)
+
+    def _shapes(self, panel: Panel) -> List[Shape]:
+        """Return all shapes; things that the program has drawn only without the topic of packages."""
+        state, plan, goals = (self._latest.get(name) for name in (STATE, PLAN, GOALS))
+        drawn = self._drawings.of(state.atoms if state is not None else (), frozenset(self._labels.names))
+        things, packages = things_in(drawn), self._latest.get("packages")
+        if packages is not None:
+            things = [(one.id, one.location, one.carried) for one in packages.packages]
+        shapes = [*self._fixed, *panel.title(self._title), *drawn_shapes(drawn, self._labels)]
+        shapes += package_shapes(things, self._labels, self._pose.base_frame)
+        if plan is not None:
+            steps = plan_steps(_actions(plan.actions), self._labels)
+            shapes.append(panel.plan(plan_text([step.action for step in steps], plan.cycle)))
+            shapes += plan_shapes(steps, plan.cycle, self._start)
+        if goals is not None:
+            shapes.append(panel.goals(goals_text([(one.request, one.status, one.reason) for one in goals.goals])))
+        return shapes
 
 
 def _actions(texts: List[str]) -> List[Action]:
@@ -194,9 +172,9 @@ def _marker(shape: Shape, index: int) -> Marker:
     marker = Marker(ns=shape.group, id=index, type=_KINDS[shape.kind], action=Marker.ADD, text=shape.text)
     marker.header.frame_id = shape.frame
     marker.frame_locked = True
-    marker.pose.position = Point(*shape.position)
+    marker.pose.position = PointMessage(*shape.position)
     marker.pose.orientation.w = 1.0
     marker.scale.x, marker.scale.y, marker.scale.z = shape.scale
     marker.color = ColorRGBA(*shape.colour)
-    marker.points = [Point(*point) for point in shape.points]
+    marker.points = [PointMessage(*point) for point in shape.points]
     return marker
