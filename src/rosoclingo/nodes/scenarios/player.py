@@ -3,7 +3,7 @@
 import threading
 import time
 from contextlib import suppress
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 import genpy
 import rospy
@@ -67,7 +67,7 @@ class ScenarioPlayer:
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
         self.before: Optional[int] = None  # until an update has arrived
-        self._latest_plan = _Pause(0.0)
+        self._plans = 0  # received so far
         self._core = ""  # its node's name, by its plans
         self._missing = set(wait_for)
         self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
@@ -105,34 +105,35 @@ class ScenarioPlayer:
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
         self.before = None
-        self._latest_plan = _Pause(self._start)
-        clock = _Clock(self._start)
+        clock, quiet = _Unchanged(), _Unchanged()
         while waiting or not all(goal.ended for goal in self.goals):
             elapsed = rospy.get_time() - self._start
             if rospy.is_shutdown():
                 raise PlayError("shut down before the scenario's end")
             if elapsed > self._scenario.timeout:
                 raise PlayError(f"not done after {elapsed:g} s: {self._open(waiting)}")
-            if clock.stands_still(rospy.get_time()):
+            if clock.lasts(rospy.get_time()).wall > STILL:
                 raise PlayError(f"time has stood still for {STILL:g} s: is the simulator paused or gone?")
             for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
                 waiting.remove(event)
-                self._latest_plan = _Pause(rospy.get_time())
                 self._do(event)
-            self._check_cycles(waiting)
+            idle = self._awaits_a_cycle(waiting)
+            if min(quiet.lasts((idle, self._plans, len(waiting)))) > QUIET and idle:
+                raise PlayError(
+                    f"never happened: {self._open(waiting)}; all goals have ended in cycle {self._reached} of the "
+                    f"scenario, and no other began within {QUIET:g} s"
+                )
             self._turn()
 
-    def _check_cycles(self, waiting: List[ScenarioEvent]) -> None:
-        """Raise PlayError if the cycles that events wait for cannot come, as nothing is under way."""
-        reached = max(self._elapsed_cycles(), default=1)
-        open_ = [goal for goal in self.goals if not goal.ended]
-        if open_ or not waiting or any(one.cycle is None or one.cycle <= reached for one in waiting):
-            self._latest_plan = _Pause(rospy.get_time())
-        elif self._latest_plan.lasts(rospy.get_time(), QUIET):
-            raise PlayError(
-                f"never happened: {self._open(waiting)}; all goals have ended in cycle {reached} of the scenario, "
-                f"and no other began within {QUIET:g} s"
-            )
+    @property
+    def _reached(self) -> int:
+        """The cycle of the scenario."""
+        return max(self._elapsed_cycles(), default=1)
+
+    def _awaits_a_cycle(self, waiting: List[ScenarioEvent]) -> bool:
+        """Whether no goal is open, and all events wait for later cycles."""
+        later = all(one.cycle is not None and one.cycle > self._reached for one in waiting)
+        return bool(waiting) and later and all(goal.ended for goal in self.goals)
 
     @property
     def sent(self) -> List[str]:
@@ -195,7 +196,7 @@ class ScenarioPlayer:
     def _on_plan(self, message: TaskPlan) -> None:
         self._core = message._connection_header["callerid"]
         self._begun.setdefault(message.cycle, rospy.get_time())
-        self._latest_plan = _Pause(rospy.get_time())
+        self._plans += 1
 
     def _on_update(self, message: String) -> None:
         if self._start is not None and self.before is None:
@@ -226,29 +227,24 @@ def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) ->
         raise PlayError("{} refuses {}: {}".format(name, dict(fields), getattr(answer, "message", "")))
 
 
-class _Pause:
-    """A time without plans, from ``now`` on in seconds of ROS time."""
-
-    def __init__(self, now: float) -> None:
-        self._since, self._wall = now, time.monotonic()
-
-    def lasts(self, now: float, seconds: float) -> bool:
-        """Whether it has lasted for some seconds of wall time and of ROS time."""
-        return min(now - self._since, time.monotonic() - self._wall) > seconds
+class _Seconds(NamedTuple):
+    ros: float
+    wall: float
 
 
-class _Clock:
-    """Reports when ROS time has not moved for STILL seconds of wall time: its publisher is gone."""
+class _Unchanged:
+    """Measures for how long a value has been the same."""
 
-    def __init__(self, now: float) -> None:
-        self._last = now
-        self._seen = time.monotonic()
+    def __init__(self) -> None:
+        self._value: object = None
+        self._since = _Seconds(0.0, 0.0)
 
-    def stands_still(self, now: float) -> bool:
-        """Whether time stands still, ``now`` in seconds of ROS time."""
-        if now != self._last:
-            self._last, self._seen = now, time.monotonic()
-        return time.monotonic() - self._seen > STILL
+    def lasts(self, value: object) -> _Seconds:
+        """Return the seconds since this value was first seen, 0 for another value than before."""
+        now = _Seconds(rospy.get_time(), time.monotonic())
+        if value != self._value:
+            self._value, self._since = value, now
+        return _Seconds(now.ros - self._since.ros, now.wall - self._since.wall)
 
 
 def _identifier(text: str) -> str:
