@@ -343,58 +343,46 @@ class CoreNode:
 
     def _watch_search(self) -> Callable[[], Optional[Halt]]:
         """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
-        start, too_long = time.monotonic(), self._watch_time(self._parameters.settings.search_timeout)
+        start = time.monotonic()
 
         def look() -> Optional[Halt]:
             """Return why the search has to end now, None while it can go on."""
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
             why = self._core.queue.why_left(self._cancels, bool(self._arrivals))
-            if why and time.monotonic() - start >= CANCEL_GRACE:
-                return Halt(why, disturbed=True)
-            return too_long()
+            return Halt(why, disturbed=True) if why and time.monotonic() - start >= CANCEL_GRACE else None
 
-        return self._attending(look)
+        return self._watching(look, self._parameters.settings.search_timeout)
 
     def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
-        """Be content with what was found of goals to give up after some time."""
-        return self._attending(self._watch_time(self._parameters.recovery_timeout))
+        """End the search for goals to give up after some time, with those that were found."""
+        return self._watching(lambda: None, self._parameters.recovery_timeout)
 
     def _watch_joining(self) -> Callable[[], Optional[Halt]]:
         """End the wait for a plan with new goals before the next action."""
-        start = time.monotonic()
+        start, late = time.monotonic(), Halt(f"it took longer than {JOINING:g} s")
+        return self._watching(lambda: late if self._ending or time.monotonic() - start >= JOINING else None)
 
-        def look() -> Optional[Halt]:
-            """Return why the wait has to end now, None while it can go on."""
-            over = self._ending or time.monotonic() - start >= JOINING
-            return Halt(f"it took longer than {JOINING:g} s") if over else None
+    def _watching(self, look: Callable[[], Optional[Halt]], seconds: float = 0.0) -> Callable[[], Optional[Halt]]:
+        """Return a watch that attends to time and arrivals during a search.
 
-        return self._attending(look)
-
-    def _attending(self, look: Callable[[], Optional[Halt]]) -> Callable[[], Optional[Halt]]:
-        """Return what looks for the end of a search and attends to time and arrivals."""
-
-        def attend() -> Optional[Halt]:
-            """Return why the search has to end now, None while it can go on."""
-            self._attend()
-            return look()
-
-        return attend
-
-    def _watch_time(self, seconds: float) -> Callable[[], Optional[Halt]]:
-        """End a search after some seconds of processor time; 0: never."""
+        It ends the search by ``look``, or after ``seconds`` of processor time, 0 for no limit.
+        """
         queue = self._core.queue
         worked, limit = self._solvers.stopwatch(), seconds * queue.patience
 
-        def look() -> Optional[Halt]:
-            """Return why to end it now, None while it may go on."""
-            if not 0 < limit <= worked():
-                return None
-            if not queue.unhurried:
-                return Halt(f"it took longer than {limit:g} s")
-            return Halt("something has come", disturbed=True) if self._worker.waiting else None
+        def watch() -> Optional[Halt]:
+            """Return why the search has to end now, None while it can go on."""
+            self._attend()
+            halt = look()
+            if halt is None and 0 < limit <= worked():
+                if not queue.unhurried:
+                    halt = Halt(f"it took longer than {limit:g} s")
+                elif self._worker.waiting:
+                    halt = Halt("something has come", disturbed=True)
+            return halt
 
-        return look
+        return watch
 
     def _shut_down(self) -> None:
         self._ending = True
