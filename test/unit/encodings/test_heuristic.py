@@ -1,5 +1,6 @@
-"""The heuristic of delivery: plans for many requests are found at once, no answer changes, few rules are ground."""
+"""The heuristic and the bound of delivery: plans are found at once, no answer changes, few rules are ground."""
 
+from dataclasses import replace
 from itertools import chain
 
 import clingo
@@ -10,7 +11,10 @@ from hypothesis import strategies as st
 from mailbot_world import fewest_steps, neighbours, program
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, fact, parse_atom
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.question import Question
+from rosoclingo.planning.snapshot import Snapshot
 
 LIMIT = 50  # conflicts in which a plan has to be found
 ANSWERS = settings(max_examples=max(1, settings.default.max_examples // 12))
@@ -36,16 +40,17 @@ class Count(Observer):
         self.statements += 1
 
 
-def mailbot(corridors, capacity=3):
+def mailbot(corridors, capacity=3, **constants):
     """The mailbot on a floor, the robot in office 1."""
-    return program(max(max(pair) for pair in corridors), corridors, 1, capacity)
+    whole = program(max(max(pair) for pair in corridors), tuple(corridors), 1, capacity)
+    return ReactiveProgram(whole.sources, {"capacity": str(capacity), **constants}) if constants else whole
 
 
-def without_heuristic(whole):
-    """The same program without what heuristic.lp says."""
+def without(file, whole):
+    """The same program without the rules of a file."""
     bare = ReactiveProgram(whole.sources, {name: str(value) for name, value in whole.constants.items()})
     for part in bare.parts:
-        part.statements = [one for one in part.statements if "heuristic.lp" not in one.location.begin.filename]
+        part.statements = [one for one in part.statements if not one.location.begin.filename.endswith(file)]
     return bare
 
 
@@ -55,7 +60,7 @@ def errands(number, offices):
     return [(a, b if b != a else b % offices + 1) for a, b in pairs]
 
 
-def ground(program, requests, horizon, heuristic="Domain", facts="", observer=None):
+def ground(program, requests, horizon, heuristic="Domain", facts=(), observer=None):
     """Return a control with all steps up to the horizon, at which a plan has to end, and what was ground for each."""
     control = clingo.Control(program.arguments(), logger=lambda code, text: None)
     control.configuration.solver.heuristic = heuristic
@@ -63,7 +68,7 @@ def ground(program, requests, horizon, heuristic="Domain", facts="", observer=No
         control.register_observer(observer)
     program.load_into(control)
     told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
-    control.add("told", [], " ".join(told) + facts)
+    control.add("told", [], " ".join([*told, *(f"{fact}." for fact in facts)]))
     control.ground([("base", []), ("told", [])])
     steps = [[("cumulative", [number]), ("volatile", [number])] for number in map(clingo.Number, range(1, horizon + 1))]
     counts = []
@@ -157,39 +162,43 @@ def test_without_a_heuristic_so_few_conflicts_do_not_do():
 def test_with_a_way_shut_a_plan_is_found_soon(way):
     requests = errands(8, 12)
     horizon = 3 * nearest_first(THETA, requests) // 2
-    control, _ = ground(mailbot(THETA), requests, horizon, facts="_blocked(o{},o{},1).".format(*way))
+    control, _ = ground(mailbot(THETA), requests, horizon, facts=["_blocked(o{},o{},1)".format(*way)])
     found = plan(control, conflicts=300)
     assert found is not None
 
 
 @pytest.mark.slow
 @pytest.mark.once
+@pytest.mark.parametrize("file", ["heuristic.lp", "search.lp"])
 @ANSWERS
 @given(st.data())
-def test_it_changes_no_answer(data):
-    """All the shortest plans of small floors, with it and without it."""
-    count = data.draw(st.integers(2, 4))
+def test_no_answer_changes(file, data):
+    """All the shortest plans of small floors, with the rules of a file and without, looking back at little or much."""
+    count = data.draw(st.integers(2, 4 if file == "heuristic.lp" else 3))
     corridors = {(data.draw(st.integers(1, number - 1)), number) for number in range(2, count + 1)}
     corridors |= {(1, count)} if count > 2 and data.draw(st.booleans()) else set()
     office = st.integers(1, count)
-    requests = data.draw(st.lists(st.tuples(office, office), min_size=1, max_size=2))
-    whole = mailbot(tuple(sorted(corridors)), data.draw(st.integers(1, 2)))
+    number, capacity = data.draw(st.sampled_from([(1, 1), (2, 1), (2, 2), *([(3, 1), (3, 2)] if count < 4 else [])]))
+    requests = data.draw(st.lists(st.tuples(office, office), min_size=number, max_size=number))
     packages = tuple(("waits", f"o{a}", f"o{b}") for a, b in requests)
-    graph = neighbours([(f"o{a}", f"o{b}") for a, b in corridors])
-    fewest = fewest_steps(graph, int(str(whole.constants["capacity"])), "o1", packages)
-    programs = (whole, without_heuristic(whole))
-    assert all_plans(programs[0], requests, fewest - 1) == set()
-    plans = [all_plans(one, requests, fewest) for one in programs]
-    assert plans[0] == plans[1] != (set(),)
+    fewest = fewest_steps(neighbours([(f"o{a}", f"o{b}") for a, b in corridors]), capacity, "o1", packages)
+    window = str(data.draw(st.sampled_from([1, 3, 60])))
+    whole = mailbot(tuple(sorted(corridors)), capacity, _window=window)
+    if fewest:
+        assert solve(whole, requests, fewest - 1)[0].unsatisfiable
+    ours, plans = solve(whole, requests, fewest)
+    assert ours.satisfiable
+    assert plans == solve(without(file, whole), requests, fewest)[1]
 
 
-def all_plans(program, requests, horizon):
-    if horizon == 0:
-        return set()
-    control, _ = ground(program, requests, horizon)
-    control.configuration.solve.models = "0"
-    with control.solve(yield_=True) as handle:
-        return {actions(model) for model in handle}
+def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
+    """Search for plans that end at the horizon, with a limit of conflicts; return the result and the plans."""
+    control, _ = ground(program, requests, horizon, facts=facts)
+    control.configuration.solve.models = str(models)
+    control.configuration.solve.solve_limit = f"{conflicts},umax"
+    plans = set()
+    result = control.solve(on_model=lambda model: plans.add(frozenset(map(str, model.symbols(shown=True)))))
+    return result, plans
 
 
 @pytest.mark.slow
@@ -199,7 +208,7 @@ def test_the_rules_of_a_step_are_no_more_than_places_and_requests():
         """What the heuristic adds to each of the steps."""
         whole = mailbot(STAR[: offices - 1])
         requests = errands(number, offices)
-        counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without_heuristic(whole))]
+        counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without("heuristic.lp", whole))]
         return [more - less for more, less in zip(*counts)]
 
     small, large = cost(8, 4), cost(20, 10)
@@ -212,3 +221,88 @@ def test_what_a_domain_adds_is_heeded_in_the_house_too():
     house = shipped("house.lp", "home.lp")
     kinds = {str(one.ast_type) for part in house.parts for one in part.statements}
     assert any("Heuristic" in kind for kind in kinds)
+
+
+# -- the bound on the steps of a plan
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (60, 1)])
+def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopeless):
+    """Seven packages, three at a time, over one corridor: there in three loads, or back."""
+    there, back = [(1, 2)] * 7, [(2, 1)] * 7
+    program = mailbot([(1, 2)], 3, _window=str(window))
+    for requests, fewest in ((there, 14 + 5), (back, 14 + 6), (there + back, 28 + 6)):
+        assert solve(program, requests, fewest - hopeless, conflicts=1)[0].unsatisfiable
+        assert solve(program, requests, fewest, models=1)[0].satisfiable
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
+    """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
+    program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
+    assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
+
+
+@pytest.mark.slow
+def test_the_solver_is_told_how_long_it_takes_at_least():
+    """Nearly: what is told grows by a quarter at first, beyond the look back by a sixteenth."""
+    requests = [(1, 2)] * 7 + [(2, 1)] * 7
+    assert 30 <= claimed(mailbot([(1, 2)], 3, _window="1"), requests) <= 28 + 6
+    assert 27 <= claimed(mailbot([(1, 2)], 3), requests) <= 28 + 6
+    assert claimed(mailbot([(1, 2)], 3), [(1, 2), (2, 1)]) == 0
+    far = [(1, 6)] * 24
+    row = [(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)]
+    assert 48 + 75 - 10 <= claimed(mailbot(row, 3), far) <= 48 + 75
+
+
+def claimed(program, requests):
+    """How many steps the program says that a plan takes at least, with a grounding of one step that was searched."""
+    told = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
+    update = StreamUpdate(1, None, tuple(map(fact, told)))
+    snapshot = Snapshot.initial(program).with_update(update, program)
+    found = []
+    for one in (snapshot, replace(snapshot, step=2)):
+        grounding = Grounding(program, one, 1)
+        assert grounding.ask(Question(1, 1, believes=False), lambda: False).satisfiable is False
+        found.append(grounding.claimed_steps())
+    assert found[1] == 0
+    return found[0]
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
+    """Whatever else there is to do, and however many steps there are."""
+    program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (1, 3)], 3)
+    near, far = [(1, 2), (2, 3), (3, 1), (2, 1)], [(1, 6), (5, 2), (6, 5), (3, 5)]
+    shut = ["_blocked(o3,o4,1)"]
+    for request in far:
+        assert solve(program, [*near, request, *near], 60, conflicts=1, facts=shut)[0].unsatisfiable
+    assert solve(program, near, 30, models=1, facts=shut)[0].satisfiable
+    assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
+
+
+def test_a_bound_is_made_anew_for_few_alone():
+    """Nothing is ground for it where many come at once, and no more loads than few make where many have come before."""
+    program = mailbot([(1, 2)], 3)
+    assert steps_of("_check", ground(program, [(1, 2)] * 16, 20)[0]) == {1, 9, 17}
+    assert steps_of("_check", ground(program, [(1, 2)] * 17, 20)[0]) == {1}
+    more = [f"_request(goal(o1,o2,{number}),3)" for number in range(20, 36)]
+    told, loads = ground(program, [(1, 2)] * 16, 20, facts=more)[0], {}
+    for atom in told.symbolic_atoms.by_signature("_loads", 3):
+        number, step = (one.number for one in atom.symbol.arguments[1:])
+        loads[step] = max(loads.get(step, 0), number)
+    assert loads == {1: 6, 2: 11, 10: 6, 18: 6}
+
+
+def steps_of(name, control):
+    return {atom.symbol.arguments[0].number for atom in control.symbolic_atoms.by_signature(name, 1)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("capacity", [0, -1])
+def test_a_robot_that_can_carry_nothing_has_a_bound_that_ends(capacity):
+    assert solve(mailbot([(1, 2)], capacity), [(1, 2), (2, 1)], 9)[0].unsatisfiable
