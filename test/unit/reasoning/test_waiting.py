@@ -4,6 +4,8 @@ from random import Random
 
 import pytest
 from busy_driver import BusyDriver
+from core_scripts import play, scripts
+from goal_clients import numbers_of
 from hypothesis import settings
 from office_world import OFFICES, World
 from shipped import shipped
@@ -23,53 +25,83 @@ def ask(driver, *numbers, what="walk"):
     return driver
 
 
-def told(driver, number):
-    return any(f"_request(do(walk,{number})," in update for update in driver.journal.updates)
-
-
 def ends(driver):
     return {one.key: one.outcome for one in driver.journal.of(GoalChanged) if one.outcome is not None}
 
 
-def test_the_newest_goals_wait_and_are_told_so_once():
-    driver = ask(BusyDriver(most=3), *range(1, 9)).run()
-    assert driver.awaited, "there is a plan"
-    assert [goal.key for goal in driver.core.queue.waiting] == [f"g{number}" for number in range(3, 9)]
-    assert driver.waits("g8") == ["8 goals were too much: no plan was found before the search was ended: the test"]
-    assert driver.waits("g3") == ["4 goals were too much: no plan was found before the search was ended: the test"]
-    assert driver.waits("g2") == []
-    assert "no plan was found before the search was ended: the test: 4 of 8 goals wait" in driver.problems
-    assert not told(driver, 5), "an update in force has no request of a goal that waits"
-    assert "#withdraw _request(do(walk,3),2)." in driver.journal.stream, "one that was in force is withdrawn"
-    driver.finish()
-    assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 9)}
-    assert driver.order() == [f"g{number}" for number in (1, 2, 3, 4, 5, 6, 7, 8)]
-    assert len(driver.waits("g8")) == 1
+class Errands(BusyDriver):
+    """The words of scripts about goals by their numbers."""
+
+    def ask(self, goals, what="walk"):
+        """Goals such as 3-5 come with the next event."""
+        ask(self, *numbers_of([goals]), what=what)
+
+    def most_goals(self, number):
+        """From now on there is time for so many goals."""
+        self.most = int(number)
+
+    def deferred(self, *goals):
+        """Expect these goals to wait."""
+        assert [one.key for one in self.core.queue.waiting] == [f"g{number}" for number in numbers_of(goals)]
+
+    def reason(self, number, *words):
+        """Expect that a client heard once why its goal waits, or never."""
+        assert self.waits(f"g{number}") == ([" ".join(words)] if words else [])
+
+    def withdraws(self, number, cycle):
+        """Expect that a request was in force and is withdrawn."""
+        assert f"#withdraw _request(do(walk,{number}),{cycle})." in self.journal.stream
+
+    def keeps(self):
+        """Expect the plan to be that of the last ``plans``."""
+        assert [str(one.atom) for one in self.core.plan.actions] == self.noted
+
+    def plans(self):
+        """Expect a plan."""
+        assert self.awaited
+        self.noted = [str(one.atom) for one in self.core.plan.actions]
+
+    def all_met(self, *goals):
+        """All is done; expect just these goals to be met, in this order."""
+        assert self.finish().order() == [f"g{number}" for number in numbers_of(goals)]
+        assert set(ends(self).values()) == {Outcome.SUCCEEDED}
 
 
-def test_a_new_goal_that_is_too_much_waits_and_the_plan_goes_on():
-    driver = ask(BusyDriver(most=4), 1, 2, 3, 4).run()
-    plan = [str(action.atom) for action in driver.core.plan.actions]
-    ask(driver, 5).succeed()
-    assert driver.awaited == plan[1:2], "the last plan is kept, without another search"
-    assert driver.waits("g5") == ["5 goals were too much: no plan was found before the search was ended: the test"]
-    driver.finish()
-    assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 6)}
+WHY = "goals were too much: no plan was found before the search was ended: the test"
+
+#: How many goals there is time for at first, and the script.
+BUSY = {
+    "newest goals wait, and are told so once": (3, f"""
+        ask 1-8; run; plans; deferred 3-8; reason 8 8 {WHY}; reason 3 4 {WHY}; reason 2; withdraws 3 2
+        unsent ...do(walk,5)...; problem no plan was found before the search was ended: the test: 4 of 8 goals wait
+        all_met 1-8; reason 8 8 {WHY}"""),
+    "new goal that is too much waits and the plan goes on": (4, f"""
+        ask 1-4; run; plans; ask 5; succeed; does walk,2,2; reason 5 5 {WHY}; all_met 1-5"""),
+    "last plan is kept where it still is one": (3, """
+        ask 1-3; run; plans; most_goals 2; succeed; deferred; keeps; most_goals 1; fail failed; deferred 3
+        does walk,2,...; all_met 1-3"""),
+    "goal that was active stays so while it waits and is cancelled at once": (4, """
+        ask 1-4; run; succeed; all g4 active; most_goals 1; fail failed; does walk,2,...; all g4 active; withdraws 4 2
+        cancel g4; all g4 active preempting preempted; finish; is g1 succeeded; is g2 succeeded; is g3 succeeded"""),
+    "impossible goal ends with its proof though other searches are cut": (2, """
+        ask 1-2; ask 3 never; ask 4-5; run; finish; is g3 aborted; is g1 succeeded; is g2 succeeded; is g4 succeeded
+        is g5 succeeded; says g3 do(never,3) cannot be met: there is no plan of at most..."""),
+}  # fmt: skip
 
 
-def test_the_last_plan_is_kept_where_it_still_is_one():
-    driver = ask(BusyDriver(most=3), 1, 2, 3).run()
-    plan = [str(action.atom) for action in driver.core.plan.actions]
-    driver.most = 2
-    driver.succeed()
-    assert driver.core.queue.waiting == []
-    assert [str(action.atom) for action in driver.core.plan.actions] == plan
-    driver.most = 1
-    driver.fail("failed")
-    assert [goal.key for goal in driver.core.queue.waiting] == ["g3"], "after a failure it is none"
-    assert driver.awaited[0].startswith("_action_lib(walk,2,")
-    driver.finish()
-    assert ends(driver) == {f"g{number}": Outcome.SUCCEEDED for number in range(1, 4)}
+@scripts(BUSY)
+def test_busy_core(row):
+    most, script = row
+    play(Errands(most=most), script)
+
+
+def test_only_plans_with_new_goals_change_the_room_for_goals():
+    settings = CoreSettings(horizon_limit=8, search_timeout=10.0)
+    driver = ask(BusyDriver(settings=settings, most=99), *range(1, 7))
+    driver.seconds = lambda goals: 90.0
+    assert driver.run().core.queue.size == 3, "half as many as before"
+    driver.seconds = lambda goals: 0.001
+    assert driver.fail("failed").core.queue.size == 3
 
 
 @pytest.mark.slow
@@ -84,31 +116,6 @@ def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     assert "#withdraw" not in driver.journal.stream
     joins = [update for update in driver.journal.updates if "_request(do(" in update]
     assert len(joins) < 12, "they join together"
-
-
-def test_a_goal_that_was_active_stays_so_while_it_waits_and_is_cancelled_at_once():
-    driver = ask(BusyDriver(most=4), 1, 2, 3, 4).run()
-    driver.succeed()
-    assert driver.states("g4") == ["active"]
-    driver.most = 1
-    driver.fail("failed")
-    assert "g4" in [goal.key for goal in driver.core.queue.waiting]
-    assert driver.states("g4") == ["active"]
-    assert "#withdraw _request(do(walk,4),2)." in driver.journal.stream, "the record says so"
-    driver.cancel("g4")
-    assert driver.states("g4") == ["active", "preempting", "preempted"]
-    driver.finish()
-    assert [driver.states(f"g{number}")[-1] for number in (1, 2, 3)] == ["succeeded"] * 3
-
-
-def test_what_is_impossible_ends_with_its_proof_though_other_searches_are_cut():
-    driver = ask(BusyDriver(most=2), 1, 2)
-    ask(driver, 3, what="never")
-    ask(driver, 4, 5).run().finish()
-    found = ends(driver)
-    assert found.pop("g3") is Outcome.ABORTED
-    assert driver.message("g3").startswith("do(never,3) cannot be met: there is no plan of at most")
-    assert found == {f"g{number}": Outcome.SUCCEEDED for number in (1, 2, 4, 5)}
 
 
 def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
