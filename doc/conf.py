@@ -19,6 +19,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sp
 myst_heading_anchors = 4
 autodoc_member_order = "bysource"
 napoleon_use_ivar = True  # attributes of a named tuple are documented once, in the text of the class
+suppress_warnings = ["ref.python"]  # names of attributes that several classes have are no links
 
 
 def read_page(_app, name, source):
@@ -29,7 +30,7 @@ def read_page(_app, name, source):
         text = links.sub(lambda link: "](" if link[1] else "](../", (ROOT / PAGES[name]).read_text()) + text
     for page, file in PAGES.items():
         text = text.replace(f"](../{file}", f"]({page}.md")
-    source[0] = text.replace("](README.md", "](index.md")
+    source[0] = re.sub(r"\]\(README\.md(#[\w-]+)?\)", "](index.md)", text)
 
 
 def setup(app):

@@ -1,21 +1,23 @@
-"""Interfaces by configuration: reading and checking the entries of config/interfaces.yaml.  No ROS.
+"""Interfaces by configuration: reading and checking the entries of config/interfaces.yaml.
 
-move_base:                           # the first argument of _action_lib(move_base,P,C)
-  server: move_base                  # name of the actionlib server; default: the interface's name
-  type: move_base_msgs/MoveBaseAction
-  goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
-  timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
-  server_timeout: 5.0                # seconds until a silent server counts as lost
-  pause: 3.0                         # seconds for which the server is left to somebody else who has taken it
-  retries: 0                         # how often a goal that failed is sent again ...
-  retry_on: [failed]                 # ... for these reasons only
-  repeatable: false                  # whether it may be done twice without harm
-  done:                              # how to see whether it was done: a message on a topic that has these fields
-    {topic: packages, type: rosoclingo/PackageStates, when: {packages: {id: $parameter, carried: true}}}
-  returns:                           # first rule that matches; without: the parameter, or a reason
-    - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
-    - {status: aborted, when: {outcome: 3}, return: not_here}
-    - {status: aborted, when: {outcome: 4}, success: true}  # counts as done: the parameter is returned
+An entry with all fields::
+
+    move_base:                           # the first argument of _action_lib(move_base,P,C)
+      server: move_base                  # name of the actionlib server; default: the interface's name
+      type: move_base_msgs/MoveBaseAction
+      goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
+      timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
+      server_timeout: 5.0                # seconds until a silent server counts as lost
+      pause: 3.0                         # seconds for which the server is left to somebody else who has taken it
+      retries: 0                         # how often a goal that failed is sent again ...
+      retry_on: [failed]                 # ... for these reasons only
+      repeatable: false                  # whether it may be done twice without harm
+      done:                              # how to see whether it was done: a message on a topic that has these fields
+        {topic: packages, type: rosoclingo/PackageStates, when: {packages: {id: $parameter, carried: true}}}
+      returns:                           # first rule that matches; without: the parameter, or a reason
+        - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
+        - {status: aborted, when: {outcome: 3}, return: not_here}
+        - {status: aborted, when: {outcome: 4}, success: true}  # counts as done: the parameter is returned
 """
 
 import re

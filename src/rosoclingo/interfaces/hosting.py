@@ -38,6 +38,7 @@ class InterfacesNode:
             runs a single interface.
         ~memory (str, optional): folder in which the node keeps what it has begun and answered, so that it does nothing
             twice when it has died and is started again; empty: none; without, rosoclingo/interfaces in ROS's home.
+
     Topics and actions are those of Interface, for each of them.
     Raises ConfigError, listing every fault, if a parameter cannot be used.
 

@@ -1,4 +1,6 @@
-"""Scenarios: what clients do at which moment, where packages lie at first, and how it should end. Data in YAML.
+"""Scenarios: what clients do at which moment, where packages lie at first, and how it should end.
+
+An example::
 
     title: The case study of the paper
     packages: {1: office3, 2: office3}

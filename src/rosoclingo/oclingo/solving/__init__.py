@@ -1,11 +1,11 @@
 """The incremental solver: updates in, answers out, growing the horizon.
 
-Simplified to its loop it is this, which runs (the tests play the lift of doc/oclingo_service.md with it):
+Its loop in short, which the tests run on the lift of doc/oclingo_service.md::
 
     import clingo
 
     class Loop:
-        # The program is ground step by step, and searched at the last step that is ground: the horizon.
+        # The program is grounded step by step, and searched at the last grounded step: the horizon.
 
         def __init__(self, program):
             self.program = program
