@@ -7,7 +7,7 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.domains import mentions
+from rosoclingo.oclingo.program.literals import mentions
 from rosoclingo.oclingo.program.look_back import longest_look_back
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import OWN, Place, Survey, fault_at, written
