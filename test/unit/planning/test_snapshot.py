@@ -1,9 +1,8 @@
-"""Snapshots: values and the fold; test_history.py compares the fold with a reference on random streams."""
+"""Snapshots: values and the fold; test_history.py compares it with a reference, test_stream_updates.py has examples."""
 
 from dataclasses import replace
 
 import pytest
-from stream_logs import texts
 from stream_play import WALK, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, commitment, fact, parse_atom, parse_update
@@ -23,7 +22,6 @@ SNAPSHOT = Snapshot(
     closed={1: frozenset([GO]), 2: frozenset()},
     past=Past(2, frozenset([A, B]), ((1, A),)),
 )
-EXTERNALS = "#cumulative t. #external e(t). c(t) :- e(t). #volatile t."
 
 
 def ignored(result):
@@ -84,63 +82,7 @@ def test_first_snapshot_is_at_step_one(first):
     assert (solver.solve().step, solver.horizon) == (1, 1)
 
 
-def test_program_forgets_from_its_first_step_on():
-    solver = planner_of("#iinit -2. #cumulative t. #external e(t). #forget t : t-1. #volatile t.")
-    solver.solve()
-    result = play(solver, "e(-2). e(-1). e(0). e(1).")
-    assert texts(result) == {frozenset(["e(1)"])}
-    assert ignored(result) == ["e(-2)", "e(-1)", "e(0)"]
-
-
-@pytest.mark.parametrize(("updates", "open_"), [(["#step 2 : 0. door.", "#step 3 : 0."], True), (["#step 3."], False)])
-def test_program_forgets_base_like_the_first_step(updates, open_):
-    solver = planner_of("#external door. #cumulative t. #forget t : t-2. #volatile t.")
-    for text in updates:
-        result = play(solver, text)
-    assert texts(result) == {frozenset(["door"] if open_ else [])}
-    assert ignored(play(solver, "door.")) == ([] if open_ else ["door"])
-
-
-@pytest.mark.parametrize(("section", "end"), [("#assert : x.", "#retract : x."), ("#volatile.", ""), ("", "")])
-def test_forgetting_spares_heads_of_lapsing_statements(section, end):
-    solver = planner_of(EXTERNALS)
-    play(solver, f"#step 2 : 0. {section} e(1). #forget 1.")
-    play(solver, f"#step 3 : 0. {end}")
-    for _ in range(2):
-        assert texts(play(solver, "#step 3 : 0. e(1).")) == {frozenset(["e(1)", "c(1)"])}
-
-
-def test_statements_of_a_window_hold_to_its_end():
-    solver = planner_of(EXTERNALS)
-    play(solver, "#step 2 : 0. #volatile : 2. e(1).")
-    assert [texts(play(solver, f"#step {step} : 0.")) for step in (3, 4)] == [
-        {frozenset(["e(1)", "c(1)"])},
-        {frozenset()},
-    ]
-
-
-def test_several_updates_define_a_head_before_its_step():
-    solver = planner_of("{ a }. { b }. " + EXTERNALS, models=0)
-    for text in ("#step 1 : 0. e(3) :- a.", "#step 2 : 0. e(3) :- b.", "#step 3 : 0. :- a."):
-        result = play(solver, text)
-    assert texts(result) == {frozenset(), frozenset(["b", "e(3)", "c(3)"])}
-    assert ignored(play(solver, "e(3) :- not b.")) == ["e(3)"]
-
-
-def test_retracting_an_unknown_term_is_ignored():
-    result = play(planner_of(EXTERNALS), "#step 1. #retract : x.")
-    assert result.warnings == ("Term x has not been asserted. The retraction is ignored.",)
-
-
 # ---- Closed cycles ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("cycle", ["t-2", "t-1", "t", "t+1", "t+2"])
-def test_closed_cycle_gets_no_action_at_later_steps(cycle):
-    solver = planner_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", models=0)
-    result = play(solver, "#step 5. #closed 3.")
-    assert len(result.answers) > 1
-    assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
 
 
 @pytest.mark.parametrize(("done", "late"), [("", "12"), (":- not _action_lib(go,x,1).", "2")])

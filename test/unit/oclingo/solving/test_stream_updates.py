@@ -22,7 +22,6 @@ STREAMS = [
     (E, "#step 1. e(1). => c(1) e(1)", "e(1). e(1). => c(1) e(1)", "#step 2. e(1). => c(1) e(1)"),
     (E, "#step 1. e(3). #volatile. e(2). => -", "#step 3. => c(3) e(3)"),
     ("#cumulative t. #external e(t) : t != 2.", "#step 2. e(2). e(3). => - ! e(2)", "#step 3. => e(3)"),
-    ("#cumulative t. #external e(t). { e(t+1) }.", "#step 1.", "e(2). => - | e(2) ! e(2)"),
     ("#external x. #cumulative t. #external e(t). x :- e(t), t = 1.", "#step 1.", "#step 2. x. e(2). => e(2) ! x"),
     ("p. #cumulative t. #external e(t). { m(t) }.",
      "#step 1. p. m(1). e(0). e(5) :- m(1). => p | p m(1) ! m(1) e(0)"),
@@ -48,6 +47,17 @@ STREAMS = [
      "#step 4. e(1). e(3). => e(2) e(3) ! e(1)"),
     ("#cumulative t. #external e(t). #forget t : t.", "#step 2. => -", "#step 2. e(2). => e(2)"),
     ("#cumulative t. #external e(t).", "#step 2. #forget 1..2. e(1). => e(1)", "#step 2. e(2). => e(1) ! e(2)"),
+    ("#iinit -2. #cumulative t. #external e(t). #forget t : t-1.", "#step 1.",
+     "e(-2). e(-1). e(0). e(1). => e(1) ! e(-2) e(-1) e(0)"),
+    ("#external x. #cumulative t. #forget t : t-2.", "#step 2 : 0. x. => x", "#step 3 : 0. => x", "x. => x"),
+    ("#external x. #cumulative t. #forget t : t-2.", "#step 3. => -", "x. => - ! x"),
+    *(
+        (E, f"#step 2 : 0. {section} e(1). #forget 1.", f"#step 3 : 0. {end}", "#step 3 : 0. e(1). => c(1) e(1)")
+        for section, end in (("#assert : x.", "#retract : x."), ("#volatile.", ""), ("", ""))
+    ),
+    (E, "#step 2 : 0. #volatile : 2. e(1).", "#step 3 : 0. => c(1) e(1)", "#step 4 : 0. => -"),
+    ("{ a ; b }. " + E, "#step 1 : 0. e(3) :- a.", "#step 2 : 0. e(3) :- b.", "#step 3 : 0. :- a. => - | b c(3) e(3)",
+     "e(3) :- not b. => - | b c(3) e(3) ! e(3)"),
     (E, "#step 1. e(1).", "#step 2. e(2).", "#withdraw e(1). => c(2) e(2)"),
     # bodies
     (E, "#step 1. e(1) :- fresh(x). => -", "#step 2. => -", "fresh(x). => c(1) e(1) fresh(x)"),
@@ -69,7 +79,6 @@ STREAMS = [
     # no answer
     ("#external x. #cumulative t. #external e(t). c(t) :- e(t). :- e(1).", "#step 1 : 0. e(1). => ",
      "#step 2 : 0. e(2). x. c(2). => ! c(2)"),
-    # what a plan's stream has as well
     *(
         (SEEN, "#step 1. :- sees(5), a. => - | a", update)
         for update in ("sees(5). => sees(5)", "#volatile. sees(5). => sees(5)", "sees(5) :- a. => -")
@@ -90,29 +99,33 @@ def check_answers(solver, line):
         assert [one for one in result.warnings if "declared" in one] == list(map(IGNORED.format, ignored.split()))
 
 
-@pytest.mark.parametrize("regrounds", [False, True])
+@pytest.mark.parametrize("way", ["in place", "ground again", "planner"])
 @pytest.mark.parametrize(("program", "updates"), [(program, updates) for program, *updates in STREAMS])
-def test_stream_has_the_expected_answers(program, updates, regrounds):
-    solver = solver_of(program if "#volatile" in program else program + " #volatile t.", models=0)
+def test_stream_has_the_expected_answers(program, updates, way):
+    kind = PlanSolver if way == "planner" else ReactiveSolver
+    solver = solver_of(program if "#volatile" in program else program + " #volatile t.", kind, models=0)
     for line in updates:
-        if regrounds:
+        if way == "ground again":
             drop_grounding(solver)
         check_answers(solver, line)
 
 
-@pytest.mark.parametrize(("program", "updates"), [(program, updates) for program, *updates in STREAMS[-4:]])
-def test_planner_has_the_answers_of_the_incremental_solver(program, updates):
-    solver = solver_of(program, PlanSolver, models=0)
-    for line in updates:
-        check_answers(solver, line)
+def test_head_that_an_earlier_step_defines_is_ignored():
+    solver = solver_of("#cumulative t. #external e(t). { e(t+1) }. #volatile t.", models=0)
+    play(solver, "#step 1.")
+    check_answers(solver, "e(2). => - | e(2) ! e(2)")
 
 
+@SOLVERS
 @pytest.mark.parametrize("cycle", ["t-2", "t-1", "t", "t+1", "t+2"])
-def test_closed_cycle_gets_no_action_of_a_later_step(cycle):
-    solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", models=0)
-    play(solver, "#step 3. #closed 3.")
-    result = play(solver, "#step 5.")
-    assert len(result.answers) == 16
+@pytest.mark.parametrize("before", [[], ["#step 3."]])
+def test_closed_cycle_gets_no_action_of_a_later_step(before, cycle, kind):
+    solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", kind, models=0)
+    for text in before:
+        play(solver, text)
+    result = play(solver, "#step 5. #closed 3.")
+    number = len(result.answers)
+    assert number == 16 if kind is ReactiveSolver else number > 1, "a plan has no actions after its horizon"
     assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
 
 
