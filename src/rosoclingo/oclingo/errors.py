@@ -1,20 +1,16 @@
-"""Typed errors of the reactive solver.
-
-Every fault names its place and, where there is one, the mend, so that a node or a service can pass the text on as it
-stands.
-"""
+"""Typed errors of the reactive solver; their texts name the place and, if there is one, the mend."""
 
 from dataclasses import dataclass
 from typing import Sequence, Tuple
 
 
 class OclingoError(Exception):
-    """Base of all errors that the reactive solver raises."""
+    """Base of all errors of the reactive solver."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault of a program: where it is, what it is, what to write instead, its kind (checking/lint/kinds.py)."""
+    """A fault of a program: place, message, mend and kind (checking/lint/kinds.py)."""
 
     file: str
     line: int
@@ -29,7 +25,7 @@ class Fault:
 
 
 class ProgramError(OclingoError):
-    """A reactive logic program cannot be used; :attr:`faults` lists all that was found, in order of place."""
+    """A reactive logic program cannot be used; :attr:`faults` lists the faults in order of place."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults: Tuple[Fault, ...] = tuple(faults)
@@ -37,7 +33,7 @@ class ProgramError(OclingoError):
 
 
 class ProgressionError(OclingoError):
-    """A text is no term, no atom or no online progression; lines and columns count from 1."""
+    """A text is no term, atom or online progression; lines and columns count from 1."""
 
     def __init__(self, line: int, column: int, message: str) -> None:
         self.line, self.column, self.message = line, column, message
@@ -45,12 +41,12 @@ class ProgressionError(OclingoError):
 
 
 class SolverError(OclingoError):
-    """An update was refused as a whole; the solver keeps the state that it had before."""
+    """An update was refused as a whole; the state of the solver is unchanged."""
 
 
 class DroppedError(SolverError):
-    """What was asked for was dropped, since the solver had to be ended or ended by itself; its state is kept."""
+    """A request was dropped, since the solver was killed or died; its state is unchanged."""
 
 
 class NotReadyError(DroppedError):
-    """A stop came while a new process still took what had led to the state; it goes on with that, ask again."""
+    """A stop came while a new process was reading the history; it goes on, and the request can be repeated."""

@@ -1,4 +1,4 @@
-"""Commands whose output nobody reads to its end, as in ``golog FILE | head``."""
+"""Commands whose reader goes before the end of their output, as in ``golog FILE | head``."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ Main = TypeVar("Main", bound=Callable[..., int])
 
 
 def ends_unread(main: Main) -> Main:
-    """A command that ends with exit code 1, and without a word, once whoever read its output has gone."""
+    """Return a command that ends with exit code 1, without a message, when its reader has gone."""
 
     @wraps(main)
     def run(*arguments: Any, **named: Any) -> int:
@@ -18,7 +18,7 @@ def ends_unread(main: Main) -> Main:
             code = main(*arguments, **named)
             sys.stdout.flush()
             return code
-        except BrokenPipeError:  # nothing may be left to flush when Python ends
+        except BrokenPipeError:  # else Python flushes the rest when it ends
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 1
 

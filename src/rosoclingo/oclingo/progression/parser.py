@@ -1,6 +1,6 @@
-"""Reads online progressions, the inverse of printing a :class:`~rosoclingo.oclingo.progression.updates.StreamUpdate`.
+"""The parser of online progressions, the inverse of ``str()`` of :mod:`~rosoclingo.oclingo.progression.updates`.
 
-Raises nothing but :class:`ProgressionError`, with line and column of the text that was given.
+It raises nothing but :class:`ProgressionError`, with line and column.
 """
 
 from dataclasses import replace
@@ -29,14 +29,14 @@ from rosoclingo.oclingo.progression.updates import (
 
 
 class PlacedUpdate(NamedTuple):
-    """An update of a text, and where it has its items: lines and columns, from 1."""
+    """An update and the places of its items: lines and columns, from 1."""
 
     update: StreamUpdate
     places: Tuple[Tuple[int, int], ...]
 
 
 def parse_update(text: str) -> StreamUpdate:
-    """Return the one update that ``text`` holds; raise :class:`ProgressionError` where it holds none or more."""
+    """Return the only update of ``text``; raise :class:`ProgressionError` if it has none or several."""
     updates = parse_updates(text)
     if len(updates) != 1:
         raise ProgressionError(1, 1, f"expected one update, ended by #endstep., found {len(updates)}")
@@ -49,7 +49,7 @@ def parse_updates(text: str) -> List[StreamUpdate]:
 
 
 def iterate_updates(text: str) -> Iterator[StreamUpdate]:
-    """Yield the updates of ``text`` one by one; a fault is raised when its update's turn comes."""
+    """Yield the updates of ``text`` one by one; a fault is raised after the updates before it."""
     return (one.update for one in iterate_placed(text))
 
 
@@ -63,8 +63,8 @@ def iterate_placed(text: str) -> Iterator[PlacedUpdate]:
 def strings_apart(update: StreamUpdate) -> StreamUpdate:
     """Return ``update`` with a constant for each string, spelled like the string with its quotes.
 
-    So oClingo read them (``golden.json``'s case *bodies*): the constant prints like the string, but no string of the
-    program equals it.
+    oClingo read them in this way (case *bodies* of ``golden.json``): the constant prints like the string, but no string
+    of the program equals it.
     """
     text = str(update)
     if '"' not in text:
@@ -100,7 +100,7 @@ class _UpdateReader:
         self._places.append(self._tokens.place(self._tokens.next.offset))
 
     def _read_directive(self) -> bool:
-        """Read a directive and tell whether it ends the update."""
+        """Read a directive; return whether it ends the update."""
         name = "".join(self._tokens.next.text.split())
         if name == "#step":
             self._read_step()

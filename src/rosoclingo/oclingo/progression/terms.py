@@ -2,7 +2,7 @@
 
 The tokens are those of whole online progressions, with line and column; :mod:`~rosoclingo.oclingo.progression.parser`
 reads statements and directives of them. The grammar of terms is oClingo's: identifiers, "strings", integers,
-``f(terms)``; atoms may carry classical negation (``-p(1)``). What clingo's terms have besides is read too: tuples,
+``f(terms)``; atoms can have classical negation (``-p(1)``). The other terms of clingo are read as well: tuples,
 ``-f(terms)``, ``#inf``, ``#sup``.
 """
 
@@ -63,7 +63,7 @@ class Token(NamedTuple):
 
 
 def _end_of_block(text: str, start: int) -> int:
-    """Return the offset behind the (nested) block comment at ``start``, or -1 where it is not closed."""
+    """Return the offset after the (nested) block comment at ``start``, -1 if it is not closed."""
     depth = 0
     for edge in _BLOCK_EDGE.finditer(text, start):
         depth += 1 if edge.group() == "%*" else -1
@@ -139,7 +139,7 @@ class TokenStream:
         return token
 
     def at(self, *texts: str) -> bool:
-        """Tell whether the next token is a symbol, name or directive with one of ``texts`` (strings have quotes)."""
+        """Return whether the next token is one of ``texts`` (strings have quotes)."""
         return self.next.text in texts
 
     def accept(self, text: str) -> bool:
@@ -150,7 +150,7 @@ class TokenStream:
         return False
 
     def expect(self, text: str, where: str) -> Token:
-        """Take ``text`` or raise :class:`ProgressionError` saying that it is missing ``where``."""
+        """Take ``text`` or raise :class:`ProgressionError`: it is missing ``where``."""
         if not self.at(text):
             self.fail(f"expected {text!r} {where}")
         return self.take()
@@ -164,7 +164,7 @@ class TokenStream:
 
 
 def parse_term(text: str) -> clingo.Symbol:
-    """Return the one ground term that ``text`` holds.
+    """Return the ground term in ``text``.
 
     Raises ProgressionError (line and column from 1) for anything else.
     """
@@ -175,7 +175,7 @@ def parse_term(text: str) -> clingo.Symbol:
 
 
 def parse_atom(text: str) -> clingo.Symbol:
-    """Return the one ground atom that ``text`` holds (``p``, ``-p``, ``p(terms)``); a trailing ``.`` is accepted.
+    """Return the ground atom in ``text`` (``p``, ``-p``, ``p(terms)``); a trailing ``.`` is accepted.
 
     Raises ProgressionError (line and column from 1) for anything else.
     """
@@ -229,7 +229,7 @@ def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
 
 
 def _read_arguments(tokens: TokenStream, depth: int, is_tuple: bool = False) -> Tuple[List[clingo.Symbol], bool]:
-    """Read arguments in brackets; tell whether there was a comma. A tuple can be empty or end with a comma."""
+    """Read arguments in brackets and whether there was a comma; a tuple can be empty or end with a comma."""
     tokens.take()
     arguments, comma = [], False
     while not (is_tuple and tokens.at(")")):
@@ -244,7 +244,7 @@ def _read_arguments(tokens: TokenStream, depth: int, is_tuple: bool = False) -> 
 
 def _read_number(tokens: TokenStream, sign: int) -> int:
     token = tokens.take()
-    # the length is looked at first: int() refuses or labours on texts of thousands of digits
+    # the length is tested first: int() is slow on thousands of digits, or refuses them
     value = sign * int(token.text) if len(token.text.lstrip("0")) <= 10 else None
     if value is None or not _LOWEST <= value <= _HIGHEST:
         text = token.text if len(token.text) <= 20 else token.text[:20] + "..."

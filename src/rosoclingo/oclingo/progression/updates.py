@@ -1,7 +1,6 @@
-"""Online progressions as data: stream updates, their statements and sections, and how they are printed.
+"""Online progressions as data: stream updates, their statements and sections.
 
-``str()`` of everything here is its text in oClingo's language; :mod:`~rosoclingo.oclingo.progression.parser` reads it
-back.
+``str()`` of each class is its text in oClingo's language; :mod:`~rosoclingo.oclingo.progression.parser` is the inverse.
 """
 
 from dataclasses import dataclass, field, replace
@@ -29,12 +28,12 @@ class Statement:
     body: Tuple[Literal, ...] = ()
 
     def concerns(self, atoms: FrozenSet[clingo.Symbol]) -> bool:
-        """Whether this defines one of ``atoms``, or is the commitment to one."""
+        """Return whether this defines one of ``atoms``, or is the commitment to one."""
         return self.subject in atoms
 
     @property
     def atoms(self) -> Tuple[clingo.Symbol, ...]:
-        """All atoms that it mentions."""
+        """All atoms of head and body."""
         head = () if self.head is None else (self.head,)
         return (*head, *(literal.atom for literal in self.body))
 
@@ -50,7 +49,7 @@ class Statement:
 
     @property
     def is_tautology(self) -> bool:
-        """Whether this is ``A :- A, ...``, which says nothing."""
+        """Whether this is ``A :- A, ...``, which has no effect."""
         return self.head is not None and Literal(self.head) in self.body
 
     def __str__(self) -> str:
@@ -66,13 +65,13 @@ def fact(atom: clingo.Symbol) -> Statement:
 
 
 def commitment(atom: clingo.Symbol) -> Statement:
-    """Return the statement ``:- not atom.``, by which a plan has to keep ``atom``."""
+    """Return the statement ``:- not atom.``: each answer contains ``atom``."""
     return Statement(None, (Literal(atom, positive=False),))
 
 
 @dataclass(frozen=True)
 class Cumulative:
-    """Section ``#cumulative.``: its statements hold for ever."""
+    """Section ``#cumulative.``: its statements never lapse."""
 
     def __str__(self) -> str:
         return "#cumulative."
@@ -125,9 +124,9 @@ def _range(first: int, last: int) -> str:
 
 @dataclass(frozen=True)
 class Closed:
-    """``#closed i.`` or ``#closed i..j.``: the past of a plan, which oClingo knew nothing of.
+    """``#closed i.`` or ``#closed i..j.``: cycles of a plan that are executed; not in oClingo's language.
 
-    No answer holds an action of cycles first to last but those that the same update commits to (``:- not A.``).
+    The only actions of the cycles first to last are those that the same update commits to (``:- not A.``).
     """
 
     first: int
@@ -139,7 +138,7 @@ class Closed:
 
 @dataclass(frozen=True)
 class Over:
-    """``#over i.``: later updates hold no facts about the steps before i, and their externals are closed."""
+    """``#over i.``: later updates have no facts about the steps before i, and their externals are closed."""
 
     step: int
 
@@ -149,7 +148,7 @@ class Over:
 
 @dataclass(frozen=True)
 class Withdraw:
-    """``#withdraw atom.``: the fact (or commitment to the action) counts as if it had never been told."""
+    """``#withdraw atom.``: the fact, or commitment to the action, counts as never asserted."""
 
     atom: clingo.Symbol
 
@@ -159,7 +158,7 @@ class Withdraw:
 
 @dataclass(frozen=True)
 class Anew:
-    """``#anew.``: all that was told before this update is forgotten."""
+    """``#anew.``: all earlier updates are forgotten."""
 
     def __str__(self) -> str:
         return "#anew."
@@ -182,11 +181,11 @@ class StreamUpdate:
     """One stream update, ``#step k : m.`` ... ``#end step.``
 
     Attributes:
-        step: logical time point k; None keeps the one of the update before.
-        bound: m, by which the horizon may grow beyond k; None is no bound (or, without a step, the one before).
-        items: statements and directives, in order; statements belong to the section named last, at first
+        step: logical time point k; None keeps that of the previous update.
+        bound: m, by which the horizon can grow beyond k; None is no bound (or, without a step, the previous one).
+        items: statements and directives, in order; statements belong to the last section before them, at first
             ``#cumulative.``
-        warnings: what the parser noticed and ignored; no part of the update's value.
+        warnings: about text that the parser ignored; not part of the update's value.
 
     """
 
@@ -201,7 +200,7 @@ class StreamUpdate:
         return any(isinstance(item, Stop) for item in self.items)
 
     def sections(self) -> Iterator[Tuple[Section, Statement]]:
-        """Yield every statement with the section that it stands in."""
+        """Yield every statement with its section."""
         section: Section = Cumulative()
         for item in self.items:
             if isinstance(item, (Cumulative, Volatile, Assert)):
@@ -212,26 +211,25 @@ class StreamUpdate:
     @property
     def heads(self) -> FrozenSet[Optional[clingo.Symbol]]:
         """The heads of the update's statements; None is that of a constraint."""
-        return frozenset(item.head for item in self.items if isinstance(item, Statement))
+        return frozenset(statement.head for _, statement in self.sections())
 
     @property
     def committed(self) -> FrozenSet[clingo.Symbol]:
-        """The atoms that the update commits to."""
-        statements = (item for item in self.items if isinstance(item, Statement))
-        return frozenset(one.body[0].atom for one in statements if one.is_commitment)
+        """The atoms of the commitments."""
+        return frozenset(one.body[0].atom for _, one in self.sections() if one.is_commitment)
 
     @property
     def withdrawn(self) -> FrozenSet[clingo.Symbol]:
-        """What counts as never told from this update on."""
+        """The atoms of ``#withdraw``."""
         return frozenset(item.atom for item in self.items if isinstance(item, Withdraw))
 
     @property
     def plain(self) -> "StreamUpdate":
-        """The update without its bound, and without what it says of cycles that are past: what has happened."""
+        """The update without its bound, ``#closed`` and ``#over``."""
         return replace(self, bound=None, items=tuple(one for one in self.items if not isinstance(one, (Closed, Over))))
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
-        """Return the update without what defines one of ``facts``, and without commitments to them."""
+        """Return the update without definitions of ``facts`` and commitments to them."""
         kept = (item for item in self.items if not (isinstance(item, Statement) and item.concerns(facts)))
         return replace(self, items=tuple(kept))
 

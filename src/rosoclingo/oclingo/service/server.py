@@ -1,7 +1,7 @@
-"""oClingo's TCP service: one reactive solver, asked by any number of clients, in one loop without threads.
+"""oClingo's TCP service: one reactive solver for any number of clients, in one loop without threads.
 
-The solver looks at the stop request every few hundredths of a second; that is when the sockets are served while it
-works. Clients are served in turn, one update each; all see the one stream that results.
+While the solver works, the sockets are served each time it polls for a stop, every few milliseconds. Clients are served
+in turn, one update each; all of them see the same stream.
 """
 
 import select
@@ -18,16 +18,16 @@ from rosoclingo.oclingo.solving.results import SolveOutcome
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
 GRACE = 0.5
-"""Seconds that a search without bound has before an update that waits ends it."""
+"""Seconds after which a waiting update ends a search without bound."""
 
 GRACE_BOUNDED = 5.0
-"""The same for a search with a bound: it has an end, though it may be far."""
+"""The same for a search with a bound, which ends by itself, but possibly late."""
 
 GRACE_ORPHANED = 10.0
-"""The same for a search whose client has hung up, when no update waits."""
+"""Seconds after which a search ends whose client has hung up, if no update waits."""
 
 CLIENT_LIMIT = 100
-"""Connections at a time; more have to wait until one is closed."""
+"""Greatest number of connections; further clients wait until one is closed."""
 
 _FAREWELL = 2.0  # seconds for the clients to take what they were sent before the last connections are closed
 
@@ -43,11 +43,11 @@ class Service:
     """Answers clients until one of them sends ``#stop.``"""
 
     def __init__(self, solver: StreamSolver, listener: socket.socket, time_limit: Optional[float] = None) -> None:
-        """Make a service of ``solver``.
+        """Create a service.
 
         Args:
             solver: the solver that all clients share.
-            listener: socket that listens; the service closes it.
+            listener: a listening socket; the service closes it.
             time_limit: seconds after which a search is ended, None for no limit.
 
         """
@@ -60,7 +60,7 @@ class Service:
         self._served: Optional[ClientConnection] = None
 
     def run(self) -> None:
-        """Serve until ``#stop.``; connections are closed however this ends."""
+        """Serve until ``#stop.``; all connections are closed at the end, also after an error."""
         self._listener.setblocking(False)
         try:
             while not self._stopped:
@@ -75,7 +75,7 @@ class Service:
             self._listener.close()
 
     def _next_client(self) -> Optional[ClientConnection]:
-        """Return a client that waits and put it last, so that each has its turn."""
+        """Return the first client with a request and move it to the end, so that each has its turn."""
         client = next((one for one in self._clients if one.waits), None)
         if client is not None:
             self._clients.remove(client)
@@ -83,7 +83,7 @@ class Service:
         return client
 
     def _pump(self, timeout: Optional[float]) -> None:
-        """Read and write what can be, accept a client, close what is done; wait up to ``timeout`` for any of it."""
+        """Read, write, accept a client and close finished connections; wait up to ``timeout`` for one of these."""
         for client in [one for one in self._clients if one.is_done and one is not self._served]:
             self._clients.remove(client)
             client.close()
@@ -102,7 +102,7 @@ class Service:
             client.write()
 
     def _serve(self, client: ClientConnection) -> None:
-        """Do what ``client`` asks for next."""
+        """Answer the next request of ``client``."""
         request = client.take()
         if isinstance(request, ProgressionError):
             client.send(protocol.error(str(request)))
@@ -137,7 +137,7 @@ class Service:
             client.send(data)
 
     def _say_farewell(self) -> None:
-        """Send what is left, and wait for the clients to hang up, so that nothing sent is lost on the way."""
+        """Send the remaining data and wait for the clients to hang up: closing at once could lose data."""
         self._listener.close()
         for client in self._clients:
             client.leave()
@@ -150,7 +150,7 @@ class SearchWatch:
     """Decides when a search must end.
 
     Attributes:
-        ended_by: why it must, empty while it need not.
+        ended_by: the reason, empty while the search can go on.
 
     """
 
@@ -160,7 +160,7 @@ class SearchWatch:
         self.ended_by = ""
 
     def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:
-        """Tell whether it must end ``now``, an update ``waiting`` or its client having hung up or not."""
+        """Return whether it must end ``now``, while an update is ``waiting`` or its client has hung up (``orphaned``)."""
         elapsed = now - self._start
         if self.ended_by:
             return True

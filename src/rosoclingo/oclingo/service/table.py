@@ -9,11 +9,11 @@ Row = Tuple[str, Set[int]]
 
 
 def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) -> str:
-    """Return ``answer`` as a table of lines, at most ``width`` characters wide where that can be.
+    """Return ``answer`` as a table of lines, at most ``width`` characters wide if possible.
 
-    An atom's time is its last argument, if that is an integer in 0..``last`` in all atoms of its predicate; ``t``
-    stands in its place, ``x`` in the columns of the times at which it holds. Atoms without time come first. Too many
-    columns are put below each other.
+    The time of an atom is its last argument, if that is an integer in 0..``last`` in all atoms of its predicate. The
+    row shows ``t`` in its place, and ``x`` in the columns of the times. Atoms without time come first; wide tables are
+    split into blocks of columns.
     """
     timeless, rows = _sort(answer, last)
     lines = _wrap(timeless, width)
@@ -27,7 +27,7 @@ def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) 
 
 
 def _sort(answer: Iterable[clingo.Symbol], last: int) -> Tuple[List[str], List[Row]]:
-    """Part the atoms into those without time and rows; rows in order of predicate and first time."""
+    """Return the atoms without time, and the rows in order of predicate and first time."""
     atoms = [_text_signature_and_time(atom) for atom in answer]
     without_time = {signature for _, signature, time in atoms if time is None or time > last}
     held: Dict[Tuple[str, int, str], Set[int]] = {}

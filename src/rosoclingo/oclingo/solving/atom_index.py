@@ -11,7 +11,7 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 
 class AtomIndex:
-    """Atoms of some signatures, sorted by a number; looked through only when asked after something new was grounded."""
+    """Atoms of some signatures, sorted by a number; new ones are looked up only when they are needed."""
 
     def __init__(self, control: clingo.Control, signatures: Iterable[Signature]) -> None:
         self._control, self._signatures = control, sorted(signatures)
@@ -23,13 +23,13 @@ class AtomIndex:
         self._stale = True
 
     def fresh(self) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """Yield the atoms, with their literals, that have not been yielded before."""
+        """Yield the atoms that were not yielded before, with their literals."""
         if not self._stale:
             return
         self._stale = False
         for signature in self._signatures:
             for one in self._control.symbolic_atoms.by_signature(*signature):
-                literal = one.literal  # 0 where rules mention, under not, what no rule defines yet
+                literal = one.literal  # 0 if no rule defines the atom yet
                 if literal and literal not in self._seen:
                     self._seen.add(literal)
                     yield one.symbol, literal
@@ -44,7 +44,7 @@ class ExternalIndex(AtomIndex):
     """
 
     def __init__(self, control: clingo.Control, program: ReactiveProgram) -> None:
-        """Index the externals of ``control``, which has nothing of the ``program`` yet."""
+        """Index the externals of ``control``, before the ``program`` is loaded into it."""
         super().__init__(control, program.external_signatures - {BEYOND})
         self._program = program
         self._fresh, self._heads = _Externals(), _Heads()
@@ -59,7 +59,7 @@ class ExternalIndex(AtomIndex):
             control.register_observer(observer)
 
     def note(self, steps: range) -> None:
-        """Note what was declared and defined when ``steps`` were ground at once; base counts as step 1."""
+        """Note the atoms that were declared and defined when ``steps`` were ground at once; base counts as step 1."""
         for literal in self._fresh.literals:
             self._declared.setdefault(literal, steps)
         self._defined.update(literal for literal in self._heads.literals if literal in self._declared)
@@ -68,21 +68,21 @@ class ExternalIndex(AtomIndex):
         self.expire()
 
     def is_external(self, literal: int) -> bool:
-        """Return whether ``literal`` is that of a declared external that no rule defines."""
+        """Return whether ``literal`` belongs to a declared external that no rule defines."""
         return literal in self._declared and literal not in self._defined
 
     def end_base(self) -> None:
-        """Take what was noted up to now for the externals of base."""
+        """Count the externals that were declared up to now as those of base."""
         self._of_base = frozenset(self._declared)
 
     def between(self, first: int, last: int, base: bool) -> List[clingo.Symbol]:
-        """Return what steps first..last declare, with what ``base`` declares, which counts as 1, or without."""
+        """Return the externals that steps first..last declare; with ``base``, those of base count as step 1."""
         for atom, literal in self.fresh():
             if literal in self._declared and atom not in self.stepless:
                 self._unsorted.setdefault(self._declared[literal], []).append(atom)
                 if literal in self._of_base:
                     self._base_atoms.add(atom)
-        for steps in [one for one in self._unsorted if one[0] <= last]:  # of later ones nobody wants to know yet
+        for steps in [one for one in self._unsorted if one[0] <= last]:  # later ones are not needed yet
             for atom in self._unsorted.pop(steps):
                 self._atoms.setdefault(self._program.declaring_step(atom, steps), []).append(atom)
         found = [atom for step, atoms in self._atoms.items() if first <= step <= last for atom in atoms]
@@ -107,9 +107,9 @@ class _Heads(Observer):
         self.literals: Set[int] = set()
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Note what a rule defines."""
+        """Note the head of a rule."""
         self.literals.update(head)
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """Note what a rule with a weighted body defines."""
+        """Note the head of a rule with a weighted body."""
         self.literals.update(head)

@@ -36,7 +36,7 @@ class BackendSession:
         return self._backend
 
     def close(self) -> None:
-        """Hand all changes over; to be called before clingo grounds or searches."""
+        """Pass all changes to clingo; to be called before it grounds or searches."""
         if self._session is not None:
             session, self._session, self._backend = self._session, None, None
             session.__exit__(None, None, None)

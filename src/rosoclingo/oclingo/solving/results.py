@@ -30,7 +30,7 @@ _UNUSED = "No rule and no #external of the program mentions {}: it takes it, but
 
 
 class SolveOutcome(Enum):
-    """How solving an update ended."""
+    """How a search ended."""
 
     SATISFIABLE = "satisfiable"
     UNSATISFIABLE = "unsatisfiable"
@@ -39,21 +39,21 @@ class SolveOutcome(Enum):
 
 @dataclass(frozen=True)
 class SolveResult:
-    """Outcome of an update.
+    """The result of an update.
 
     Attributes:
         outcome: satisfiable; unsatisfiable up to the bound or for good; or interrupted.
         answers: the shown atoms of each answer, in the order in which they were found.
-        horizon: that of the answers, else the last one that was searched; if nothing can make the program satisfiable
-            any more, the greatest one that was asked for, as though all up to it had been searched.
+        horizon: that of the answers, else the last one that was searched; if the program is unsatisfiable for good, the
+            bound.
         step: k, the step of the update.
-        warnings: what was ignored and why.
-        permanent: True if no further step and no external can make the program satisfiable.
-        shortest: True if it is proven that no answer has a lesser horizon or, with the same, a lesser cost.
+        warnings: ignored items, and why.
+        permanent: whether the program is unsatisfiable for all further steps and externals.
+        shortest: whether it is proven that no answer has a lower horizon or, with the same one, a lower cost.
         predicted: success returns that leave the answer unchanged. An update with only these and the matching
             commitments needs no search.
-        statistics: seconds of wall time spent in ``ground`` and ``solve``; and seconds of processor time that were
-            ``needed`` for an answer, less what went on improving it.
+        statistics: seconds of wall time in ``ground`` and ``solve``, and seconds of processor time ``needed`` for an
+            answer, without its improvement.
 
     """
 
