@@ -160,7 +160,7 @@ class SearchWatch:
         self.ended_by = ""
 
     def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:
-        """Return whether it must end ``now``, while an update is ``waiting`` or its client has hung up (``orphaned``)."""
+        """Return whether it must end ``now``; ``waiting``: an update waits, ``orphaned``: its client has hung up."""
         elapsed = now - self._start
         if self.ended_by:
             return True
