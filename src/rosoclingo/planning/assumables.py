@@ -5,7 +5,7 @@ from typing import Dict, FrozenSet, Iterable, List
 import clingo
 
 from rosoclingo.oclingo.program.update_reader import with_their_failures
-from rosoclingo.oclingo.solving.atom_table import BackendSession
+from rosoclingo.oclingo.solving.definitions import BackendSession
 
 
 class Assumables:

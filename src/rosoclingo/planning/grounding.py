@@ -29,13 +29,12 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
-from rosoclingo.oclingo.solving.atom_table import HOLDS, BackendSession
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, SearchLimits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
+from rosoclingo.oclingo.solving.definitions import HOLDS, BackendSession, Definitions
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_facts
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
 from rosoclingo.planning.assumables import Assumables
-from rosoclingo.planning.definitions import Definitions
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop

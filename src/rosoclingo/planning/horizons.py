@@ -11,7 +11,7 @@ import clingo
 
 from rosoclingo.oclingo.program.action_rules import BEYOND
 from rosoclingo.oclingo.solving.atom_index import AtomIndex
-from rosoclingo.oclingo.solving.atom_table import HOLDS, OPEN, BackendSession
+from rosoclingo.oclingo.solving.definitions import HOLDS, OPEN, BackendSession
 
 
 class HorizonLiterals:

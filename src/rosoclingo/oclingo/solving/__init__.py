@@ -48,5 +48,5 @@ Its loop in short, which the tests run on the lift of doc/oclingo_service.md::
 
 reactive_solver.py extends this class by bounds and time limits. stream_state.py is a pure fold of the updates;
 reactive_grounding.py holds the clingo control and follows the state. clasp_search.py runs searches that can be stopped,
-and atom_table.py adds rules to the control through its backend. The solver of plans is in rosoclingo.planning.
+and definitions.py adds rules to the control through its backend. The solver of plans is in rosoclingo.planning.
 """

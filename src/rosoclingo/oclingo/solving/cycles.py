@@ -6,7 +6,7 @@ import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.solving.atom_index import AtomIndex
-from rosoclingo.oclingo.solving.atom_table import BackendSession
+from rosoclingo.oclingo.solving.definitions import BackendSession
 
 
 class ActionIndex(AtomIndex):

@@ -11,9 +11,9 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.solving.atom_index import ExternalIndex
-from rosoclingo.oclingo.solving.atom_table import HOLDS, AtomTable, BackendSession
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, SearchLimits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
+from rosoclingo.oclingo.solving.definitions import HOLDS, BackendSession, Definitions
 from rosoclingo.oclingo.solving.results import Answer, refusing
 from rosoclingo.oclingo.solving.stream_state import ForgottenSteps, StateItem, StreamState, TimedStatement
 
@@ -40,7 +40,7 @@ class ReactiveGrounding:
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
         self._externals = ExternalIndex(self._control, program)
-        self._atoms = AtomTable(self._control, self._session, self._externals)
+        self._definitions = Definitions(self._control, self._session, self._externals, reopens=True)
         self._actions = ActionIndex(self._control, self._session)
         self._clasp = ClaspSearch(self._control, program)
         self._items: Dict[int, StateItem] = {}  # those of the state that were applied, by identity
@@ -64,7 +64,7 @@ class ReactiveGrounding:
             self._control.ground(parts)
         self._externals.note(steps)
         self._actions.expire()
-        self._atoms.resolve_absent()
+        self._definitions.resolve_absent()
 
     # ---- Following the state -----------------------------------------------------------------------------------------
 
@@ -140,21 +140,20 @@ class ReactiveGrounding:
 
     def _add_or_defer(self, entry: TimedStatement) -> bool:
         """Add a statement, or defer it to the step that declares its head; return False to ignore it."""
-        atoms, head = self._atoms, entry.statement.head
+        known, head = self._definitions, entry.statement.head
         if head in self._facts:
             return True
-        if head is None or atoms.is_open(head, entry.update) or self._is_unmentioned(head):
-            guard: Optional[int] = None
-            if entry.lifetime != FOREVER:
-                guard = self._guards[id(entry)] = self._session.new_external(HOLDS)
-            atoms.add(entry, guard)
+        if head is None or known.is_open(head, entry.update) or self._is_unmentioned(head):
+            guards = [] if entry.lifetime == FOREVER else [self._session.new_external(HOLDS)]
+            self._guards.update((id(entry), guard) for guard in guards)
+            known.add(entry, guards)
             return True
-        if not entry.statement.body and atoms.is_true(head):
+        if not entry.statement.body and known.is_true(head):
             return True
         # once the program is unsatisfiable for good, clingo grounds no further: a new grounding decides
         is_unground = self.is_conflicting and signature_of(head) in self.program.external_signatures
         can_come = is_unground or self.program.may_declare(head, self.horizon + 1)
-        if can_come and not atoms.is_closed(head) and not atoms.knows(head):
+        if can_come and not known.is_closed(head) and not known.knows(head):
             self._deferred.append(entry)
             return True
         return False
@@ -163,13 +162,13 @@ class ReactiveGrounding:
         """Return whether the program does not mention ``atom``, so that any update can define it."""
         known = self.program.signatures | self.program.open_signatures
         is_unknown = signature_of(atom) not in known or '"' in str(atom)  # see strings_apart
-        return is_unknown and not self._atoms.knows(atom) and not self._atoms.is_closed(atom)
+        return is_unknown and not self._definitions.knows(atom) and not self._definitions.is_closed(atom)
 
     def _forget(self, steps: ForgottenSteps) -> None:
         """Close the undefined externals of ``steps``; base counts as step 1."""
         for atom in self._externals.between(steps.first, steps.last, base=True):
-            if self._atoms.is_open(atom) and atom not in steps.spared and atom.name != GUARD:
-                self._atoms.close(atom)
+            if self._definitions.is_open(atom) and atom not in steps.spared and atom.name != GUARD:
+                self._definitions.close(atom)
 
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
