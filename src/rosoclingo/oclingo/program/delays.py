@@ -5,7 +5,7 @@ or, where what is observed in a cycle counts from the next one on, to those of c
 the rules, from a predicate to what it helps to define, tell which.
 """
 
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
@@ -14,7 +14,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.look_back import shortest_look_back, time_offset
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
+from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import Signature
 
 #: Distances below are all the same: a path that leads so far back leads to the past.
@@ -23,34 +23,28 @@ _FAR_BACK = -3
 _Distances = Dict[Signature, int]
 
 
-class _Time(NamedTuple):
-    """When an atom of a rule is: at a variable (of that name) of the rule plus ``offset``, the step for no name."""
-
-    name: str
-    offset: int
-
-
 class _Timed(NamedTuple):
-    """An atom of a rule with its time."""
+    """An atom of a rule at a variable (of that ``name``) of the rule plus ``offset``, at the step for no name."""
 
     signature: Signature
     head: bool
     positive: bool
-    time: _Time
+    name: str
+    offset: int
 
 
 class Delays:
-    """What the rules of ``parts`` say of all predicates; ``constants`` are the program's."""
+    """The delays of all predicates, from the rules of ``parts``; ``constants`` are the program's."""
 
     def __init__(self, parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> None:
         self._known: Dict[Signature, int] = {}
-        self._timed: Dict[Signature, None] = {}
+        self._timed: Set[Signature] = set()
         self._edges: List[Tuple[Signature, Signature, int]] = []
         self._constraints: List[List[_Timed]] = []
-        self._choices: Dict[Signature, None] = {}
+        self._choices: Set[Signature] = set()
         for part in parts:
-            for statement in part.statements:
-                self._take(part, statement, constants)
+            for statement, found in part.found:
+                self._take(part, statement, found, constants)
         self._share_times()
         self._after_actions = self._spread(self._sources())
 
@@ -69,23 +63,23 @@ class Delays:
         found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
         return min(1, max(0, min(found))) if found else 0
 
-    def _take(self, part: Part, statement: Node, constants: Dict[str, clingo.Symbol]) -> None:
-        atoms = list(_timed_atoms(part, statement, constants))
-        self._timed.update(dict.fromkeys(one.signature for one in atoms if not one.time.name))
+    def _take(
+        self, part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
+    ) -> None:
+        atoms = _timed_atoms(part, statement, found, constants)
+        self._timed.update(one.signature for one in atoms if not one.name)
         if statement.ast_type != ASTType.Rule or part.name == "volatile":
             return
         heads = [one for one in atoms if one.head]
-        # where a rule waits for how an action has ended, it tells nothing of actions to come
-        over = [one.time for one in atoms if one.positive and one.signature == RETURN]
-        bodies = [one for one in atoms if not one.head and (one.signature == RETURN or one.time not in over)]
+        # a rule that waits for the end of an action does not restrict actions to come
+        over = [one[3:] for one in atoms if one.positive and one.signature == RETURN]
+        bodies = [one for one in atoms if not one.head and (one.signature == RETURN or one[3:] not in over)]
         if statement.head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction):
-            self._choices.update(dict.fromkeys(one.signature for one in heads))
-        if not any(one.head for one in occurrences(statement)):
+            self._choices.update(one.signature for one in heads)
+        if not any(one.head for one in found):
             self._constraints.append(bodies)
-        for head in heads:
-            for body in bodies:
-                if head.time.name == body.time.name:
-                    self._edges.append((body.signature, head.signature, head.time.offset - body.time.offset))
+        pairs = ((head, body) for head in heads for body in bodies if head.name == body.name)
+        self._edges += [(body.signature, head.signature, head.offset - body.offset) for head, body in pairs]
 
     def _share_times(self) -> None:
         """Where one side of an edge has a time, what both have as their last argument is one."""
@@ -94,7 +88,7 @@ class Delays:
             before = len(self._timed)
             for body, head, _ in self._edges:
                 if body in self._timed or head in self._timed:
-                    self._timed.update({body: None, head: None})
+                    self._timed |= {body, head}
 
     def _sources(self) -> _Distances:
         """Return actions, and the guesses that decide on them as many cycles before."""
@@ -124,30 +118,28 @@ class Delays:
             if one.signature not in seen:
                 continue
             acts = [
-                other.time.offset - self._after_actions[other.signature]
+                other.offset - self._after_actions[other.signature]
                 for other in atoms
-                if other.signature in self._after_actions and other.time.name == one.time.name
+                if other.signature in self._after_actions and other.name == one.name
             ]
             if acts:
-                yield max(acts) - one.time.offset + seen[one.signature]
+                yield max(acts) - one.offset + seen[one.signature]
 
 
-def _timed_atoms(part: Part, statement: Node, constants: Dict[str, clingo.Symbol]) -> Iterator[_Timed]:
+def _timed_atoms(
+    part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
+) -> List[_Timed]:
+    """Return the atoms of a statement whose last argument is a time."""
     bounds = shortest_look_back(statement, part.parameter, constants) if part.parameter else {}
-    for one in occurrences(statement):
-        time = _time_of(one, part.parameter, bounds, constants)
-        if time is not None:
-            yield _Timed(one.signature, one.head, one.positive, time)
-
-
-def _time_of(
-    one: Occurrence, parameter: str, bounds: Dict[str, int], constants: Dict[str, clingo.Symbol]
-) -> Optional[_Time]:
-    """Return the time of an atom, by its last argument that tells one."""
-    if one.term.ast_type != ASTType.Function or not one.term.arguments:
-        return None
-    last = one.term.arguments[-1]
-    if last.ast_type == ASTType.Variable:
-        return _Time("", -bounds[last.name]) if last.name in bounds else _Time(last.name, 0)
-    offset = time_offset(last, parameter, constants) if parameter else None
-    return None if offset is None else _Time("", offset)
+    timed: List[_Timed] = []
+    for one in found:
+        arguments = one.arguments if one.signature.positive else ()
+        name, offset = "", None  # type: str, Optional[int]
+        if arguments and arguments[-1].ast_type == ASTType.Variable:
+            variable = arguments[-1].name
+            name, offset = ("", -bounds[variable]) if variable in bounds else (variable, 0)
+        elif arguments and part.parameter:
+            offset = time_offset(arguments[-1], part.parameter, constants)
+        if offset is not None:
+            timed.append(_Timed(one.signature, one.head, one.positive, name, offset))
+    return timed
