@@ -33,19 +33,22 @@ def longest_look_back(statement: Node, parameter: str, constants: Dict[str, clin
 
     That holds for values of T that are numbers; t is the step ``parameter``.
     """
-    bounds: Dict[str, int] = {}
-    for difference, strict in _differences(statement, parameter, constants):
-        for name, bound in _bound(difference, parameter, strict):
-            bounds[name] = min(bound, bounds.get(name, bound))
-    return bounds
+    return _greatest(_differences(statement, parameter, constants), parameter)
 
 
 def shortest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
     """Return, for variables T that comparisons in the body bound, the least number that t - T can be."""
+    differences = _differences(statement, parameter, constants)
+    mirrored = ((_mirrored(difference), strict) for difference, strict in differences)
+    return {name: -bound for name, bound in _greatest(mirrored, parameter).items()}
+
+
+def _greatest(differences: Iterable[Tuple[Sum, bool]], parameter: str) -> Dict[str, int]:
+    """Return, for each variable T that differences bound, the greatest number that t - T can be."""
     bounds: Dict[str, int] = {}
-    for difference, strict in _differences(statement, parameter, constants):
-        for name, bound in _bound(_mirrored(difference), parameter, strict):
-            bounds[name] = max(-bound, bounds.get(name, -bound))
+    for difference, strict in differences:
+        for name, bound in _bound(difference, parameter, strict):
+            bounds[name] = min(bound, bounds.get(name, bound))
     return bounds
 
 

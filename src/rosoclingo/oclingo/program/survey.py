@@ -114,7 +114,6 @@ class Survey:
         self.silenced: Set[Signature] = set()
         self.unvalued: Set[str] = set()
         self.shows = False
-        self._steps: Dict[int, Dict[int, int]] = {}  # by the atom's term, which the program keeps
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:
@@ -138,10 +137,7 @@ class Survey:
 
     def steps(self, place: Place) -> Dict[int, int]:
         """Return the arguments of an atom that are the step plus a number, each with this number."""
-        key, step = id(place.occurrence.term), place.part.parameter
-        if key not in self._steps:
-            self._steps[key] = time_offsets(place.occurrence.arguments, step, self.constants)
-        return self._steps[key]
+        return time_offsets(place.occurrence.arguments, place.part.parameter, self.constants)
 
     def number(self, term: Node) -> Optional[int]:
         """Return the number that a ground term is, None for any other term."""
