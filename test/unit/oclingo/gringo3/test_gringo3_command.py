@@ -73,3 +73,15 @@ def test_included_files_have_to_be_named_too(files):
         "warning: main.lp:2:1: the included file more/other.lp is not translated (name it on the command line, too)\n"
     )
     assert (code, err) == (0, message)
+
+
+@pytest.mark.slow
+def test_broken_or_missing_cache_of_the_parser_does_no_harm(files, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(files / "cache"))
+    expected = run("one.lp", folder=files)
+    kept = list((files / "cache").rglob("grammars/*"))
+    assert (expected[0], len(kept)) == (0, 1)
+    kept[0].write_bytes(b"no parser")
+    assert run("one.lp", folder=files) == expected
+    monkeypatch.setenv("XDG_CACHE_HOME", str(files / "one.lp"))
+    assert run("one.lp", folder=files) == expected
