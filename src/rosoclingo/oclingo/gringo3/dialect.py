@@ -1,7 +1,7 @@
 """Which language a file is in, as far as that shows without gringo 3's grammar.
 
 clingo's own parser says which statements it does not accept. The rest of the decision needs the grammar of gringo 3:
-see :mod:`~rosoclingo.oclingo.gringo3.file_translator`.
+see :mod:`~rosoclingo.oclingo.gringo3.evidence`.
 """
 
 import enum

@@ -1,13 +1,13 @@
 """Translates the files of a program, of which some are in gringo 3's language, statement by statement."""
 
-from functools import cached_property
 from pathlib import PurePath
-from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple, Union
+from typing import Callable, Dict, List, Sequence, Set, Tuple
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import SyntaxNode
-from rosoclingo.oclingo.gringo3.dialect import GRINGO3_WORDS, STEP_DIRECTIVES, Dialect, SourceFile
-from rosoclingo.oclingo.gringo3.grammar import UntranslatableError, parse
+from rosoclingo.oclingo.gringo3.dialect import STEP_DIRECTIVES, Dialect, SourceFile
+from rosoclingo.oclingo.gringo3.evidence import Evidence
+from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, TranslationError
 from rosoclingo.oclingo.gringo3.optimization import OptimizationWriter
 from rosoclingo.oclingo.gringo3.rewriter import Rewriting
@@ -64,50 +64,6 @@ class Program:
         self.levels = 0
         self.constants = Constants()
         self.seen_variables: Set[str] = set()
-
-
-class Evidence:
-    """What gringo 3's grammar and clingo's parser say about the statements of a file.
-
-    Attributes:
-        source: the file.
-        trees: each statement as gringo 3's grammar reads it, or why it does not.
-
-    """
-
-    def __init__(self, source: SourceFile) -> None:
-        self.source = source
-        self.trees = [_read(source.tokens, *one) for one in source.ranges]
-
-    def dialect_of(self, number: int) -> Dialect:
-        """Return the only language that has a statement; either, if both or neither have it."""
-        words, tree = [one.text for one in self.source.statement(number)], self.trees[number]
-        refused = isinstance(tree, UntranslatableError) and not tree.limits
-        if not GRINGO3_WORDS.isdisjoint(words) or (words[0] == "#external" and words.count(":") > 1):
-            return Dialect.GRINGO3
-        if number in self.source.not_clingo5:
-            return Dialect.EITHER if refused else Dialect.GRINGO3
-        unknown = refused and words[0] not in (*STEP_DIRECTIVES, "#include")
-        return Dialect.CLINGO5 if unknown else Dialect.EITHER
-
-    @cached_property
-    def dialect(self) -> Optional[Dialect]:
-        """The language of the file, None if it does not tell."""
-        if self.source.pragma is not None:
-            return self.source.pragma
-        found = set(map(self.dialect_of, range(len(self.trees)))) - {Dialect.EITHER}
-        return found.pop() if len(found) == 1 else self.source.by_directives
-
-
-def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Union[SyntaxNode, UntranslatableError]:
-    begin, end = tokens[first], tokens[after - 1]
-    ends = end.text == "." or (begin.text, end.text) == (":~", ">") or begin.kind is TokenKind.SCRIPT
-    try:
-        if not ends:
-            raise UntranslatableError(end, "this statement has no dot at its end")
-        return parse(tokens, first, after)
-    except UntranslatableError as error:
-        return error
 
 
 def translated(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[str, Tuple[str, ...], Dialect]]:
