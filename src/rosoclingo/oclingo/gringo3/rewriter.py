@@ -5,7 +5,7 @@ from typing import Dict, List, Sequence, Tuple
 
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, tokens
 
-_MOST = 1_000_000  # pairs of tokens that are compared; longer statements lose their layout
+_MOST = 100_000  # pairs of tokens that are compared; longer statements lose their layout
 
 
 class Rewriting:
