@@ -6,19 +6,17 @@ Newer facts are doubted before older ones, and other facts before returns. A fai
 the commitment to its action, which then counts as not done, if that leaves an answer.
 """
 
-from typing import Callable, Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import SolverError, SolveResult
-from rosoclingo.planning.minimal_sets import UndecidedError, Witness, find_diagnosis, find_mus, remember
+from rosoclingo.planning.minimal_sets import UndecidedError, Witness, find_diagnosis, find_mus, remember, yes_or_no
 from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.hypotheses import Hypotheses, Impasse, Way, facts_of, first_found
 from rosoclingo.reasoning.keywords import CANCEL, REQUEST, Action, is_keyword, name_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.stream_planner import Planner
-
-T = TypeVar("T")
 
 _NOTHING: FrozenSet[Symbol] = frozenset()
 
@@ -109,7 +107,9 @@ class _Finder:
 
         def oracle(kept: FrozenSet[Observation]) -> Witness[Observation]:
             """Return whether there is an answer though some of the pool are kept."""
-            return _witness(kept, self._ask([one for one in pool if one not in kept]), lambda one: one.facts)
+            reply = self._ask([one for one in pool if one not in kept])
+            core = frozenset(one for one in kept if one.facts & reply.core)
+            return Witness(bool(reply.satisfiable), kept if reply.satisfiable else core or kept)
 
         try:
             found = find_diagnosis(pool, remember(oracle, known))
@@ -149,13 +149,13 @@ class _Finder:
         done = [action for action in self._impasse.executed if action.cycle >= cycle - 1]
         others = [other for other in doubted if other is not one]
 
-        def oracle(kept: FrozenSet[Action]) -> Witness[Action]:
+        def possible(kept: FrozenSet[Action]) -> bool:
             """Return whether just these actions can have been executed."""
-            reply = self._ask(others, moved, frozenset(action.atom for action in done if action not in kept))
-            return _witness(kept, reply, lambda action: frozenset([action.atom]))
+            undone = frozenset(action.atom for action in done if action not in kept)
+            return bool(self._ask(others, moved, undone).satisfiable)
 
         known: List[Witness[Action]] = [Witness(False, frozenset(done))]
-        found = find_mus(done, remember(oracle, known))
+        found = find_mus(done, remember(yes_or_no(possible), known))  # without cores it has the earliest actions
         cycles = [action.cycle for action in found.items if found.minimal]
         return tuple(action for action in found.items if action.cycle in cycles[-1:])
 
@@ -189,12 +189,6 @@ class _Finder:
         if any(reply.satisfiable is None for reply in replies):
             raise UndecidedError
         return Reply(False, core=frozenset().union(*(reply.core for reply in replies)))
-
-
-def _witness(kept: FrozenSet[T], reply: Reply, facts: Callable[[T], FrozenSet[Symbol]]) -> Witness[T]:
-    """Return the reply to a question about the items ``kept``."""
-    core = frozenset(one for one in kept if facts(one) & reply.core)
-    return Witness(bool(reply.satisfiable), kept if reply.satisfiable else core or kept)
 
 
 def _is_cancel(atom: Symbol) -> bool:
