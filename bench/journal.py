@@ -18,7 +18,7 @@ from long_run import add_run, answer, load
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.journal.database import Header, file_of, read
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.settings import CoreSettings
@@ -93,7 +93,7 @@ def first_answer(program, path, number, text):
 
 def play(program, goal, options, path):
     """Play all goals and print how the journal stands on the way; return the figures of the end."""
-    run = Run(program, Journal(JournalFolder(path), Header("bench", program.fingerprint)))
+    run = Run(program, Journal(path, Header("bench", program.fingerprint)))
     file, source, largest = file_of(path), random.Random(1), 0
     mark, times = 0, (0.0, 0.0)
 

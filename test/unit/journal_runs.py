@@ -7,7 +7,7 @@ from contextlib import closing
 from core_driver import soon
 
 from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.settings import CoreSettings
@@ -26,8 +26,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
     """
     told, clock = [], [BEGIN]
     description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
-    place = JournalFolder(path)
-    journal = Journal(place, Header("run", program.fingerprint, "", description))
+    journal = Journal(path, Header("run", program.fingerprint, "", description))
     keeper = Keeper(told.append, journal, lambda: 0.0, (lambda: clock[0]) if timed else None)
     core = KeptCore(program, lambda: soon(program), keeper, settings or CoreSettings())
     keeper.attach(core)
@@ -53,7 +52,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
             break
     assert not core.live_goals
     keeper.close()
-    return place.path, told
+    return journal.path, told
 
 
 def changed(file, to, statement):

@@ -4,7 +4,7 @@ from core_driver import ERRANDS, shortest
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.settings import CoreSettings
@@ -16,10 +16,10 @@ class Node:
     """What a node does with a core, a keeper and a journal; ``told`` are the events that went out."""
 
     def __init__(self, path, program=PROGRAM, horizon_limit=8):
-        self.folder = JournalFolder(path)
+        self.folder = Journal(path, Header("run", "program"))
         kept = self.folder.read()
         self.told, self.at_event = [], lambda event: None
-        self.keeper = Keeper(self._tell, Journal(self.folder, Header("run", "program")), lambda: 0.0)
+        self.keeper = Keeper(self._tell, self.folder, lambda: 0.0)
         record = None if kept is None else kept.state
         settings = CoreSettings(horizon_limit=horizon_limit, search_timeout=0.0)
         self.core = KeptCore(program, lambda: shortest(program), self.keeper, settings, record=record)

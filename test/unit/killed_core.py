@@ -15,7 +15,7 @@ from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, GoalRefu
 from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, Header
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.settings import CoreSettings
@@ -65,8 +65,8 @@ class Fate:
     def rules(self):
         """The journal's disk is in the hands of fate; no real disk is waited for."""
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(JournalFolder, "begin", self._commits(JournalFolder.begin))
-            patch.setattr(JournalFolder, "append", self._commits(JournalFolder.append))
+            patch.setattr(Journal, "begin", self._commits(Journal.begin))
+            patch.setattr(Journal, "append", self._commits(Journal.append))
             patch.setattr(folder, "RECORDS", 20)
             patch.setattr(database, "LOG_PAGES", 10**6)  # the log only grows, so that it can be cut
             patch.setattr(database, "SYNCED", "OFF")
@@ -188,7 +188,7 @@ class Node:
         self._world, self._fate = world, fate
         kept = folder.read()
         record = None if kept is None else kept.state
-        self.keeper = Keeper(self._tell, Journal(folder, Header("run", "program")), lambda: 0.0)
+        self.keeper = Keeper(self._tell, folder, lambda: 0.0)
         limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
         program = other_minded(world.program, fate.instants) if world.any_plan else world.program
         self.core = KeptCore(program, lambda: shortest(program), self.keeper, limits, record=record)
@@ -247,7 +247,7 @@ class Play:
         """Another core begins; whoever has not heard of his goal sends it again."""
         while True:
             try:
-                self._folder = JournalFolder(self._path)
+                self._folder = Journal(self._path, Header("run", "program"))
                 self._node = Node(self._folder, self.world, self._fate, self._preempt)
                 if self._fate.upset:
                     self._cancel_one()

@@ -4,13 +4,13 @@ import pytest
 
 from rosoclingo.nodes.core import keeping
 from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import JournalFolder, TakenError
+from rosoclingo.reasoning.journal.folder import Journal, TakenError
 
 FRESH = Header("second", "program")
 
 
 def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
-    before, waits = JournalFolder(tmp_path), []
+    before, waits = Journal(tmp_path), []
 
     def wait(seconds):
         waits.append(seconds)
@@ -25,7 +25,7 @@ def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
 
 
 def test_it_does_not_wait_for_ever(tmp_path):
-    before = JournalFolder(tmp_path)
+    before = Journal(tmp_path)
     with pytest.raises(TakenError, match="another core has the journal"):
         keeping.take_journal(tmp_path, "ask", FRESH, patience=0.0)
     before.close()

@@ -33,24 +33,36 @@ RETRY = 10.0
 STAY, YOUNG = 20, 7 * 24 * 3600.0
 
 
+#: The header of a journal that is only read.
+NO_RUN = Header("", "")
+
+
 class TakenError(JournalError):
     """Another core has the journal."""
 
 
-class JournalFolder:
-    """The folder of a journal, locked by this process until :meth:`close`.
+class Journal:
+    """The journal in a folder, locked by this process until :meth:`close`; it keeps a state by its changes.
 
-    ``journal.db.old`` is the journal that was set aside last, ``journal.db.stale`` one that could not be
-    written any more: later changes are not in it.
+    A disk that is full or fails does not stop the robot: :attr:`fault` reports it, and the next attempt is made after
+    some time. Until then there is no journal: the old one, now out of date, is renamed to ``journal.db.stale``.
+    ``journal.db.old`` is the one that was set aside last.
+
+    Attributes:
+        path: the database.
+        header: the run that is written.
+        records: the number of records since the whole state was written.
+
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, header: Header = NO_RUN) -> None:
         """Lock the folder, which is made if there is none; raises TakenError if another core has it, and OSError."""
-        self.path = folder / NAME
-        self.database = Database(self.path, TABLES, RETRY)
+        self.path, self.header = folder / NAME, header
+        self._database = Database(self.path, TABLES, RETRY)
+        self._written: Optional[Record] = None
         folder.mkdir(parents=True, exist_ok=True)
         self._lock: Optional[int] = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
-        self.records = 0  # since the whole state was written
+        self.records = 0
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not os.path.samestat(os.fstat(self._lock), os.stat(folder / "lock")):
@@ -73,44 +85,70 @@ class JournalFolder:
             mend = f"start without it (~resume: no, or rosrun rosoclingo journal clear {self.path.parent})"
             raise JournalError(f"{self.path}: {error}: {mend}; nothing of it is used") from None
 
-    def begin(self, header: Header, state: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
+    @property
+    def fault(self) -> str:
+        """Why nothing is written at present, empty if all is well."""
+        return self._database.fault and f"the journal {self.path} cannot be written: {self._database.fault}"
+
+    def is_due(self, now: float) -> bool:
+        """Return whether it is time for another attempt after a write that failed."""
+        return self._database.is_due(now)
+
+    def write(self, state: Record, now: float, time: Optional[float] = None) -> None:
+        """Write what is new in the ``state``, and wait for the disk.
+
+        ``now`` is in seconds of a monotonic clock; ``time``, which is written too, is in seconds of the run's clock.
+        """
+        if self.fault and not self.is_due(now):
+            return
+        if self._written is None or self.records >= RECORDS:
+            written = self.begin(state, time, now)
+        else:
+            change = changes(self._written, state)
+            written = not change or self.append(change, time, now)
+        self._written = state if written else None
+        if not written:
+            with contextlib.suppress(OSError):
+                self.set_aside("stale")
+
+    def begin(self, state: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
         """Write the whole state in place of all records; return whether the disk has it."""
         self.records = 0
-        return self._commit({"set": state}, time, now, header)
+        return self._commit({"set": state}, time, now)
 
     def append(self, change: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
         """Write one more record; return whether the disk has it. If not, the record is not in the journal."""
         return self._commit(change, time, now)
 
-    def _commit(self, change: Record, time: Optional[float], now: float, header: Optional[Header] = None) -> bool:
+    def _commit(self, change: Record, time: Optional[float], now: float) -> bool:
         text = json.dumps(change, separators=(",", ":"))
         row = self.records + 1, None if time is None else round(time, 3), text
 
         def write(db: sqlite3.Connection) -> bool:
-            """Insert the record, as the only one if there is a header."""
-            if header is not None:
+            """Insert the record; the first one replaces everything."""
+            if row[0] == 1:
                 db.execute("DELETE FROM header")
                 db.execute("DELETE FROM record")
-                db.execute("INSERT INTO header VALUES (?, ?, ?, ?, ?)", (*header, checksum(*header)))
+                db.execute("INSERT INTO header VALUES (?, ?, ?, ?, ?)", (*self.header, checksum(*self.header)))
             db.execute("INSERT INTO record VALUES (?, ?, ?, ?)", (*row, checksum(*row)))
             return True
 
-        written = bool(self.database.run(write, now))
+        written = bool(self._database.run(write, now))
         self.records += written
         return written
 
     def set_aside(self, suffix: str) -> Optional[Path]:
         """Rename the journal to end with ``suffix``; return its path, None if there is none; raises OSError."""
         if not is_empty(self.path):
-            return self.database.set_aside(suffix)
-        self.database.close()
+            return self._database.set_aside(suffix)
+        self._database.close()
         with contextlib.suppress(FileNotFoundError):
             self.path.unlink()
         return None
 
     def clear(self) -> List[str]:
         """Remove the journal and those that were set aside; return the names of the files; raises OSError."""
-        self.database.close()
+        self._database.close()
         found = sorted(self.path.parent.glob(f"{NAME}*"))
         for one in found:
             one.unlink()
@@ -118,7 +156,7 @@ class JournalFolder:
 
     def close(self) -> None:
         """Unlock the folder."""
-        self.database.close()
+        self._database.close()
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
@@ -142,53 +180,10 @@ def _last_written(folder: Path) -> float:
 
 def _remove(path: Path) -> None:
     with contextlib.suppress(OSError, TakenError):
-        folder = JournalFolder(path)
+        folder = Journal(path)
         try:
             folder.clear()
             (path / "lock").unlink()
             path.rmdir()
         finally:
             folder.close()
-
-
-class Journal:
-    """Keeps a state in a folder: each :meth:`write` adds the sections that have changed, and waits for the disk.
-
-    A disk that is full or fails does not stop the robot: :attr:`fault` reports it, and the next attempt is made after
-    some time. Until then there is no journal: the old one is out of date and has another name.
-    """
-
-    def __init__(self, folder: JournalFolder, header: Header) -> None:
-        self._folder, self._header = folder, header
-        self._written: Optional[Record] = None
-
-    @property
-    def fault(self) -> str:
-        """Why nothing is written at present, empty if all is well."""
-        fault = self._folder.database.fault
-        return fault and f"the journal {self._folder.path} cannot be written: {fault}"
-
-    def is_due(self, now: float) -> bool:
-        """Return whether it is time for another attempt after a write that failed."""
-        return self._folder.database.is_due(now)
-
-    def write(self, state: Record, now: float, time: Optional[float] = None) -> None:
-        """Write the ``state``.
-
-        ``now`` is in seconds of a monotonic clock; ``time``, which is written too, is in seconds of the run's clock.
-        """
-        if self.fault and not self.is_due(now):
-            return
-        if self._written is None or self._folder.records >= RECORDS:
-            written = self._folder.begin(self._header, state, time, now)
-        else:
-            change = changes(self._written, state)
-            written = not change or self._folder.append(change, time, now)
-        self._written = state if written else None
-        if not written:
-            with contextlib.suppress(OSError):
-                self._folder.set_aside("stale")
-
-    def close(self) -> None:
-        """Write no more."""
-        self._folder.close()

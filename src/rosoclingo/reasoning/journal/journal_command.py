@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from rosoclingo.reasoning.journal.database import JournalError, file_of, lines_of, read
-from rosoclingo.reasoning.journal.folder import JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 
 #: What can be done with a journal.
 VERBS = ("show", "clear")
@@ -37,7 +37,7 @@ def _show(path: Path) -> int:
 def _clear(path: Path) -> int:
     if not path.is_dir():
         return _failed(f"{path} is no folder with a journal")
-    folder = JournalFolder(path)
+    folder = Journal(path)
     try:
         names = ", ".join(folder.clear())
     finally:

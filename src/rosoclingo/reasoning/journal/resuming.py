@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
 
 from rosoclingo.reasoning.journal.database import Header, JournalError, Kept, is_empty, launch_of
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.records import Record, group
 
 #: ``yes``: resume; ``no``: begin a new run; ``ask``: resume if the same launch has begun the run.
@@ -40,9 +40,9 @@ def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:
     """
     if folder is None:
         return Found(None, fresh.run)
-    place: Optional[JournalFolder] = None
+    place: Optional[Journal] = None
     try:
-        place = JournalFolder(folder)
+        place = Journal(folder, fresh)
         return _open(place, resume, fresh)
     except (OSError, JournalError) as error:
         if place is not None:
@@ -53,11 +53,11 @@ def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:
         return Found(None, fresh.run, fault=f"no journal is kept in {folder}: {error.strerror} ({mend})")
 
 
-def _open(place: JournalFolder, resume: str, fresh: Header) -> Found:
+def _open(place: Journal, resume: str, fresh: Header) -> Found:
     if is_empty(place.path):
         stale = Path(f"{place.path}.stale")
         odd = [f"nothing is resumed: the disk failed before {stale} could have all"] if stale.exists() else []
-        return Found(Journal(place, fresh), fresh.run, None, odd, bool(odd))
+        return Found(place, fresh.run, None, odd, bool(odd))
     own = launch_of(place.path) == fresh.launch != ""
     if resume == "no" or (resume == "ask" and not own):
         return _begin_anew(place, resume, fresh)
@@ -66,11 +66,11 @@ def _open(place: JournalFolder, resume: str, fresh: Header) -> Found:
     if kept.header.program != fresh.program:
         mend = "start with that one, or without the journal (~resume: no), or give another folder (~journal)"
         raise JournalError(f"{place.path} is of another program (files, constants or labels): {mend}")
-    header = fresh._replace(run=kept.header.run)
-    return Found(Journal(place, header), header.run, kept.state, [f"goes on with {place.path}: {_described(kept)}"])
+    place.header = fresh._replace(run=kept.header.run)
+    return Found(place, place.header.run, kept.state, [f"goes on with {place.path}: {_described(kept)}"])
 
 
-def _begin_anew(place: JournalFolder, resume: str, fresh: Header) -> Found:
+def _begin_anew(place: Journal, resume: str, fresh: Header) -> Found:
     """Set the journal aside; warn if it has open goals that nobody has asked to forget."""
     try:
         kept = place.read()
@@ -81,7 +81,7 @@ def _begin_anew(place: JournalFolder, resume: str, fresh: Header) -> Found:
     odd = open_goals and resume == "ask"
     back = f"to go on with it stop the core, move {aside} to {place.path} and start with ~resume: yes"
     remarks = [f"begins anew; the journal of another launch ({described}) is {aside} now: {back}"] if odd else []
-    return Found(Journal(place, fresh), fresh.run, None, remarks, odd)
+    return Found(place, fresh.run, None, remarks, odd)
 
 
 def _open_goals(kept: Kept) -> List[str]:

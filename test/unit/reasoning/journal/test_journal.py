@@ -18,7 +18,7 @@ from killed_core import files_of, put_files
 from rosoclingo.common import database
 from rosoclingo.reasoning.journal import folder as module
 from rosoclingo.reasoning.journal.database import NAME, Header, JournalError, changes, history, lines_of, read
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder, TakenError, tidy
+from rosoclingo.reasoning.journal.folder import Journal, TakenError, tidy
 
 HEADER = Header("run", "program", "launch")
 NAMES = st.sampled_from(["core", "goal:1", "goal:2", "goal:3", "fact:a", "fact:b"])
@@ -42,7 +42,7 @@ def state_or_none(file):
 
 @pytest.fixture
 def folder(tmp_path):
-    found = JournalFolder(tmp_path / "of" / "core")
+    found = Journal(tmp_path / "of" / "core", HEADER)
     yield found
     found.close()
 
@@ -57,13 +57,12 @@ def scratch(tmp_path_factory):
 def killed(tmp_path_factory):
     """The files that a killed core leaves behind, the states after its records, and the log's length after each."""
     path, states, lengths = tmp_path_factory.mktemp("killed"), [], []
-    folder = JournalFolder(path)
-    journal = Journal(folder, HEADER)
+    folder = Journal(path, HEADER)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "LOG_PAGES", 10**6)
         for number in range(12):
             states.append({"core": number, f"goal:{number}": "x" * 300, "goal:0": number // 3})
-            journal.write(states[-1], 0.0, float(number))
+            folder.write(states[-1], 0.0, float(number))
             lengths.append((path / f"{NAME}-wal").stat().st_size)
     files = files_of(path)
     folder.close()
@@ -75,10 +74,9 @@ def killed(tmp_path_factory):
 def test_what_is_read_is_what_was_written(states):
     with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "SYNCED", "OFF")
-        folder = JournalFolder(Path(name))
-        journal = Journal(folder, HEADER)
+        folder = Journal(Path(name), HEADER)
         for number, state in enumerate(states):
-            journal.write(state, 0.0, float(number))
+            folder.write(state, 0.0, float(number))
             assert in_groups(folder.read().state) == in_groups(state)
         header, moments = history(folder.path)
         new = [number for number in range(len(states)) if number == 0 or changes(*states[number - 1 : number + 1])]
@@ -94,7 +92,7 @@ def test_cut_anywhere_it_is_the_state_after_a_whole_record(killed, scratch):
     log = files[f"{NAME}-wal"]
     for end in sorted({*range(0, len(log), 997), *lengths, *(length - 1 for length in lengths)}):
         put_files(scratch, {**files, f"{NAME}-wal": log[:end]})
-        folder, whole = JournalFolder(scratch), sum(length <= end for length in lengths)
+        folder, whole = Journal(scratch, HEADER), sum(length <= end for length in lengths)
         kept = folder.read()
         assert (kept.state if kept else None) == (states[whole - 1] if whole else None)
         folder.close()
@@ -105,7 +103,7 @@ def test_cut_anywhere_it_is_the_state_after_a_whole_record(killed, scratch):
 def test_one_changed_byte_is_refused_or_changes_nothing(killed, scratch, data):
     files, states, _ = killed
     put_files(scratch, files)
-    folder = JournalFolder(scratch)
+    folder = Journal(scratch, HEADER)
     aside = folder.set_aside("old")
     folder.close()
     text = bytearray(aside.read_bytes())
@@ -139,7 +137,7 @@ def test_one_changed_byte_of_the_log_leaves_no_state_that_never_was(killed, scra
     ],
 )
 def test_what_has_changed_is_refused_at_its_record(folder, change, words):
-    folder.begin(HEADER, {"core": 1})
+    folder.begin({"core": 1})
     for number in (2, 3):
         folder.append({"set": {"core": number}}, 1.0)
     folder.close()
@@ -175,9 +173,8 @@ def test_what_stands_elsewhere_in_its_group_is_written_anew(before, after, writt
 
 
 def test_only_what_has_changed_is_written(folder):
-    journal = Journal(folder, HEADER)
     for core in (1, 1, 2):
-        journal.write({"core": core, "goal:1": "x" * 1000}, 0.0)
+        folder.write({"core": core, "goal:1": "x" * 1000}, 0.0)
     folder.close()
     with sqlite3.connect(str(folder.path)) as db:
         found = [text for (text,) in db.execute("SELECT change FROM record")]
@@ -189,9 +186,9 @@ def test_only_what_has_changed_is_written(folder):
 def test_it_does_not_grow_without_end(folder, monkeypatch):
     monkeypatch.setattr(module, "RECORDS", 20)
     monkeypatch.setattr(database, "SYNCED", "OFF")
-    journal, sizes, records = Journal(folder, HEADER), [], []
+    sizes, records = [], []
     for number in range(500):
-        journal.write({"core": number, "goal:1": "x" * 100}, 0.0)
+        folder.write({"core": number, "goal:1": "x" * 100}, 0.0)
         records.append(folder.read().records)
         if number % 100 == 99:
             folder.close()
@@ -207,7 +204,7 @@ def test_no_journal_yet(folder):
 
 
 def test_what_is_set_aside_is_no_journal_any_more(folder):
-    folder.begin(HEADER, {"core": 1})
+    folder.begin({"core": 1})
     aside = folder.set_aside("old")
     assert aside.name == "journal.db.old"
     assert folder.read() is None
@@ -216,26 +213,26 @@ def test_what_is_set_aside_is_no_journal_any_more(folder):
 
 def test_two_cores_on_one_journal(folder):
     with pytest.raises(JournalError, match=r"another core has the journal in .*: end it, or"):
-        JournalFolder(folder.path.parent)
+        Journal(folder.path.parent, HEADER)
     folder.close()
-    JournalFolder(folder.path.parent).close()
+    Journal(folder.path.parent, HEADER).close()
 
 
 def test_a_core_that_was_killed_leaves_the_journal_to_others(tmp_path):
     code = (
         "import sys; from pathlib import Path;"
         "from rosoclingo.reasoning.journal.folder import *; from rosoclingo.reasoning.journal.database import *;"
-        "folder = JournalFolder(Path(sys.argv[1])); folder.begin(Header('a', 'b'), {'core': 1});"
+        "folder = Journal(Path(sys.argv[1]), Header('a', 'b')); folder.begin({'core': 1});"
         "print('ready', flush=True); input()"
     )
     command = [sys.executable, "-c", code, str(tmp_path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
         assert child.stdout.readline() == b"ready\n"
         with pytest.raises(JournalError):
-            JournalFolder(tmp_path)
+            Journal(tmp_path, HEADER)
         child.kill()
         child.wait(30)
-    folder = JournalFolder(tmp_path)
+    folder = Journal(tmp_path, HEADER)
     assert folder.read().state == {"core": 1}
     folder.close()
 
@@ -252,44 +249,42 @@ def full_disk():
 
 
 def test_a_disk_that_fails_is_told_and_tried_again(folder):
-    journal, stale = Journal(folder, HEADER), Path(f"{folder.path}.stale")
-    journal.write({"core": 1}, 0.0)
-    assert journal.fault == ""
+    stale = Path(f"{folder.path}.stale")
+    folder.write({"core": 1}, 0.0)
+    assert folder.fault == ""
     with full_disk():
-        journal.write({"core": 2}, 1.0)
-        assert journal.fault == f"the journal {folder.path} cannot be written: disk I/O error"
+        folder.write({"core": 2}, 1.0)
+        assert folder.fault == f"the journal {folder.path} cannot be written: disk I/O error"
         assert folder.read() is None, "what is out of date is no journal any more"
-        journal.write({"core": 3}, 11.0)
-        assert journal.fault, "it is tried again, and in vain"
+        folder.write({"core": 3}, 11.0)
+        assert folder.fault, "it is tried again, and in vain"
         assert not folder.path.exists()
     assert read(stale).state == {"core": 1}
-    journal.write({"core": 4}, 20.9)
-    assert journal.fault
+    folder.write({"core": 4}, 20.9)
+    assert folder.fault
     assert folder.read() is None
-    journal.write({"core": 5}, 21.0)
-    assert journal.fault == ""
+    folder.write({"core": 5}, 21.0)
+    assert folder.fault == ""
     assert folder.read().state == {"core": 5}
-    journal.write({"core": 6}, 21.1)
+    folder.write({"core": 6}, 21.1)
     assert folder.read().state == {"core": 6}
 
 
 def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
-    journal = Journal(folder, HEADER)
-    journal.write({"core": 1}, 0.0)
+    folder.write({"core": 1}, 0.0)
 
     def refuse(*_):
         raise OSError(30, os.strerror(30))
 
     monkeypatch.setattr(os, "replace", refuse)
     with full_disk():
-        journal.write({"core": 2}, 1.0)
-    assert "disk I/O error" in journal.fault
+        folder.write({"core": 2}, 1.0)
+    assert "disk I/O error" in folder.fault
 
 
 def test_it_is_read_while_a_core_writes_it_and_from_a_copy(folder, tmp_path):
-    journal = Journal(folder, HEADER)
     for number in range(3):
-        journal.write({"core": number}, 0.0)
+        folder.write({"core": number}, 0.0)
         shutil.copytree(folder.path.parent, tmp_path / str(number))
     assert [read(tmp_path / str(number) / NAME).state["core"] for number in range(3)] == [0, 1, 2]
     folder.close()
@@ -299,8 +294,8 @@ def test_it_is_read_while_a_core_writes_it_and_from_a_copy(folder, tmp_path):
 def shelf_of(path, ages):
     """A shelf with a journal of each age, in seconds before its time 1e9; the names are the ages."""
     for age in ages:
-        folder = JournalFolder(path / str(age))
-        folder.begin(HEADER, {"core": 1})
+        folder = Journal(path / str(age), HEADER)
+        folder.begin({"core": 1})
         folder.close()
         for file in (path / str(age)).iterdir():
             os.utime(file, (1e9 - age, 1e9 - age))
@@ -324,7 +319,7 @@ def test_of_a_shelf_what_a_core_has_and_what_is_no_journal_stays(tmp_path, monke
     (shelf / "2" / "notes.txt").touch()
     (shelf / "mine").mkdir()
     (shelf / "word").touch()
-    held = JournalFolder(shelf / "1")
+    held = Journal(shelf / "1", HEADER)
     tidy(shelf, 1e9 + 2 * module.YOUNG)
     held.close()
     assert {one.name for one in shelf.iterdir()} == {"1", "2", "mine", "word"}
@@ -345,13 +340,13 @@ def test_a_folder_that_is_removed_while_it_is_taken_is_not_had(tmp_path, monkeyp
 
     monkeypatch.setattr(module.fcntl, "flock", remove_first)
     with pytest.raises(TakenError):
-        JournalFolder(tmp_path)
+        Journal(tmp_path, HEADER)
     monkeypatch.undo()
-    JournalFolder(tmp_path).close()
+    Journal(tmp_path, HEADER).close()
 
 
 def test_a_journal_in_words(folder):
-    folder.begin(HEADER, {"core": [1, 2], "goal:a": "x"})
+    folder.begin({"core": [1, 2], "goal:a": "x"})
     assert list(lines_of(folder.read())) == [
         "run run, 1 records since all was written",
         "core [1, 2]",

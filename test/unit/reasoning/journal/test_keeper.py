@@ -16,7 +16,7 @@ from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Goa
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import Journal, JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.settings import CoreSettings
@@ -50,13 +50,13 @@ def test_whatever_goes_out_is_on_disk_before(start):
 @pytest.fixture
 def records(monkeypatch):
     """The changes of each further record."""
-    changes, append = [], JournalFolder.append
+    changes, append = [], Journal.append
 
     def note(journal, change, *times):
         changes.append(change)
         return append(journal, change, *times)
 
-    monkeypatch.setattr(JournalFolder, "append", note)
+    monkeypatch.setattr(Journal, "append", note)
     return changes
 
 
@@ -236,15 +236,15 @@ def kept(journal, now=lambda: 0.0):
 
 
 def test_a_core_is_on_disk_before_it_begins_and_no_more_once_the_journal_is_closed(tmp_path):
-    place = JournalFolder(tmp_path)
-    core, keeper, told = kept(Journal(place, Header("run", "program")))
+    place = Journal(tmp_path, Header("run", "program"))
+    core, keeper, told = kept(place)
     assert place.read().state["core"]["started"] is False
     keeper.close()
     core.start()
     keeper.send()
     assert told != []
     assert keeper.fault == ""
-    other = JournalFolder(tmp_path)
+    other = Journal(tmp_path)
     assert other.read().state["core"]["started"] is False
     other.close()
 
@@ -263,8 +263,8 @@ def test_without_a_journal_all_goes_out(tmp_path):
 
 
 def test_what_is_wrong_with_the_journal_is_told(tmp_path):
-    place, now = JournalFolder(tmp_path), [0.0]
-    _, keeper, _ = kept(Journal(place, Header("run", "program")), lambda: now[-1])
+    place, now = Journal(tmp_path, Header("run", "program")), [0.0]
+    _, keeper, _ = kept(place, lambda: now[-1])
     assert keeper.fault == ""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))

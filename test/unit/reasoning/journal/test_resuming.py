@@ -8,7 +8,7 @@ import pytest
 
 from rosoclingo.reasoning.journal import journal_command
 from rosoclingo.reasoning.journal.database import Header, JournalError
-from rosoclingo.reasoning.journal.folder import JournalFolder
+from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.resuming import open_journal
 
 BEFORE = Header("first", "program", "launch 1")
@@ -24,8 +24,8 @@ def folder(tmp_path):
 @pytest.fixture
 def left(folder):
     """A journal that a core has left behind."""
-    place = JournalFolder(folder)
-    place.begin(BEFORE, STATE)
+    place = Journal(folder, BEFORE)
+    place.begin(STATE)
     place.close()
     return place.path
 
@@ -69,15 +69,15 @@ def test_it_begins_anew(folder, left, resume, launch):
 
 
 def test_two_started_by_hand_have_no_launch_in_common(folder):
-    place = JournalFolder(folder)
-    place.begin(BEFORE._replace(launch=""), STATE)
+    place = Journal(folder, BEFORE._replace(launch=""))
+    place.begin(STATE)
     place.close()
     assert opened(folder, "ask", AGAIN._replace(launch="")).state is None
 
 
 def test_nothing_is_said_of_a_journal_without_goals(folder):
-    place = JournalFolder(folder)
-    place.begin(BEFORE, {"core": {"step": 7}})
+    place = Journal(folder, BEFORE)
+    place.begin({"core": {"step": 7}})
     place.close()
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert (found.remarks, found.odd) == ([], False)
@@ -120,8 +120,8 @@ def test_a_journal_that_cannot_be_read(folder):
 
 
 def test_one_goal_of_a_core_that_had_hardly_begun(folder):
-    place = JournalFolder(folder)
-    place.begin(BEFORE, {"core": {"step": 0}, "goal:a": {"term": "goal(1)"}})
+    place = Journal(folder, BEFORE)
+    place.begin({"core": {"step": 0}, "goal:a": {"term": "goal(1)"}})
     place.close()
     assert opened(folder, "yes", AGAIN).remarks == [f"goes on with {place.path}: run first, cycle 1, 1 open goal"]
 
@@ -146,7 +146,7 @@ def test_a_journal_that_went_stale_is_told(folder, left):
 def test_the_command_shows_and_clears(folder, left, capsys):
     assert journal_command.main("show", str(folder)) == 0
     assert capsys.readouterr().out.splitlines()[0] == "run first, 1 records since all was written"
-    core = JournalFolder(folder)
+    core = Journal(folder, BEFORE)
     assert journal_command.main("clear", str(folder)) == 1
     assert "another core has the journal" in capsys.readouterr().err
     core.close()
