@@ -21,19 +21,10 @@ MANY = 6  # values that a message lists
 
 _KEYWORDS = frozenset(KEYWORDS.values())
 
-#: Mends for incoming keywords that no rule looks at.
-_UNHEARD = {
-    "_request": "write a rule that takes goals, like wanted(X,t) :- _request(do(X),t+1).",
-    "_return": "the program never learns how its actions end: write rules for values that are no success",
-    "_failed": "write a rule for it, or leave it out",
-    "_cancel": "write a rule for it, or leave it out",
-}
+_INCOMING = frozenset({"_request", "_return", "_failed", "_cancel"})
 
-#: What others tell a program; the other keywords they hear of it, besides what it shows.
-TOLD = ("_request", "_return", "_failed", "_cancel")
-HEARD = frozenset(
-    {Signature("_draws", 2), Signature("_draws", 3), *(one for one in KEYWORDS.values() if one.name not in TOLD)}
-)
+_OUTGOING = {one for one in _KEYWORDS if one.name not in _INCOMING} | {Signature("_draws", 2), Signature("_draws", 3)}
+"""The predicates that others read from an answer, even if it does not show them."""
 
 
 # ---- nothing looks at it --------------------------------------------------------------------------------------------
@@ -42,7 +33,7 @@ HEARD = frozenset(
 def unused(survey: Survey) -> List[Fault]:
     """Return the predicates that nothing looks at: those that look misspelt, others where not all is shown anyway."""
     found: List[Fault] = []
-    looked_at = {one for one in survey.using if _is_used(survey, one)} | survey.shown.keys() | HEARD
+    looked_at = {one for one in survey.using if _is_used(survey, one)} | survey.shown.keys() | _OUTGOING
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
         if signature in looked_at:
             continue
@@ -52,8 +43,8 @@ def unused(survey: Survey) -> List[Fault]:
         if primed or meant is not None:
             found += _at(survey, signature, places, "misspelt", primed or asked(meant))
         elif survey.shows:
-            mend = _UNHEARD.get(signature.name, f"use it, #show {signature}. or leave it out")
-            found += _at(survey, signature, places, "unused", mend)
+            use = "write a rule for it" if signature.name in _INCOMING else f"use it, #show {signature}."
+            found += _at(survey, signature, places, "unused", f"{use} or leave it out")
     return found
 
 

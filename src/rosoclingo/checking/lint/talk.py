@@ -33,19 +33,29 @@ WORDS = ("accepted", "rejected", "succeeded", "canceled", "aborted")
 
 def missing_words(survey: Survey) -> List[Fault]:
     """Return what the core misses in a program: goals that come in, actions that go out, returns of these."""
-    found = []
     acts = ACTION in survey.defining
-    if not survey.is_external(REQUEST):
-        message = f"the program takes no goals: it declares no external {REQUEST}"
-        found.append(_of_all(survey, "no-request", message, f"write #external {REQUEST}."))
-    if acts and not survey.is_external(RETURN):
-        message = f"the program never learns how its actions end: it declares no external {RETURN}"
-        mend = f"write #external {RETURN}. and rules for values that are no success"
-        found.append(_of_all(survey, "no-return", message, mend))
-    if not acts:
-        message = f"the program plans no actions: no rule defines {ACTION}"
-        found.append(_of_all(survey, "no-action", message, "write rules for _action_lib(Action,Parameter,C)"))
-    return found
+    rows = (
+        (
+            not survey.is_external(REQUEST),
+            "no-request",
+            f"the program takes no goals: it declares no external {REQUEST}",
+            f"write #external {REQUEST}.",
+        ),
+        (
+            acts and not survey.is_external(RETURN),
+            "no-return",
+            f"the program never learns how its actions end: it declares no external {RETURN}",
+            f"write #external {RETURN}. and rules for values that are no success",
+        ),
+        (
+            not acts,
+            "no-action",
+            f"the program plans no actions: no rule defines {ACTION}",
+            "write rules for _action_lib(Action,Parameter,C)",
+        ),
+    )
+    # they lie at the program's first line, where they can be silenced
+    return [Fault(survey.first_file, 1, 1, text, mend, kind) for lacks, kind, text, mend in rows if lacks]
 
 
 def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fault]:
@@ -56,11 +66,6 @@ def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fa
     message = "each step has an action, also while no goal is open, and as there is no _status/3 no goal ever ends"
     mend = "let a rule plan actions for open goals alone, or write rules for _status(Id,succeeded,C)"
     return [places[0].fault("restless", message, mend)]
-
-
-def _of_all(survey: Survey, kind: str, message: str, mend: str) -> Fault:
-    """Return a fault of the program as a whole: it lies at the first line, where it can be silenced."""
-    return Fault(survey.first_file, 1, 1, message, mend, kind)
 
 
 def statuses_at_the_end(survey: Survey) -> List[Fault]:

@@ -136,7 +136,7 @@ SEEDS = [
     ("paper", "paper.lp", "_return(A,V,t), V", "@_return(A,V,t-1), V", "other-step", "the same cycle"),
     ("paper", "paper.lp", "_action_lib(move_base,B,t)", "@_action_lib(move_base,B,t-1)", "other-step", "write t for"),
     ("paper", "paper.lp", "\n:- waiting(Id,From,To,t).", "\n:- waiting(Id,From,To,t-1).", "other-step", "last step"),
-    ("garden", "garden.lp", "#program cumulative(t).\n\n% What fail", "% What fail", "at-the-end", "before the"),
+    ("garden", "garden.lp", "#program cumulative(t).\n\n% Failures", "% Failures", "at-the-end", "before the"),
     # what the core and a program say to one another
     ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
     ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never hears of it"),
