@@ -9,10 +9,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from rosoclingo.checking.extension import NO_EXTENSION, CheckExtension
 from rosoclingo.checking.lint.kinds import LintFinding
 from rosoclingo.checking.lint.linting import findings, is_error, lint_sources
 from rosoclingo.checking.lint.stream_lint import lint_stream
-from rosoclingo.checking.more import More
 from rosoclingo.checking.verifying import verify_option
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -39,7 +39,7 @@ nothing was found; 1 something was, an error, a warning, no plan for a request, 
 2 a file can't be read, or the command line is wrong."""
 
 
-def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
+def make_parser(extension: CheckExtension = NO_EXTENSION) -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     parser = argparse.ArgumentParser(prog="check", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("files", nargs="+", metavar="FILE", help="program files, read in order (-: standard input)")
@@ -47,12 +47,12 @@ def make_parser(more: Optional[More] = None) -> argparse.ArgumentParser:
         "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; may be repeated"
     )
     parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are looked at as well")
-    add_trials(parser, more)
+    add_trials(parser, extension)
     parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
     return parser
 
 
-def add_trials(parser: argparse.ArgumentParser, more: Optional[More] = None) -> None:
+def add_trials(parser: argparse.ArgumentParser, extension: CheckExtension = NO_EXTENSION) -> None:
     """Add what else than its rules is looked at of a program, and how."""
     parser.add_argument(
         "--plan",
@@ -77,22 +77,21 @@ def add_trials(parser: argparse.ArgumentParser, more: Optional[More] = None) -> 
         metavar="S",
         help=f"time for each plan, and again for the reasons where there is none (default: {TRIAL_SECONDS:g})",
     )
-    if more is not None:
-        more.add_arguments(parser)
+    extension.add_arguments(parser)
     verify_option.add_arguments(parser)
 
 
 @ends_unread
-def main(arguments: Optional[Sequence[str]] = None, more: Optional[More] = None) -> int:
+def main(arguments: Optional[Sequence[str]] = None, extension: CheckExtension = NO_EXTENSION) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
-    options = make_parser(more).parse_args(arguments)
+    options = make_parser(extension).parse_args(arguments)
     try:
-        return check(options, more)
+        return check(options, extension)
     except KeyboardInterrupt:
         return 130
 
 
-def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
+def check(options: argparse.Namespace, extension: CheckExtension = NO_EXTENSION) -> int:
     """Look at what the options ``files``, ``const``, ``stream`` and ``json`` name, print it; return the exit code."""
     unreadable: List[Fault] = []
     sources = [source for file in options.files for source in _read(file, unreadable)]
@@ -101,7 +100,7 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
     try:
         constants = constants_of(options.const)
         parse_constants(constants)
-        added += [*(more.sources(options) if more is not None else ()), *verify_option.sources(options)]
+        added += [*extension.sources(options), *verify_option.sources(options)]
     except ProgramError as error:
         unreadable += error.faults
     if unreadable:
@@ -109,9 +108,12 @@ def check(options: argparse.Namespace, more: Optional[More] = None) -> int:
         return UNREADABLE
     try:
         with _nothing_dropped():
-            report, program = _lint([*sources, *added], constants, stream, options, more)
+            report, program = _lint([*sources, *added], constants, stream, extension)
         if program is not None and not program.faults:
-            trials, verification = _trials(program, stream, options, more), verify_option.run(program, options, more)
+            trials, verification = (
+                _trials(program, stream, options, extension),
+                verify_option.run(program, options, extension),
+            )
             report = report._replace(trials=trials, verification=verification)
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
@@ -183,7 +185,7 @@ def _nothing_dropped() -> Iterator[None]:
 
 
 def _trials(
-    program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, more: Optional[More]
+    program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, extension: CheckExtension
 ) -> "List[TrialPlan]":
     """Try the requests, if there are any, after the stream; errors of its syntax are findings already."""
     if not options.plan:
@@ -194,7 +196,7 @@ def _trials(
     for source in stream:
         with suppress(ProgressionError):
             found += trials.play(parse_updates(source.text))
-    kinds = more.requests(program) if more is not None else ()
+    kinds = extension.requests(program)
     for text in options.plan:
         found += trials.samples(kinds) if text is None else [trials.request(text)]
     return found
@@ -204,8 +206,7 @@ def _lint(
     sources: Sequence[Source],
     constants: Dict[str, str],
     stream: Sequence[Source],
-    options: argparse.Namespace,
-    more: Optional[More],
+    extension: CheckExtension,
 ) -> Tuple[_Report, Optional[ReactiveProgram]]:
     """Return the findings and files, and the program if it could be read."""
     program, faults = lint_sources(sources, constants)
@@ -213,10 +214,9 @@ def _lint(
     files = [(one.name, one.text) for one in (*(sources if program is None else program.texts), *stream)]
     if program is not None:
         faults = [*faults, *(fault for one in stream for fault in lint_stream(program, one.text, one.name))]
-    if more is not None:
-        others = more.look(options, program)
-        faults, files = faults + others.faults, files + others.files
-    return _Report(findings(faults, files, grave), dict(files)), program
+    others = extension.look(program)
+    files += others.files
+    return _Report(findings([*faults, *others.faults], files, grave), dict(files)), program
 
 
 def _read(file: str, unreadable: List[Fault]) -> List[Source]:

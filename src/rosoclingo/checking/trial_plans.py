@@ -6,7 +6,7 @@ from typing import Any, Dict, FrozenSet, Iterable, List, Optional, Tuple
 
 import clingo
 
-from rosoclingo.checking.more import Kinds
+from rosoclingo.checking.extension import Kinds
 from rosoclingo.checking.sample_requests import sample_requests
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program.action_rules import is_action

@@ -6,7 +6,7 @@ import clingo
 from clingo import Symbol
 from clingo.ast import ASTType
 
-from rosoclingo.checking.more import Kinds
+from rosoclingo.checking.extension import Kinds
 from rosoclingo.checking.sample_requests import sample_requests
 from rosoclingo.checking.trial_plans import Trials
 from rosoclingo.checking.verifying.moves import Repertory

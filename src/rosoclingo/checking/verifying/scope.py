@@ -5,7 +5,7 @@ from typing import Mapping, NamedTuple, Sequence, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.checking.more import Kinds
+from rosoclingo.checking.extension import Kinds
 
 SECONDS = 60.0
 """The default limit of processor time."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, List, Optional
 
 from clingo import Symbol
 
-from rosoclingo.checking.more import More
+from rosoclingo.checking.extension import CheckExtension
 from rosoclingo.checking.verifying.scope import SECONDS, DefectKind, EventSelection, VerifyLimits
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -64,7 +64,7 @@ def sources(options: argparse.Namespace) -> List[Source]:
     return [Source("--never", "#program cumulative(t).\n" + "".join(rules), Path())] if rules else []
 
 
-def run(program: ReactiveProgram, options: argparse.Namespace, more: Optional[More]) -> "Optional[Verification]":
+def run(program: ReactiveProgram, options: argparse.Namespace, extension: CheckExtension) -> "Optional[Verification]":
     """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
     if options.verify is None:
         return None
@@ -76,7 +76,7 @@ def run(program: ReactiveProgram, options: argparse.Namespace, more: Optional[Mo
     strange = [one for one in facts if one != "none" and one not in {s.name for s in program.external_signatures}]
     if strange:
         raise ProgramError([_fault(f"{strange[0]} is no external of the program", "give the name, as in _blocked")])
-    reasons, kinds = (more.reasons(), more.requests(program)) if more is not None else ({}, ())
+    reasons, kinds = extension.reasons(), extension.requests(program)
     selection = EventSelection(tuple(map(_goal, options.goal)), facts, reasons, options.each, kinds)
     plans = not options.one_plan
     limits = VerifyLimits(options.verify, options.together, options.steps, options.late, options.early, plans)

@@ -3,7 +3,7 @@
 from itertools import islice
 from typing import Iterator, List, Sequence
 
-from rosoclingo.checking.more import Kinds
+from rosoclingo.checking.extension import Kinds
 from rosoclingo.checking.sample_requests import names_in_facts
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.oclingo.errors import Fault

@@ -7,8 +7,8 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optio
 
 import clingo
 
+from rosoclingo.checking.extension import CheckedFiles, CheckExtension, Kinds
 from rosoclingo.checking.lint.actions import Actions, Labelled, Named
-from rosoclingo.checking.more import Kinds, Texts
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import REASONS, SUCCEEDED
@@ -36,7 +36,7 @@ T = TypeVar("T")
 Interfaces = YamlFile[Dict[str, InterfaceSpec]]
 
 
-class RobotFiles:
+class RobotFiles(CheckExtension):
     """The files of labels, interfaces and orders that are named on the command line."""
 
     def __init__(self) -> None:
@@ -44,8 +44,7 @@ class RobotFiles:
         self._interfaces: Optional[Interfaces] = None
         self._orders: Optional[Orders] = None
 
-    @staticmethod
-    def add_arguments(parser: argparse.ArgumentParser) -> None:
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Add the options that name the files."""
         parser.add_argument("--labels", metavar="FILE", help="the YAML file of the named locations")
         parser.add_argument("--interfaces", metavar="FILE", help="the YAML file of the interfaces")
@@ -59,7 +58,7 @@ class RobotFiles:
         self._orders = _read(options.orders, read_orders)
         return [] if self._labels is None else [label_facts(self._label_terms())]
 
-    def look(self, options: argparse.Namespace, program: Optional[ReactiveProgram]) -> Texts:
+    def look(self, program: Optional[ReactiveProgram]) -> CheckedFiles:
         """Return the faults of the files, also against the program if it could be read."""
         files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one is not None]
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
@@ -86,7 +85,7 @@ class RobotFiles:
                 faults += actions.without_label(labels, likely)
             if self._orders is not None:
                 faults += unheard_orders(self._orders, program, self._label_terms())
-        return Texts(faults, [(one.name, one.text) for one in files])
+        return CheckedFiles(faults, [(one.name, one.text) for one in files])
 
     def requests(self, program: ReactiveProgram) -> Kinds:
         """Return the goals that people can order."""
