@@ -5,9 +5,9 @@ from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import around, body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import around
 from rosoclingo.robot.navigation.compiled.path import point_clearance
-from rosoclingo.robot.navigation.compiled.rollout import best_arc, best_command, spare_after
+from rosoclingo.robot.navigation.compiled.rollout import best_arc, best_command, can_turn
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
@@ -77,11 +77,7 @@ class BodyState:
         """Return whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""
         if not self.body.footprint:
             return True
-        close = CLEAR * self._scale
-        least = min(close, body_clearance(self._near, self._discs, *self._cells, close) - 1e-3)
-        steps = int(abs(angle) / 0.05) + 1
-        found = spare_after(self._near, self._discs, self._cells, 0.0, angle, 1.0, steps, least, max(0.0, least))
-        return bool(found >= least)
+        return bool(can_turn(*self._near, self._discs, self._cells, angle, CLEAR * self._scale))
 
     def best_command(
         self,
@@ -98,8 +94,8 @@ class BodyState:
         """  # fmt: skip
         scale, cells = self._scale, np.array(self.costmap.to_cells(*carrot))
         i, j = best_command(
-            self._near, self._discs, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale, horizon,
-            self.costmap.resolution,
+            *self._near, self._discs, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale,
+            horizon, self.costmap.resolution,
         )  # fmt: skip
         return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
 
@@ -112,7 +108,7 @@ class BodyState:
         for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
             for floor in FLOORS:
                 i, length = best_arc(
-                    self._near, self._discs, self._cells, curvatures / scale, LONGEST * scale,
+                    *self._near, self._discs, self._cells, curvatures / scale, LONGEST * scale,
                     (self.body.outer + spare) * scale, floor * scale,
                 )  # fmt: skip
                 if length != 0.0:

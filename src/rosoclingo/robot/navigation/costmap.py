@@ -8,7 +8,7 @@ from typing import Deque, NamedTuple, Optional, Tuple
 import numpy as np
 
 from rosoclingo.robot.navigation.compiled.clearance import inflate, update_clearance, update_open
-from rosoclingo.robot.navigation.compiled.marks import Mapped, count_scan, hits_apart
+from rosoclingo.robot.navigation.compiled.marks import count_scan, hits_apart
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OCCUPIED, OccupancyGrid
 
@@ -75,7 +75,7 @@ class Costmap:
             Ground(np.zeros(grid.shape, dtype=np.uint8), (radius + SPARE) / grid.resolution) for radius in radii
         )
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
-        self._mapped = Mapped(self._static, self.clearance.copy())
+        self._static_clearance = self.clearance.copy()
         self._alone: Optional[Costmap] = None
         self.unmarked = np.empty((0, 2))
         self._unmarked: Deque[np.ndarray] = deque(maxlen=SCANS)
@@ -126,11 +126,13 @@ class Costmap:
         ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max, sharp)))
         known = (self.limits.static_tolerance + min(smear * self.limits.obstacle_range, most)) / self.resolution
         lengths = ends / self.resolution + 1e-3
-        changed = count_scan(self._counts, self.marks, self._mapped, x, y, turned, lengths, hits, known)
+        changed = count_scan(
+            self._counts, self.marks, self._static, self._static_clearance, x, y, turned, lengths, hits, known
+        )
         self._changed(changed)
         # What is neither on the map nor marked yet.
-        all_known = Mapped(self.occupied, self.clearance)
-        seen = hits_apart(all_known, x, y, turned, far / self.resolution, hits, NEARBY / self.resolution, known)
+        scale = self.resolution
+        seen = hits_apart(self.occupied, self.clearance, x, y, turned, far / scale, hits, NEARBY / scale, known)
         self._unmarked.append(seen * self.resolution + (self.grid.origin_x, self.grid.origin_y))
         self.unmarked = np.concatenate(self._unmarked)
         return bool(changed != EMPTY)

@@ -26,7 +26,7 @@ class Laser:
         spec = self.spec
         place = pose.compose(Pose2D(spec.pose.x / scale, spec.pose.y / scale, spec.pose.yaw))
         out = np.empty(len(self.angles))
-        cast_rays(around, place.x, place.y, self.angles + place.yaw, spec.range / scale, out)
+        cast_rays(*around, place.x, place.y, self.angles + place.yaw, spec.range / scale, out)
         out *= scale
         if spec.noise > 0.0:
             hit = out < spec.range
@@ -106,7 +106,7 @@ class Robot:
             self.stalled = False
             return CLEAR
         grain = min(GRAIN, 0.5 * self._width / scale)
-        part, hit = sweep(around, outline, self._reach / scale, pose, self.v / scale, self.w, dt, grain)
+        part, hit = sweep(*around, outline, self._reach / scale, *pose, self.v / scale, self.w, dt, grain)
         self.pose = self.pose.moved(self.v, self.w, dt * part)
         self.odometry = self.odometry.moved(self.v * self.drift[0], self.w * self.drift[1], dt * part)
         self.stalled = hit != CLEAR

@@ -12,7 +12,7 @@ from rosoclingo.robot.navigation.compiled.clearance import (
     square_distance,
     update_clearance,
 )
-from rosoclingo.robot.simulation.compiled.shapes import CLEAR, Surroundings, body_hits, cast_rays
+from rosoclingo.robot.simulation.compiled.shapes import CLEAR, body_hits, cast_rays
 
 NOTHING = np.empty((0, 4)), np.empty((0, 3))
 
@@ -45,7 +45,7 @@ def test_a_window_brings_clearance_up_to_date(occupied, data):
 @given(GRIDS, st.floats(-3.0, 23.0), st.floats(-3.0, 23.0), st.floats(-7.0, 7.0), st.floats(0.5, 40.0))
 def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach):
     out = np.empty(1)
-    cast_rays(Surroundings(occupied, *NOTHING), x, y, np.array([angle]), reach, out)
+    cast_rays(occupied, *NOTHING, x, y, np.array([angle]), reach, out)
     assert 0.0 <= out[0] <= reach
     places = np.arange(0.0, reach, 0.003)
     columns = np.floor(x + places * math.cos(angle)).astype(int)
@@ -68,8 +68,7 @@ def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach)
 def test_rays_end_at_doors_and_discs(segments, discs, angle):
     out = np.empty(1)
     things = np.array(segments, dtype=float).reshape(-1, 4), np.array(discs).reshape(-1, 3)
-    around = Surroundings(np.zeros((1, 1), dtype=np.uint8), *things)
-    cast_rays(around, 0.0, 0.0, np.array([angle]), 12.0, out)
+    cast_rays(np.zeros((1, 1), dtype=np.uint8), *things, 0.0, 0.0, np.array([angle]), 12.0, out)
     dx, dy = math.cos(angle), math.sin(angle)
     best = 12.0
     for x, y, radius in discs:
@@ -96,9 +95,7 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
 def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
     away = distance(occupied, x, y)
     if abs(away - radius) > 1e-9:
-        assert (body_hits(Surroundings(occupied, *NOTHING), np.empty((0, 2)), radius, x, y, 0.0, True) != CLEAR) == (
-            away < radius
-        )
+        assert (body_hits(occupied, *NOTHING, np.empty((0, 2)), radius, x, y, 0.0, True) != CLEAR) == (away < radius)
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))

@@ -10,7 +10,7 @@ from navigation_worlds import room, simulation
 from occupied_grids import GRIDS, clearance_of, distance
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D
-from rosoclingo.robot.navigation.compiled.marks import Mapped, count_scan, hits_apart
+from rosoclingo.robot.navigation.compiled.marks import count_scan, hits_apart
 from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec
 
 
@@ -24,9 +24,9 @@ class Row:
     def scan(self, *lengths, times=1):
         for _ in range(times):
             rays = np.array(lengths)
-            mapped = Mapped(self.mapped, clearance_of(self.mapped))
+            mapped = self.mapped, clearance_of(self.mapped)
             window = count_scan(
-                self.counts, self.marks, mapped, 0.5, 2.5, np.zeros(len(rays)), rays, rays < 7.0, self.known
+                self.counts, self.marks, *mapped, 0.5, 2.5, np.zeros(len(rays)), rays, rays < 7.0, self.known
             )
         return window
 
@@ -79,7 +79,7 @@ def test_hits_apart_are_those_near_and_away_from_what_is_known(occupied, seed):
     random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)
     x, y = random.uniform(0.0, occupied.shape[::-1])
     angles, ranges, hits = random.uniform(-4, 4, 60), random.uniform(0, 20, 60), random.random(60) < 0.9
-    found = hits_apart(Mapped(occupied, clearance), x, y, angles, ranges, hits, 9.0, 1.3)
+    found = hits_apart(occupied, clearance, x, y, angles, ranges, hits, 9.0, 1.3)
     points = np.stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles)], axis=1)
     good = hits & (ranges < 9.0) & ((points >= 0.0) & (points < occupied.shape[::-1])).all(axis=1)
     good &= np.array([distance(occupied, *point) > 1.3 for point in points])

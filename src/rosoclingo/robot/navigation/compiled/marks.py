@@ -4,7 +4,6 @@ Lengths are in cells, as in :mod:`rosoclingo.robot.navigation.compiled.clearance
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,18 +16,12 @@ PART, PART_MARKED = 4, 10
 GAIN, SURE, LIMIT = 2, 4, 6
 
 
-class Mapped(NamedTuple):
-    """What is ``occupied`` (uint8 H, W), and each cell's ``clearance`` (float32 H, W), the distance from that."""
-
-    occupied: np.ndarray
-    clearance: np.ndarray
-
-
 @jit
-def count_scan(counts, marks, mapped, x, y, angles, lengths, hits, known):
+def count_scan(counts, marks, mapped, clearance, x, y, angles, lengths, hits, known):
     """Count what the rays of a scan from (x, y) crossed and hit (bool n), and mark and clear cells by that.
 
-    ``counts``, ``marks``: uint8 (H, W). Rays that end no further than ``known`` from what is mapped hit nothing new.
+    ``counts``, ``marks``: uint8 (H, W). Rays that end no further than ``known`` from an occupied cell of ``mapped``
+    (uint8 H, W; ``clearance``: float32, the distance from these) hit nothing new.
     Returns the window (row0, row1, column0, column1; half-open) of the marks changed, (0, 0, 0, 0) where none was.
     """
     height, width = marks.shape
@@ -41,7 +34,7 @@ def count_scan(counts, marks, mapped, x, y, angles, lengths, hits, known):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])
         _pass(passed, x - left, y - top, dx, dy, lengths[i])
         px, py = x + dx * lengths[i], y + dy * lengths[i]
-        if hits[i] and 0.0 <= px < width and 0.0 <= py < height and not _is_next(mapped, px, py, known):
+        if hits[i] and 0.0 <= px < width and 0.0 <= py < height and not _is_next(mapped, clearance, px, py, known):
             ended[int(py) - top, int(px) - left] += 1
     low_r, high_r, low_c, high_c = height, 0, width, 0
     for r in range(ended.shape[0]):
@@ -88,25 +81,25 @@ def _is_changed(counts, marks, row, column, ended, passed):
 
 
 @jit
-def _is_next(mapped, x, y, reach):
+def _is_next(occupied, clearance, x, y, reach):
     """Tell whether a point on the grid is no further than ``reach`` from what is mapped."""
-    if mapped.clearance[int(y), int(x)] > reach + 0.75:
+    if clearance[int(y), int(x)] > reach + 0.75:
         return False
-    return square_distance(mapped.occupied, x, y, reach + 1.0) <= reach
+    return square_distance(occupied, x, y, reach + 1.0) <= reach
 
 
 @jit
-def hits_apart(known, x, y, angles, ranges, hits, near, apart):
-    """Return the points (float64 n, 2) that rays from (x, y) ``hit``, more than ``apart`` from what is ``known``.
+def hits_apart(occupied, clearance, x, y, angles, ranges, hits, near, apart):
+    """Return the points (float64 n, 2) that rays from (x, y) ``hit``, more than ``apart`` from what is ``occupied``.
 
     Only those closer than ``near``, on the grid, and with such a point on either side: one alone is noise.
     """
-    height, width = known.occupied.shape
+    height, width = occupied.shape
     count = angles.shape[0]
     points, found = np.empty((count, 2)), np.zeros(count + 2, dtype=np.bool_)
     for i in range(count):
         if hits[i] and ranges[i] < near:
             px, py = x + ranges[i] * math.cos(angles[i]), y + ranges[i] * math.sin(angles[i])
             points[i, 0], points[i, 1] = px, py
-            found[i + 1] = 0.0 <= px < width and 0.0 <= py < height and not _is_next(known, px, py, apart)
+            found[i + 1] = 0.0 <= px < width and 0.0 <= py < height and not _is_next(occupied, clearance, px, py, apart)
     return points[found[:-2] & found[1:-1] & found[2:]]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import Around, body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
@@ -22,7 +22,7 @@ def _arc(v, w, time):
 
 
 @jit
-def spare_after(near, body, pose, v, w, horizon, steps, least, enough):
+def _spare_after(near, body, pose, v, w, horizon, steps, least, enough):
     """Return the least body clearance along an arc of ``horizon`` s; stops where that is below ``least``."""
     dt = horizon / steps
     x, y, yaw = pose[0], pose[1], pose[2]
@@ -39,13 +39,26 @@ def spare_after(near, body, pose, v, w, horizon, steps, least, enough):
 
 
 @jit
-def best_command(near, body, pose, speeds, needs, turns, carrot, comfort, horizon, resolution):
+def can_turn(clearance, occupied, touched, body, pose, angle, close):
+    """Return whether a body keeps ``close``, or what it has now if that is less, while it turns by ``angle`` rad.
+
+    Here and below the first three are those of :class:`Around`.
+    """
+    near = Around(clearance, occupied, touched)
+    least = min(close, body_clearance(near, body, pose[0], pose[1], pose[2], close) - 1e-3)
+    steps = int(abs(angle) / 0.05) + 1
+    return _spare_after(near, body, pose, 0.0, angle, 1.0, steps, least, max(0.0, least)) >= least
+
+
+@jit
+def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns, carrot, comfort, horizon, resolution):
     """Return (index of speed, index of turn) of the best command, -1 where none is safe.
 
     ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells), ``resolution``
     (m). A command is safe when the body keeps what its speed needs (``needs``, cells) for the ``horizon`` (s) or, where
     that is negative and its amount is not there now, does not come closer. Clearance up to ``comfort`` counts.
     """
+    near = Around(clearance, occupied, touched)
     now = body_clearance(near, body, pose[0], pose[1], pose[2], comfort)
     best, best_i, best_j = np.inf, -1, -1
     for i in range(speeds.shape[0]):
@@ -62,7 +75,7 @@ def best_command(near, body, pose, speeds, needs, turns, carrot, comfort, horizo
             score = resolution * away + ANGLE * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
-            spare = spare_after(near, body, pose, speeds[i], turns[j], horizon, np.int64(STEPS), least, comfort)
+            spare = _spare_after(near, body, pose, speeds[i], turns[j], horizon, np.int64(STEPS), least, comfort)
             score += NEARNESS * resolution * max(0.0, comfort - spare)
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
@@ -70,13 +83,14 @@ def best_command(near, body, pose, speeds, needs, turns, carrot, comfort, horizo
 
 
 @jit
-def best_arc(near, body, pose, curvatures, longest, room, least):
+def best_arc(clearance, occupied, touched, body, pose, curvatures, longest, room, least):
     """Return (index of curvature, signed length) of the arc that leads soonest to where ``room`` is clear.
 
     ``pose``: x, y (cells), yaw; ``curvatures`` (1/cell); ``longest`` (cells). The body keeps ``least`` (cells) on it,
     or what it has now if that is less. Where no arc leads to so much room: the one to where there is most; the length
     is 0.0 where none leads to more than there is.
     """
+    near = Around(clearance, occupied, touched)
     now = body_clearance(near, body, pose[0], pose[1], pose[2], 2.0)
     least = min(least, now - 1e-3)
     shortest, most = np.inf, point_clearance(near.clearance, pose[0], pose[1]) + GAIN * room

@@ -16,7 +16,7 @@ CLEAR, HIT_WALL, HIT_SEGMENT, HIT_DISC = 0, 1, 2, 3
 
 
 class Surroundings(NamedTuple):
-    """What a robot can hit.
+    """What a robot can hit; Python hands its parts over one by one, as numba is slow to take in a tuple.
 
     ``occupied``: uint8 (H, W); ``segments``: float64 (n, 4): x0, y0, x1, y1; ``discs``: float64 (m, 3): x, y, radius.
     """
@@ -131,11 +131,16 @@ def _holds(around, outline, x, y, yaw, walls):
 
 
 @jit
-def body_hits(around, outline, radius, x, y, yaw, walls):
+def body_hits(occupied, segments, discs, outline, radius, x, y, yaw, walls):
     """Return what a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC.
 
     ``walls``: look for occupied cells that no edge of the body touches as well.
     """
+    return _body_hits(Surroundings(occupied, segments, discs), outline, radius, x, y, yaw, walls)
+
+
+@jit
+def _body_hits(around, outline, radius, x, y, yaw, walls):
     count = outline.shape[0]
     if count == 0:
         return _disc_hits(around, x, y, radius)
@@ -155,7 +160,7 @@ def body_hits(around, outline, radius, x, y, yaw, walls):
 
 
 @jit
-def sweep(around, outline, radius, pose, v, w, dt, grain):
+def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt, grain):
     """Return (part, hit): how much of an arc (0 .. 1) a body can go before it overlaps something, and what.
 
     Looks every ``grain`` cells, which must be less than the body's width and a cell's, or it could leap over a door
@@ -163,24 +168,25 @@ def sweep(around, outline, radius, pose, v, w, dt, grain):
     """
     if outline.shape[0] == 0 and v == 0.0:
         return 1.0, CLEAR
-    x, y, yaw = pose
+    around = Surroundings(occupied, segments, discs)
     count = max(1, math.ceil((abs(v) + abs(w) * (radius if outline.shape[0] else 0.0)) * dt / grain))
     for k in range(1, count + 1):
         half = 0.5 * w * dt * k / count
         chord = v * dt * k / count * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
         px, py = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
-        hit = body_hits(around, outline, radius, px, py, yaw + 2.0 * half, False)
+        hit = _body_hits(around, outline, radius, px, py, yaw + 2.0 * half, False)
         if hit != CLEAR:
             return (k - 1) / count, hit
     return 1.0, CLEAR
 
 
 @jit
-def cast_rays(around, x, y, angles, reach, out) -> None:
+def cast_rays(occupied, segments, discs, x, y, angles, reach, out) -> None:
     """Write into ``out`` (float64 n) how far rays from (x, y) at ``angles`` (rad) run before they meet something.
 
     A ray that meets nothing, or leaves the grid for good, has ``reach``; one that starts in something has 0.
     """
+    around = Surroundings(occupied, segments, discs)
     for i in range(angles.shape[0]):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])
         best = ray_length(around.occupied, x, y, dx, dy, reach)
