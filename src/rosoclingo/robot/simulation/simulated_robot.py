@@ -9,7 +9,7 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.simulation.compiled.shapes import CLEAR, Surroundings, cast_rays, sweep
 from rosoclingo.robot.simulation.spec import LaserSpec, Point, RobotSpec
 
-GRAIN = 0.25  # cells: so far apart at most are the places where a moving robot is looked at
+GRAIN = 0.25  # cells: the largest distance between two checked places of a moving robot
 
 
 class Laser:
