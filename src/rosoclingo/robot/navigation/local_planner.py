@@ -70,6 +70,10 @@ class LocalPlanner:
         """Return the length (m) of the path that is still to be driven; infinity without a path."""
         raise NotImplementedError
 
+    def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
+        """Return whether turning on the spot at ``rate`` rad/s touches nothing; a recovery asks before it turns."""
+        return True
+
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the points (n, 2; m) that a command leads through, for display."""
         return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])

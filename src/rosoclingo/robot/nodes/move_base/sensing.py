@@ -47,7 +47,6 @@ class Sensing:
         self._odom_frame = "odom"
         self._odom_in_map: Optional[Pose2D] = None  # as of the last look at where the robot is
         self._scan: Optional[Any] = None
-        self._angles: Tuple[Tuple[float, float, int], np.ndarray] = ((0.0, 0.0, 0), np.empty(0))
         self.velocity = Velocity()
         self.scanned_at = -math.inf
         self._since = rospy.get_time()
@@ -96,7 +95,7 @@ class Sensing:
         """Return where the robot is in the map, now (s)."""
         pose, late = Pose2D(0.0, 0.0), ""
         for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
-            found = self._newest(parent, child)
+            found = self._stamped_lookup(parent, child, NEWEST)
             if found is None:
                 self._odom_in_map = None
                 return Located(None, f"there is no transform from {parent} to {child}")
@@ -128,7 +127,8 @@ class Sensing:
         if newest is None:  # odometry of that time may still come
             return False
         self._scan = None
-        ranges, angles = np.asarray(scan.ranges, dtype=np.float64), self._beam_angles(scan)
+        ranges = np.asarray(scan.ranges, dtype=np.float64)
+        angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
         ranges = np.where(ranges < scan.range_min, np.nan, ranges)
         pose = pose or newest
         smear = abs(normalize_angle(newest.yaw - pose.yaw))
@@ -144,31 +144,23 @@ class Sensing:
         frame = frame.lstrip("/")
         if frame in ("", self._frames.map):
             return Pose2D(0.0, 0.0, 0.0)
-        return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, rospy.Time(0))
+        return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, NEWEST)
 
     def local_frame(self, name: str) -> Tuple[str, Pose2D]:
         """Return a frame (empty: odometry's) and its pose in the map; the map itself while that is unknown."""
         frame = name or self._odom_frame
         known = self._odom_in_map if frame == self._odom_frame else None
-        pose = known or self._lookup(self._frames.map, frame, rospy.Time(0))
+        pose = known or self._lookup(self._frames.map, frame, NEWEST)
         return (frame, pose) if pose else (self._frames.map, Pose2D(0.0, 0.0, 0.0))
 
-    def _beam_angles(self, scan: LaserScan) -> np.ndarray:
-        key = (scan.angle_min, scan.angle_increment, len(scan.ranges))
-        if self._angles[0] != key:
-            self._angles = (key, scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges)))
-        return self._angles[1]
-
     def _lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Pose2D]:
-        try:
-            return from_transform(self._buffer.lookup_transform_core(parent, child, stamp).transform)
-        except tf2_ros.TransformException:
-            return None
+        found = self._stamped_lookup(parent, child, stamp)
+        return found and found[0]
 
-    def _newest(self, parent: str, child: str) -> Optional[Tuple[Pose2D, float]]:
-        """Return the newest transform and its time (s), 0 for one that always holds."""
+    def _stamped_lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Tuple[Pose2D, float]]:
+        """Return a transform and its time (s), 0 for one that always holds; for the time 0 the newest."""
         try:
-            found = self._buffer.lookup_transform_core(parent, child, NEWEST)
+            found = self._buffer.lookup_transform_core(parent, child, stamp)
         except tf2_ros.TransformException:
             return None
         return from_transform(found.transform), found.header.stamp.to_sec()
