@@ -80,12 +80,11 @@ class PlanningThread(Planning):
             job = self._jobs.get()
             job.begun = time.monotonic()
             self.planner.dropped[0], self._running = False, job
-            if not job.future.set_running_or_notify_cancel():
-                continue
-            try:
-                job.future.set_result(job.work())
-            except BaseException as error:  # noqa: BLE001 a plugin may raise anything; the caller gets it
-                job.future.set_exception(error if isinstance(error, Exception) else RuntimeError(repr(error)))
+            if job.future.set_running_or_notify_cancel():
+                try:
+                    job.future.set_result(job.work())
+                except BaseException as error:  # noqa: BLE001 a plugin may raise anything; the caller gets it
+                    job.future.set_exception(error if isinstance(error, Exception) else RuntimeError(repr(error)))
             self._running = None
             if job.logged:
                 rospy.loginfo("planned after %.1f s: %s", time.monotonic() - job.begun, job.what)
