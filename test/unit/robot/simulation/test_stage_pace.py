@@ -115,18 +115,13 @@ def test_it_has_a_screen_of_its_own_and_its_exit_code_is_handed_on(stage):
 
 
 @pytest.mark.slow
-def test_free_running_needs_no_screen(stage):
-    process = stage("--speed", "0", "-u")
-    said, _ = process.communicate(timeout=120)
-    assert said.splitlines()[0].startswith("-g -u ")
-    assert said.splitlines()[1] == "display "
-
-
-@pytest.mark.slow
 def test_what_ends_it_ends_stage(stage):
-    process = stage("--speed", "0", then="echo ready; while :; do sleep 0.05; done")
-    while process.stdout.readline() != "ready\n":
-        pass
+    """Free running, which needs no screen."""
+    process, lines = stage("--speed", "0", "-u", then="echo ready; while :; do sleep 0.05; done"), []
+    while "ready\n" not in lines:
+        lines.append(process.stdout.readline())
+    assert lines[0].startswith("-g -u ")
+    assert lines[1] == "display \n"
     os.killpg(process.pid, signal.SIGINT)
     process.communicate(timeout=120)
     assert process.returncode == 7
@@ -150,16 +145,15 @@ def test_what_ends_it_while_stage_begins_ends_stage(monkeypatch):
             signal.signal(number, handler)
 
 
-def test_without_stage_it_says_so(stage):
-    process = stage(then=None)
+@pytest.mark.parametrize(
+    ("there", "speed", "words"),
+    [
+        (False, "0", ["there is no package stage_ros: source the setup.bash"]),
+        (True, "1", ["there is no xvfb-run", "stage_window:=true"]),
+    ],
+)
+def test_it_says_what_is_missing(stage, tmp_path, there, speed, words):
+    process = stage("--speed", speed, then="exit 3" if there else None, path=str(tmp_path))
     _, said = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert "there is no package stage_ros: source the setup.bash" in said
-
-
-def test_without_a_virtual_screen_it_says_so(stage, tmp_path):
-    process = stage("--speed", "1", path=str(tmp_path))
-    _, said = process.communicate(timeout=120)
-    assert process.returncode == 1
-    assert "there is no xvfb-run" in said
-    assert "stage_window:=true" in said
+    assert all(part in said for part in words)
