@@ -136,15 +136,15 @@ class RunView(RunEvents):
 
     def goal(self, time: float, key: str, text: str) -> None:
         """Record a goal that a client sent, once."""
-        self._goal(time, key, text)
+        self._goal(time, key, text, time)
 
-    def _goal(self, time: float, key: str, text: str, after: Iterable[str] = ()) -> None:
+    def _goal(self, time: float, key: str, text: str, heard: float, after: Iterable[str] = ()) -> None:
         if key not in self._goals:
             now, shown = self._now(time, begins=True), shortened(text, SHOWN)
             self._goals[key] = self.tables["goals"].add(
                 id=key, request=shown, sent=now, ended=None, states=[[now, PENDING, ""]]
             )
-            self._log.add(now, "request", shown, after, _as_fed(text))
+            self._log.add(self._now(heard), "request", shown, after, _as_fed(text))
 
     def goals(self, time: float, told: Sequence[GoalTold]) -> None:
         """Record how all goals stand; those that have ended before the first time are history.
@@ -160,7 +160,7 @@ class RunView(RunEvents):
             if (is_new and key in self._history) or not (self._met or still):
                 continue
             if is_new:
-                self._goal(came if 0.0 < came < time else time, key, text, after)
+                self._goal(came if 0.0 < came < time else time, key, text, time, after)
             if number == STATUS_WORDS.index(PENDING):
                 self.feedback(time, key, f"{WAITING}: {reason}" if reason else PENDING)
             elif is_new or not still:

@@ -85,6 +85,8 @@ class ExactlyOnce(unittest.TestCase):
         process = process_of(NODE)
         self.readers = self.servers["arm"].readers()
         os.kill(process, signal.SIGSTOP)
+        stat = Path(f"/proc/{process}/stat")
+        wait_until(lambda: stat.read_text().rpartition(")")[2].split()[0] == "T", "the node to stand still")
         before_it_dies()
         os.kill(process, signal.SIGKILL)
         wait_until(lambda: is_another(NODE, process), "the node to be started again")

@@ -202,7 +202,7 @@ def test_an_action_that_is_sent_again_is_the_same_but_in_another_run(account, li
 def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
     told = [
         GoalTold("a", "g(1)", 3, "g(1) is met"),
-        GoalTold("b", "g(2)", 1, "g(2) is accepted"),
+        GoalTold("b", "g(2)", 1, "g(2) is accepted", 4900.0),
         GoalTold("c", "g(3)", 0, "8 goals at a time are planned for"),
     ]
     account.goals(5000.0, told)
