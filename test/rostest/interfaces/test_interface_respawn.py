@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An interface node that is killed in the middle of an action is started again, and the plan goes on."""
+"""A goal ends with the reason while servers are absent; an interface that is killed is started again, and serves."""
 
 import os
 import signal
@@ -8,34 +8,35 @@ import unittest
 from pathlib import Path
 
 import rostest
-from actionlib import ActionClient, GoalStatus
-from actionlib.action_client import CommState
+from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseAction
-from rosoclingo.msg import DeliverAction, PickupAction, ROSoClingoAction, ROSoClingoGoal
+from rosoclingo.msg import DeliverAction, PickupAction
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import CoreSide, Server, init_node, process_of, wait_for_server, wait_until
+from core_helpers import Client
+from interface_helpers import CoreSide, Server, init_node, process_of
+
+GOAL = "goal(office1,office2,1)"
 
 
 class InterfaceRespawn(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         init_node("robot_side")
+        cls.client = Client()
+        cls.absent = cls.client.send(GOAL).ends_as(GoalStatus.ABORTED)
         cls.move_base = Server("move_base", MoveBaseAction)
         cls.pickup = Server("pickup", PickupAction)
         cls.deliver = Server("deliver", DeliverAction)
-        cls.client = ActionClient("rosoclingo", ROSoClingoAction)
-        wait_for_server(cls.client)
         cls.returns = CoreSide()
         cls.returns.wait_for("move_base_interface")
 
-    def end(self, handle):
-        wait_until(lambda: handle.get_comm_state() == CommState.DONE, "the goal to end")
-        return handle.get_terminal_state()
+    def test_a_goal_without_servers_is_aborted(self):
+        self.assertIn("package 1 could not be picked up at office1: server_lost", self.absent)
 
     def test_killed_and_started_again(self):
-        handle = self.client.send_goal(ROSoClingoGoal("goal(office1,office2,1)"))
+        sent = self.client.send(GOAL)
         goal, readers = self.pickup.accept(), self.pickup.readers()
         os.kill(process_of("pickup_interface"), signal.SIGKILL)
         self.pickup.wait_for_new_reader("pickup_interface", readers)
@@ -44,12 +45,12 @@ class InterfaceRespawn(unittest.TestCase):
         os.kill(process_of("move_base_interface"), signal.SIGINT)
         self.move_base.cancelled().set_canceled()
         told = self.returns.receive()
-        if told == ["_return(pickup,1,1)"]:  # the new node may have told it before it was connected to the test
+        if told[0].startswith("_return(pickup,1,"):  # the new node may have told it before it was connected to the test
             told = self.returns.receive()
-        self.assertEqual(told, ["_return(move_base,interface_lost,2)"])
+        self.assertRegex(told[0], r"^_return\(move_base,interface_lost,\d+\)$")
         self.move_base.accept().set_succeeded()  # planned anew
         self.deliver.accept().set_succeeded()
-        self.assertEqual(self.end(handle), GoalStatus.SUCCEEDED)
+        sent.ends_as(GoalStatus.SUCCEEDED)
 
 
 if __name__ == "__main__":
