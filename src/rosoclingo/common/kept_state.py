@@ -1,11 +1,14 @@
 """State that a node which is killed leaves to its successor, in a private parameter."""
 
 import threading
-from typing import Any
+import time
+from functools import partial
+from typing import Any, Callable
 
 import rosgraph
 import rospy
 
+from rosoclingo.common.worker import Worker
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 __all__ = ["KeptState"]
@@ -17,8 +20,8 @@ PERIOD = 2.0
 class KeptState:
     """Keeps a value in a private parameter of this node, and removes it at the end.
 
-    A master may take seconds to answer, so this has a thread of its own. If the master does not answer, or has lost the
-    parameter, the thread tries again; the log reports that once.
+    A master can take seconds to answer, so this has a worker of its own. If the master does not answer, or has lost the
+    parameter, the worker tries again; the log reports that once.
     """
 
     def __init__(self, name: str, loss: str) -> None:
@@ -26,58 +29,55 @@ class KeptState:
         self._node, self._loss = rospy.get_name(), loss
         self._parameter = rospy.resolve_name(name)
         self._master = api(rosgraph.get_master_uri())
-        self._changed = threading.Condition()
         self._value: Any = None
         self._saved: Any = None  # the value that the master has
-        self._ended = self._failing = False
-        self._thread = threading.Thread(target=self._run, name="kept state", daemon=True)
-        self._thread.start()
+        self._check_at, self._failing = 0.0, False
+        self._worker = Worker(self._check)
+        self._worker.start()
 
     def keep(self, value: Any, patience: float = 0.0) -> None:
         """Keep a value of XML-RPC's types in place of the last one.
 
         Waits until that is done or has failed, at most ``patience`` seconds of wall time.
         """
-        with self._changed:
-            self._value = value
-            self._changed.notify_all()
-            self._changed.wait_for(lambda: self._saved is self._value or self._failing or self._ended, patience)
+        self._value, done = value, threading.Event()
+        self._worker.put(partial(self._save, done))
+        done.wait(patience)
 
     def end(self) -> None:
         """Remove the parameter: a node that ends, and was not killed, has no successor."""
-        with self._changed:
-            self._ended = True
-            self._changed.notify_all()
-        self._thread.join(PERIOD)
+        self._value = None
+        self._worker.put(lambda: self._ask(lambda: self._master.deleteParam(self._node, self._parameter)))
+        self._worker.stop(PERIOD)
 
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._changed.wait_for(self._is_due, PERIOD)
-                value, ended = self._value, self._ended
-            try:
-                if ended:
-                    self._master.deleteParam(self._node, self._parameter)
-                elif value is not None:
-                    self._save(value)
-            except FAULTS as error:
-                self._fail(error)
-            if ended:
-                return
+    def _save(self, done: threading.Event) -> None:
+        """Save the latest value, which can be another than when this was asked for, once."""
+        if self._saved is not self._value:
+            self._ask(self._set)
+        done.set()
 
-    def _is_due(self) -> bool:
-        return self._ended or (self._saved is not self._value and not self._failing)
+    def _check(self) -> float:
+        now = time.monotonic()
+        if now >= self._check_at and self._value is not None:
+            self._check_at = now + PERIOD
+            self._ask(self._set_if_lost)
+        return PERIOD
 
-    def _save(self, value: Any) -> None:
-        if value is not self._saved or self._master.getParam(self._node, self._parameter)[2] != value:
+    def _set(self) -> None:
+        value = self._value
+        if value is not None:  # else the node ends
             self._master.setParam(self._node, self._parameter, value)
-        with self._changed:
-            self._saved, self._failing = value, False
-            self._changed.notify_all()
+            self._saved = value
 
-    def _fail(self, error: Exception) -> None:
-        with self._changed:
-            new, self._failing = not (self._failing or self._ended), True
-            self._changed.notify_all()
-        if new:
-            rospy.logerr("%s: %s: the master does not answer: %s; it is tried again", self._node, self._loss, error)
+    def _set_if_lost(self) -> None:
+        if self._saved is not self._value or self._master.getParam(self._node, self._parameter)[2] != self._value:
+            self._set()
+
+    def _ask(self, call: Callable[[], object]) -> None:
+        try:
+            call()
+            self._failing = False
+        except FAULTS as error:
+            if not self._failing:
+                rospy.logerr("%s: %s: the master does not answer: %s; it is tried again", self._node, self._loss, error)
+            self._failing = True
