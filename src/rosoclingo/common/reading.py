@@ -77,8 +77,8 @@ class Reader:
             self._known.append(key)
         inside = self.value.get(key, MISSING) if isinstance(self.value, Mapping) else MISSING
         # Of what is no mapping no key is missing: it is a fault as a whole.
-        told = self.faults if isinstance(self.value, Mapping) or not self.given else []
-        return Reader(inside, self._of(key), self.source, self._where, self._joint, told)
+        faults = self.faults if isinstance(self.value, Mapping) or not self.given else []
+        return Reader(inside, self._of(key), self.source, self._where, self._joint, faults)
 
     def close(self, wanted: str = "", also: Iterable[str] = ()) -> None:
         """Note which keys there are besides those asked for and ``also``, or that this is no mapping at all."""

@@ -4,7 +4,7 @@ What is connected stays connected without a master. But a new one knows no node,
 
 Publishers that rospy has missed are connected as well. Where a topic is subscribed to and published at the same moment,
 the master's news of the publisher can come before its reply to the subscription, which has none: rospy takes what came
-last, connects to nobody, and is never told again.
+last, connects to nobody, for good.
 """
 
 import threading
@@ -47,7 +47,7 @@ class Registration:
         self._seen: Any = None  # own entries at the last question
         self._looks = LOOKS  # still to come
         self._lost = False
-        self._told: Entries = set()  # publishers that rospy was told of
+        self._asked: Entries = set()  # publishers to which rospy was asked to connect
         rospy.on_shutdown(self._ended.set)
         threading.Thread(target=self._run, name="registration", daemon=True).start()
 
@@ -83,8 +83,8 @@ class Registration:
             self._lose("the ROS master was restarted and does not know all of this node: it is told again")
             self._register(*missing)
         # rospy asks a node that does not answer again itself, so one subscription is enough
-        self._subscribe({(topic, kind) for topic, kind, _ in unheard - self._told})
-        self._told = (self._told | unheard) & self._lacking[3]
+        self._subscribe({(topic, kind) for topic, kind, _ in unheard - self._asked})
+        self._asked = (self._asked | unheard) & self._lacking[3]
         if self._parameters is None:
             self._parameters = _parameters(self._name)
         self._lost = False

@@ -76,7 +76,7 @@ def run_node(
 ) -> int:
     """Be the node until shutdown; the exit code: 0, or 1 where making it raised one of ``errors`` or its worker failed.
 
-    Parameters that it has not read by then are told.
+    Parameters that it has not read by then are logged.
     """
     import rospy
 

@@ -186,7 +186,7 @@ class Interface(abc.ABC):
             goal = self.make_goal(action)
             if not isinstance(goal, self._goal_class):
                 raise TypeError(f"make_goal gave {goal!r}: return a {self._goal_class.__name__}")
-            goal.serialize(io.BytesIO())  # a value that does not fit its field is told now: rospy could send no more
+            goal.serialize(io.BytesIO())  # a value that does not fit fails here: rospy's publisher would be broken
         except RefusalError as error:
             self._conclude(action, Ended(error.reason, str(error)), sender)
         except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer

@@ -8,7 +8,7 @@ An entry with all fields::
       goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
       timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
       server_timeout: 5.0                # seconds until a silent server counts as lost
-      pause: 3.0                         # seconds for which the server is left to somebody else who has taken it
+      pause: 3.0                         # seconds for which the server is left to another client that has taken it
       retries: 0                         # how often a goal that failed is sent again ...
       retry_on: [failed]                 # ... for these reasons only
       repeatable: false                  # whether it may be done twice without harm
@@ -140,11 +140,11 @@ def _rule(reader: Reader) -> Rule:
         returns.fault("has to be omitted with `success: true`: the action counts as done and returns its parameter")
     default = DEFAULT_RETURNS[SUCCEEDED] if success else DEFAULT_RETURNS.get(str(named), "failed")
     result = returns.value if returns.given else default
-    told = facts.texts((), "a list of atoms as text")
-    wrong = faults(result, ANSWER_NAMES, returns.named) + faults(told, ANSWER_NAMES, facts.named)
-    broken = [(index, fact_fault(fact)) for index, fact in enumerate(told)]
+    texts = facts.texts((), "a list of atoms as text")
+    wrong = faults(result, ANSWER_NAMES, returns.named) + faults(texts, ANSWER_NAMES, facts.named)
+    broken = [(index, fact_fault(fact)) for index, fact in enumerate(texts)]
     reader.faults += wrong or [f"{facts.named}[{index}]: {fault}" for index, fault in broken if fault]
-    rule = Rule(result, named, _pattern(text.value if text.given else None, text), wanted, told, success)
+    rule = Rule(result, named, _pattern(text.value if text.given else None, text), wanted, texts, success)
     reader.close()
     return rule
 

@@ -23,7 +23,7 @@ class Outbox:
     What an interface says when it ends must not wait in a queue of rospy's, which ends with the node.
 
     A node that has just started is connected in one direction before the other; an answer sent then would be lost.
-    Whoever connects is told the interface's name.
+    Each node that connects gets the interface's name.
     """
 
     def __init__(self, topic: str, interface: str) -> None:

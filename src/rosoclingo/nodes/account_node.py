@@ -41,7 +41,7 @@ class TopicAccount:
                 self._topics.takes[topic](time, message)
 
     def tick(self, time: float) -> None:
-        """Time passes: what waited for what belongs before it is told; callable from any thread."""
+        """Pass on the lines that have waited for long enough at this time; callable from any thread."""
         with self._lock:
             self.account.clock(time)
 

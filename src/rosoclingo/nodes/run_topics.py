@@ -4,7 +4,7 @@ from typing import Any, Callable, Dict, Optional
 
 from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
-from rosoclingo.runs.events import GoalTold, RunEvents
+from rosoclingo.runs.events import GoalReport, RunEvents
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import yaw_of
 from rosoclingo.runs.recorded_run import problem_in
@@ -65,8 +65,10 @@ class RunTopics:
         self.events.status(time, one.goal_id.id, one.status, one.text)
 
     def _goals(self, time: float, message: Any) -> None:
-        told = [GoalTold(one.id.id, one.request, one.status, one.reason, one.came.to_sec()) for one in message.goals]
-        self.events.goals(time, told)
+        reports = [
+            GoalReport(one.id.id, one.request, one.status, one.reason, one.came.to_sec()) for one in message.goals
+        ]
+        self.events.goals(time, reports)
 
     def _plan(self, time: float, message: Any) -> None:
         times = (message.ground_time, message.solve_time)

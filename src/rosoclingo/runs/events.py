@@ -6,7 +6,7 @@ pages and accounts; a run collector makes the cycles of a replay.
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ["ENDED", "STATUS_WORDS", "GoalTold", "RunEvents", "because", "reason_of"]
+__all__ = ["ENDED", "STATUS_WORDS", "GoalReport", "RunEvents", "because", "reason_of"]
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus).
 STATUS_WORDS = (
@@ -26,7 +26,7 @@ STATUS_WORDS = (
 ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})
 
 
-class GoalTold(NamedTuple):
+class GoalReport(NamedTuple):
     """How a goal stands: its status as in actionlib_msgs/GoalStatus; ``came`` is when the core had it, else 0."""
 
     key: str
@@ -48,7 +48,7 @@ class RunEvents:
     def goal(self, time: float, key: str, text: str) -> None:
         """Take a goal that a client sent."""
 
-    def goals(self, time: float, told: Sequence[GoalTold]) -> None:
+    def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
         """Take how all goals stand."""
 
     def cancel(self, time: float, key: str) -> None:

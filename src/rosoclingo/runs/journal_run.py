@@ -55,7 +55,7 @@ def journal_run(file: Path) -> RecordedRun:
     header, moments = _history(file)
     first = next(moments)
     start = log_of(first.state) if group(first.state, "log") else None
-    collector = RunCollector(start, _told(first.state))
+    collector = RunCollector(start, _latest(first.state))
     reader = _Reader(collector, header)
     reader.take(first)
     for moment in moments:
@@ -151,7 +151,7 @@ class _Reader:
 
     def _begin(self, time: float, state: Record) -> None:
         """Pass on the plan and the actions of the first state."""
-        self.first, self._cycle = max(1, state["core"]["step"]), _told(state)
+        self.first, self._cycle = max(1, state["core"]["step"]), _latest(state)
         self._entries.update(group(state, "log"))
         if state["plan"] is not None and (self._cycle or plan_of(state["plan"]).actions):
             self._decided(time, self.first, state)
@@ -189,11 +189,11 @@ class _Reader:
         self._entries.update(entries)
         accepted = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
         self._updates += [one.update for one in accepted if isinstance(one, AcceptedUpdate) and one.update is not None]
-        if _told(state) > self._cycle:
+        if _latest(state) > self._cycle:
             for update in self._in_force():
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
-            self._cycle, self._updates, self._plan, self.has_update = _told(state), [], None, True
+            self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True
         if (
             self.has_update and state["core"]["step"] == self._cycle
         ):  # else an update was dropped, and its cycle comes again
@@ -240,7 +240,7 @@ class _Reader:
                 self._events.status(time, key, _NUMBERS[client.ending.state], client.ending.message)
 
 
-def _told(state: Record) -> int:
+def _latest(state: Record) -> int:
     """Return the cycle of the last update in force."""
     return int(state["core"]["published"])
 
@@ -248,5 +248,5 @@ def _told(state: Record) -> int:
 def _facts(update: StreamUpdate) -> List[str]:
     """Return what an update states that came from outside: returns first, then other facts."""
     heads = [one.head for one in update.items if isinstance(one, Statement) and one.head is not None]
-    told = [head for head in heads if not is_keyword(head, REQUEST)]
-    return [str(head) for head in sorted(told, key=lambda head: not is_keyword(head, RETURN))]
+    facts = [head for head in heads if not is_keyword(head, REQUEST)]
+    return [str(head) for head in sorted(facts, key=lambda head: not is_keyword(head, RETURN))]

@@ -1,4 +1,4 @@
-"""A run as it was recorded: its program and, cycle by cycle, what the core was told and what it decided.
+"""A run as it was recorded: its program and, cycle by cycle, its input and its decisions.
 
 A :class:`RunCollector` puts it together from the events of the run.
 """
@@ -119,7 +119,7 @@ def _apart(names: Sequence[str]) -> List[Path]:
 
 
 class RecordedPlan(NamedTuple):
-    """A plan that was told: its actions from its cycle on, none where there was none, and the last step ground."""
+    """A published plan: its actions from its cycle on, none without a plan, and the last step ground."""
 
     horizon: int
     actions: Tuple[str, ...]
@@ -132,9 +132,9 @@ class RecordedCycle:
     Attributes:
         cycle: its number.
         updates: the solver's updates, one unless the program begins again.
-        plans: the plans that were told, in order; the last one counts.
+        plans: the published plans, in order; the last one counts.
         dispatched: the actions that went out, None where that is not known.
-        problems: what the core told of in its log.
+        problems: the problems in the core's log.
 
     """
 
@@ -174,8 +174,8 @@ class RecordedRun:
 class _Open:
     """A run of which more may come: cycles by number, since topics overtake each other."""
 
-    def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, told: int = 0) -> None:
-        self.program, self.start, self.told = program, start, told
+    def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, latest: int = 0) -> None:
+        self.program, self.start, self.latest = program, start, latest
         self._leading: List[StreamUpdate] = []  # of a program that begins again, up to the present cycle
         self.last: Optional[RecordedCycle] = None  # whose plan came last of all
         self._cycles: Dict[int, RecordedCycle] = {}
@@ -189,8 +189,8 @@ class _Open:
         """Take an update; a program that begins again passes through the earlier cycles in a few of them."""
         step = update.step or 1
         self._leading.append(update)
-        if step > self.told:
-            self.told = step
+        if step > self.latest:
+            self.latest = step
             self.at(step).updates += self._leading
             self._leading = []
 
@@ -216,9 +216,9 @@ class RunCollector(RunEvents):
     Topics may overtake each other, but each is in order itself. A core that is started again begins another run.
     """
 
-    def __init__(self, start: Optional[History] = None, told: int = 0) -> None:
-        """Begin before the first cycle, or with a history after the update of the cycle ``told``."""
-        self._runs: List[_Open] = [] if start is None else [_Open(start=start, told=told)]
+    def __init__(self, start: Optional[History] = None, latest: int = 0) -> None:
+        """Begin before the first cycle, or with a history after the update of the cycle ``latest``."""
+        self._runs: List[_Open] = [] if start is None else [_Open(start=start, latest=latest)]
 
     def program(self, time: float, text: str) -> None:
         """Take what a core said of its program when it began."""
@@ -228,7 +228,7 @@ class RunCollector(RunEvents):
         if (
             self._runs
             and self._runs[-1].program is None
-            and (self._runs[-1].start is not None or not self._runs[-1].told)
+            and (self._runs[-1].start is not None or not self._runs[-1].latest)
         ):
             self._runs[-1].program = found
             return
@@ -240,14 +240,14 @@ class RunCollector(RunEvents):
             update = parse_update(text)
         except OclingoError as error:
             raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
-        if update.step == 1 and self._run.told and Anew() not in update.items:
+        if update.step == 1 and self._run.latest and Anew() not in update.items:
             self._begin()
         self._run.update(update)
 
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
-        """Take a plan that was told, with the last actions done."""
+        """Take a published plan, with the last actions done."""
         ahead = tuple(text for text in actions if _cycle_of(text) >= cycle)
         found = self._run.at(cycle)
         found.plans.append(RecordedPlan(horizon, ahead))

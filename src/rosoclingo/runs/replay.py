@@ -70,7 +70,7 @@ class CycleReport:
         verdict: how what was decided compares with what is found now.
         why: in words, where they differ.
         explained: whether the difference, if there is one, is as it may be.
-        told: the answer with the plan that was told, None where there is none.
+        published: the answer with the published plan, None where there is none.
         found: the answer that was found now, None where there is none.
 
     """
@@ -79,7 +79,7 @@ class CycleReport:
     verdict: CycleVerdict
     why: str = ""
     explained: bool = True
-    told: Optional[Shown] = None
+    published: Optional[Shown] = None
     found: Optional[Shown] = None
 
     def line(self) -> str:
@@ -121,7 +121,7 @@ class Replay:
                 return
 
     def _replayed(self, cycle: RecordedCycle) -> CycleReport:
-        plans = [_Told.of(plan) for plan in cycle.plans]
+        plans = [_Published.of(plan) for plan in cycle.plans]
         try:
             for update in cycle.updates:
                 self._begin_with(plans[-1] if plans else None, update)
@@ -134,19 +134,19 @@ class Replay:
             return CycleReport(cycle.cycle, CycleVerdict.WRONG, str(error), explained=False)
         return replace(report, found=_shown(result))
 
-    def _begin_with(self, told: Optional["_Told"], update: StreamUpdate) -> None:
-        """Let the search begin with the plan that was told, as the core's may have begun with one that it knew."""
+    def _begin_with(self, published: Optional["_Published"], update: StreamUpdate) -> None:
+        """Let the search begin with the published plan, as the core's may have begun with one that it knew."""
         log = self._solver.log
-        if told is not None and told.actions and log.plan is not None:
+        if published is not None and published.actions and log.plan is not None:
             step = update.step or 1
-            if log.plan.rest(step).actions != told.actions:
-                self._solver.restore(log.adopt(Plan(told.actions, told.horizon)))
+            if log.plan.rest(step).actions != published.actions:
+                self._solver.restore(log.adopt(Plan(published.actions, published.horizon)))
 
-    def _judged(self, cycle: RecordedCycle, plans: Sequence["_Told"], result: SolveResult) -> CycleReport:
+    def _judged(self, cycle: RecordedCycle, plans: Sequence["_Published"], result: SolveResult) -> CycleReport:
         """Compare what was decided in a cycle with what was found now."""
-        number, told = cycle.cycle, plans[-1] if plans else None
-        if told is None or not told.actions:
-            return self._without(cycle, told, result)
+        number, published = cycle.cycle, plans[-1] if plans else None
+        if published is None or not published.actions:
+            return self._without(cycle, published, result)
         found = _actions(result, number)
         for plan in dict.fromkeys(plans):
             if plan.actions and plan.actions != found:
@@ -154,18 +154,18 @@ class Replay:
                 if answer is None:
                     return CycleReport(number, CycleVerdict.WRONG, self._first_wrong(number, plan), explained=False)
                 shown = answer
-        if told.actions == found:
-            report = CycleReport(number, CycleVerdict.SAME, told=_shown(result))
+        if published.actions == found:
+            report = CycleReport(number, CycleVerdict.SAME, published=_shown(result))
         else:
-            report = replace(self._compared(number, told, result), told=shown)
-        return self._sent(cycle, told, report)
+            report = replace(self._compared(number, published, result), published=shown)
+        return self._sent(cycle, published, report)
 
-    def _compared(self, number: int, told: "_Told", result: SolveResult) -> CycleReport:
+    def _compared(self, number: int, published: "_Published", result: SolveResult) -> CycleReport:
         """Compare two plans that are different."""
-        if result.outcome is SolveOutcome.SATISFIABLE and told.horizon == result.horizon:
+        if result.outcome is SolveOutcome.SATISFIABLE and published.horizon == result.horizon:
             return CycleReport(number, CycleVerdict.AS_SHORT)
-        then, now = told.horizon - number + 1, result.horizon - number + 1
-        if result.outcome is SolveOutcome.SATISFIABLE and told.horizon > result.horizon:
+        then, now = published.horizon - number + 1, result.horizon - number + 1
+        if result.outcome is SolveOutcome.SATISFIABLE and published.horizon > result.horizon:
             in_time = self._plan_time is not None
             why = f"the best known in time had {then} steps, now one of {now} is found"
             if not in_time:
@@ -175,28 +175,28 @@ class Replay:
         why = f"{then} steps; now none is found in time" if not result.answers else f"{then} steps, {now} are found now"
         return CycleReport(number, CycleVerdict.SHORTER, why, explained=limited)
 
-    def _without(self, cycle: RecordedCycle, told: Optional["_Told"], result: SolveResult) -> CycleReport:
+    def _without(self, cycle: RecordedCycle, published: Optional["_Published"], result: SolveResult) -> CycleReport:
         """Judge a cycle without a plan: nothing was to be done, there was none, or the search for it was left."""
         number, answered = cycle.cycle, result.outcome is SolveOutcome.SATISFIABLE
         if cycle.dispatched:
-            why = f"{', '.join(cycle.dispatched)}, and no plan was told"
+            why = f"{', '.join(cycle.dispatched)}, and no plan was published"
             return CycleReport(number, CycleVerdict.SENT, why, explained=False)
         if not answered or not _actions(result, number):
             verdict = CycleVerdict.SAME if answered else CycleVerdict.NONE
-            return CycleReport(number, verdict, told=_shown(result))
-        idle = None if told is None else self._answer_with(number, told)
+            return CycleReport(number, verdict, published=_shown(result))
+        idle = None if published is None else self._answer_with(number, published)
         if idle is not None:
-            return replace(self._compared(number, _Told(frozenset(), idle.horizon), result), told=idle)
+            return replace(self._compared(number, _Published(frozenset(), idle.horizon), result), published=idle)
         left = [text for text in cycle.problems if any(words in text for words in _ENDED)]
-        why = left[-1] if left else "and the core told of no search that was ended"
-        if told is None and not left:  # the log says the same only once a minute
-            why = "the search was left, as no plan was told of it"
-        return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(left) or told is None)
+        why = left[-1] if left else "and the core reported no search that was ended"
+        if published is None and not left:  # the log says the same only once a minute
+            why = "the search was left, as no plan of it was published"
+        return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(left) or published is None)
 
     @staticmethod
-    def _sent(cycle: RecordedCycle, told: "_Told", report: CycleReport) -> CycleReport:
+    def _sent(cycle: RecordedCycle, published: "_Published", report: CycleReport) -> CycleReport:
         """Look whether what went out is what the plan has for the cycle."""
-        planned = {str(action) for action in told.actions if cycle_of(action) == cycle.cycle}
+        planned = {str(action) for action in published.actions if cycle_of(action) == cycle.cycle}
         if cycle.dispatched is None or planned == set(cycle.dispatched):
             return report
         why = f"{', '.join(cycle.dispatched)} in place of {', '.join(sorted(planned)) or 'none'}"
@@ -204,15 +204,15 @@ class Replay:
 
     # ---- Questions: what they state holds until the next update -----------------------------------------------------
 
-    def _answer_with(self, number: int, told: "_Told") -> Optional[Shown]:
-        """Return an answer with exactly the actions that were told from a cycle on; None where there is none."""
+    def _answer_with(self, number: int, published: "_Published") -> Optional[Shown]:
+        """Return an answer with exactly the actions that were published from a cycle on; None where there is none."""
         others: Actions = frozenset()
-        self._solver.restore(self._solver.log.adopt(Plan(told.actions, told.horizon)))
+        self._solver.restore(self._solver.log.adopt(Plan(published.actions, published.horizon)))
         while True:
-            result = self._ask(number, told.horizon, told.actions, others)
+            result = self._ask(number, published.horizon, published.actions, others)
             if result.outcome is not SolveOutcome.SATISFIABLE:
                 return None
-            more = _actions(result, number) - told.actions
+            more = _actions(result, number) - published.actions
             if not more:
                 return _shown(result)
             others |= more
@@ -223,11 +223,11 @@ class Replay:
         unwanted = [Statement(None, (Literal(action),)) for action in sorted(others)]
         return self._search(StreamUpdate(number, max(0, horizon - number), (Volatile(), *wanted, *unwanted)))
 
-    def _first_wrong(self, number: int, told: "_Told") -> str:
-        """Say up to which action there is a plan like the one that was told."""
-        ordered = sorted(told.actions, key=lambda action: (cycle_of(action), str(action)))
+    def _first_wrong(self, number: int, published: "_Published") -> str:
+        """Say up to which action there is a plan like the published one."""
+        ordered = sorted(published.actions, key=lambda action: (cycle_of(action), str(action)))
         for count in range(1, len(ordered) + 1):
-            if not self._ask(number, told.horizon, frozenset(ordered[:count])).answers:
+            if not self._ask(number, published.horizon, frozenset(ordered[:count])).answers:
                 return f"none has {ordered[count - 1]}" + (" after what comes before it" if count > 1 else "")
         return "it leaves something undone, or there is more in every plan that has its actions"
 
@@ -242,14 +242,14 @@ class Replay:
         return lambda: time.process_time() >= end
 
 
-class _Told(NamedTuple):
-    """A plan that was told: what was still to be done, and its horizon."""
+class _Published(NamedTuple):
+    """A published plan: what was still to be done, and its horizon."""
 
     actions: Actions
     horizon: int
 
     @classmethod
-    def of(cls, plan: RecordedPlan) -> "_Told":
+    def of(cls, plan: RecordedPlan) -> "_Published":
         return cls(frozenset(_atoms(plan.actions)), plan.horizon)
 
 

@@ -1,6 +1,6 @@
 """A run as pages show it: tables of goals, cycles, actions, places and lines, as JSON.
 
-Times are seconds of the run's clock since the first thing that anybody asked, told or did.
+Times are seconds of the run's clock since the first request, fact or action.
 """
 
 import json
@@ -23,7 +23,7 @@ from rosoclingo.reasoning.keywords import (
 )
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
-from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalTold, RunEvents, because, reason_of
+from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalReport, RunEvents, because, reason_of
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplified
@@ -146,13 +146,13 @@ class RunView(RunEvents):
             )
             self._log.add(self._now(heard), "request", shown, after, _as_fed(text))
 
-    def goals(self, time: float, told: Sequence[GoalTold]) -> None:
+    def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
         """Record how all goals stand; those that have ended before the first time are history.
 
         The topics of the action server, which may be ahead of this one, tell more closely how one goes on.
         """
         after = () if self._met else (BEGUN,)  # goals of before wait for the cycle
-        for key, text, number, reason, came in told:
+        for key, text, number, reason, came in reports:
             still = 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] not in ENDED
             is_new = key not in self._goals
             if is_new and not self._met and not still:
@@ -271,7 +271,7 @@ class RunView(RunEvents):
         self._draw()
 
     def problem(self, time: float, cycle: int, text: str) -> None:
-        """Record what the core told of in its log."""
+        """Record a problem from the core's log."""
         now = self._now(time)
         self._cycle(cycle, now)["problems"].append([now, shortened(text, SHOWN)])
         self._log.add(now, "note", shortened(text, SHOWN))

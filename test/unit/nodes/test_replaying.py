@@ -117,7 +117,7 @@ def test_a_decision_that_is_no_plan_is_an_error(replay, write):
     assert text.endswith("1 unexplained: cycles 2")
     code, text = replay(write(change=change), "--to", 2)
     assert code == 1
-    assert "Answer as it was told: none" in text
+    assert "Answer as it was published: none" in text
     assert "Answer as it is found now, horizon" in text
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from rosoclingo.runs.account import Account
-from rosoclingo.runs.events import GoalTold
+from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.log_lines import PATIENCE
 from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.sentences import Sentences
@@ -172,9 +172,9 @@ def test_differences(account):
 
 def test_differences_leave_out_an_earlier_goal_whose_end_comes_late():
     account = Account(lambda line: None)
-    account.goals(0.0, [GoalTold("old", "g(1)", 1, "")])
+    account.goals(0.0, [GoalReport("old", "g(1)", 1, "")])
     account.goal(1.0, "new", "g(2)")
-    account.goals(2.0, [GoalTold("old", "g(1)", 5, ""), GoalTold("new", "g(2)", 3, "")])
+    account.goals(2.0, [GoalReport("old", "g(1)", 5, ""), GoalReport("new", "g(2)", 3, "")])
     expect = {"goals": ["succeeded"]}
     assert account.summary.differences(expect, sent=["new"]) == []
     assert account.summary.differences(expect) != []
@@ -201,16 +201,16 @@ def test_an_action_that_is_sent_again_is_the_same_but_in_another_run(account, li
 
 def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
     told = [
-        GoalTold("a", "g(1)", 3, "g(1) is met"),
-        GoalTold("b", "g(2)", 1, "g(2) is accepted", 4900.0),
-        GoalTold("c", "g(3)", 0, "8 goals at a time are planned for"),
+        GoalReport("a", "g(1)", 3, "g(1) is met"),
+        GoalReport("b", "g(2)", 1, "g(2) is accepted", 4900.0),
+        GoalReport("c", "g(3)", 0, "8 goals at a time are planned for"),
     ]
     account.goals(5000.0, told)
     account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
     account.dispatched(5000.1, ["_action_lib(go,y,412)"])
     account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
     account.status(5001.0, "a", 3, "g(1) is met")
-    account.goals(5002.0, [*told, GoalTold("d", "g(4)", 0, "")])
+    account.goals(5002.0, [*told, GoalReport("d", "g(4)", 0, "")])
     account.goal(5002.0, "d", "g(4)")
     account.status(5003.0, "b", 3, "g(2) is met")
     assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [

@@ -78,7 +78,7 @@ def test_another_plan_as_short_is_no_difference():
     run.cycles[0].dispatched = [other(action)]
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.AS_SHORT, True)
-    assert [str(atom) for atom in report.told.atoms] == [other(action)]
+    assert [str(atom) for atom in report.published.atoms] == [other(action)]
     assert [str(atom) for atom in report.found.atoms] == [action]
 
 

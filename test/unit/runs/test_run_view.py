@@ -7,7 +7,7 @@ import pytest
 from told_runs import GOAL, delivery
 
 from rosoclingo.runs import run_view
-from rosoclingo.runs.events import GoalTold
+from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
 from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
 from rosoclingo.runs.run_view import RunView
@@ -113,14 +113,14 @@ def test_a_goal_waits_though_its_status_is_pending_until_the_core_begins_with_it
 def test_goals_that_were_sent_before_are_told_at_once():
     view = RunView()
     told = [
-        GoalTold("old", "g(0)", 3, "is met", 10.0),
-        GoalTold("a", "g(1)", 1, "g(1) is accepted", 90.0),
-        GoalTold("b", "g(2)", 0, "8 goals at a time are planned for", 95.0),
+        GoalReport("old", "g(0)", 3, "is met", 10.0),
+        GoalReport("a", "g(1)", 1, "g(1) is accepted", 90.0),
+        GoalReport("b", "g(2)", 0, "8 goals at a time are planned for", 95.0),
     ]
     view.goals(100.0, told)
     view.status(101.0, "b", 0, "")
-    refused = GoalTold("c", "g(3)", 5, "g(3) there is no g", 101.5)
-    view.goals(102.0, [*told[:2], GoalTold("b", "g(2)", 0, "", 95.0), refused])
+    refused = GoalReport("c", "g(3)", 5, "g(3) there is no g", 101.5)
+    view.goals(102.0, [*told[:2], GoalReport("b", "g(2)", 0, "", 95.0), refused])
     found = {goal["id"]: goal for goal in records(view.changes(), "goals")}
     assert {key: (goal["sent"], goal["ended"]) for key, goal in found.items()} == {
         "a": (0.0, None),
@@ -140,12 +140,12 @@ def test_goals_that_were_sent_before_are_told_at_once():
 def test_both_topics_tell_of_a_goal_once():
     view = RunView()
     for time in (10.0, 11.0):
-        view.goals(time, [GoalTold("a", "g(1)", 1, "g(1) is accepted", 9.5)])
+        view.goals(time, [GoalReport("a", "g(1)", 1, "g(1) is accepted", 9.5)])
         view.goal(time, "a", "g(1)")
         view.status(time, "a", 1, "g(1) is accepted")
     view.status(11.5, "a", 6, "")
-    view.goals(11.6, [GoalTold("a", "g(1)", 1, "g(1) is accepted", 9.5)])
-    view.goals(12.0, [GoalTold("a", "g(1)", 2, "g(1) is cancelled", 9.5), GoalTold("b", "g(2)", 77, "", 0.0)])
+    view.goals(11.6, [GoalReport("a", "g(1)", 1, "g(1) is accepted", 9.5)])
+    view.goals(12.0, [GoalReport("a", "g(1)", 2, "g(1) is cancelled", 9.5), GoalReport("b", "g(2)", 77, "", 0.0)])
     (goal,) = [goal for goal in records(view.changes(), "goals") if goal["id"] == "a"]
     assert [word for _, word, _ in goal["states"]] == ["pending", "active", "canceling", "canceled"]
 
@@ -153,10 +153,10 @@ def test_both_topics_tell_of_a_goal_once():
 def test_what_a_view_has_let_go_of_does_not_come_again():
     view = RunView()
     view.goals(9.0, [])
-    view.goals(10.0, [GoalTold("a", "g(1)", 3, "", 9.5), GoalTold("b", "g(2)", 1, "", 9.5)])
+    view.goals(10.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 1, "", 9.5)])
     assert len(records(view.changes(), "goals")) == 2
     fresh = view.renewed()
-    fresh.goals(11.0, [GoalTold("a", "g(1)", 3, "", 9.5), GoalTold("b", "g(2)", 3, "", 9.5)])
+    fresh.goals(11.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 3, "", 9.5)])
     assert [(goal["id"], goal["ended"]) for goal in records(fresh.changes(), "goals")] == [("b", 1.5)]
 
 

@@ -11,13 +11,13 @@ from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import GoalState, GoalStates
 from rosoclingo.reasoning.keywords import shortened
 
-#: Goals that are told of after they have ended.
+#: Limit of ended goals in a message.
 ENDED = 100
 
 #: Limit of characters of a goal's request and of its reason; longer ones are shortened in the middle.
 SHOWN = 500
 
-#: Seconds of wall time in which changes are told together, as each message has all goals.
+#: Seconds of wall time in which changes are published together, as each message has all goals.
 TOGETHER = 0.1
 
 _OPEN = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.RECALLING, GoalStatus.PREEMPTING)

@@ -153,7 +153,7 @@ def _labels(reader: Reader) -> Tuple[str, ...]:
 
 
 def _places(value: Any) -> Dict[str, List[float]]:
-    """Return where labels are; what is wrong with poses is told by those that drive there, not by the core."""
+    """Return where labels are; faults of poses are reported by nodes that drive there, not by the core."""
     try:
         table = LabelTable.from_mapping(value)
     except LabelError:

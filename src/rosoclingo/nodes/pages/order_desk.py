@@ -1,4 +1,4 @@
-"""Orders that come from pages: each becomes a goal, which only who has ordered it can cancel."""
+"""Orders that come from pages: each becomes a goal, which only its own page can cancel."""
 
 import hmac
 from collections import OrderedDict

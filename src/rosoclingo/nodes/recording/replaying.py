@@ -19,7 +19,7 @@ Say = Callable[[str], None]
 
 _DESCRIPTION = """\
 Solve a recorded run again: for each cycle, whether the decisions agree, or how they differ and why. Another plan as
-short is no difference; a longer one is told. No ROS master is needed."""
+short is no difference; a longer one is reported. No ROS master is needed."""
 
 _EPILOG = """\
 Exit code: 0, 1 where a difference is not explained, 2 for a wrong command line or a recording that cannot be replayed.
@@ -171,10 +171,10 @@ def _replay(run: RecordedRun, options: argparse.Namespace, say: Say) -> int:
 def _show(report: CycleReport, say: Say) -> None:
     """Show a cycle's answer, and the one found now where it is another."""
     if report.verdict not in (CycleVerdict.SAME, CycleVerdict.NONE):
-        _table("as it was told", report.told, say)
+        _table("as it was published", report.published, say)
         _table("as it is found now", report.found, say)
     else:
-        _table("", report.found or report.told, say)
+        _table("", report.found or report.published, say)
 
 
 def _table(words: str, shown: Optional[Shown], say: Say) -> None:

@@ -46,7 +46,7 @@ class Panel(NamedTuple):
         return self._words("goals", text, 0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
 
     def _words(self, group: str, text: str, right: float, down: float, size: float) -> Shape:
-        """A text with its upper edge there; rviz puts the middle of a text where it is told."""
+        """A text with its upper edge there; rviz puts the middle of a text at its position."""
         x, y, z = self.top
         half = 0.5 * (text.count("\n") + 1) * LINE_HEIGHT * size
         place = (x + self.factor * right, y - self.factor * down - half, z)
@@ -71,18 +71,18 @@ def _line(action: Action, cycle: int) -> str:
 
 def goals_text(goals: Sequence[GoalRow]) -> str:
     """The goals in words, with why they wait or have failed: those that are open, then the latest that have ended."""
-    told = [(request, STATUS_WORDS[number], reason) for request, number, reason in goals if number < len(STATUS_WORDS)]
-    still = [one for one in told if one[1] not in ENDED]
-    ended = [one for one in told if one[1] in ENDED][::-1]
+    known = [(request, STATUS_WORDS[number], reason) for request, number, reason in goals if number < len(STATUS_WORDS)]
+    still = [one for one in known if one[1] not in ENDED]
+    ended = [one for one in known if one[1] in ENDED][::-1]
     lines: List[str] = []
     shown = 0
     for one in (*still, *ended):
         words = _goal(*one)
-        if len(lines) + len(words) > LINES - (shown + 1 < len(told)):
+        if len(lines) + len(words) > LINES - (shown + 1 < len(known)):
             break
         lines, shown = lines + words, shown + 1
-    more = [f"... {len(told) - shown} more"] if shown < len(told) else []
-    counted = f"{len(still)} open, {len(ended)} ended" if told else "none"
+    more = [f"... {len(known) - shown} more"] if shown < len(known) else []
+    counted = f"{len(still)} open, {len(ended)} ended" if known else "none"
     return "\n".join([f"goals: {counted}", *lines, *more])
 
 

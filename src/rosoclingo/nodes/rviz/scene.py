@@ -148,7 +148,7 @@ def plan_shapes(steps: Sequence[PlanStep], cycle: int, start: Optional[Tuple[flo
 
 
 def _lane(start: Tuple[float, float], end: Tuple[float, float], z: float) -> Tuple[Point, Point]:
-    """Both ends a little to the right of the way, so that there and back can be told apart."""
+    """Both ends a little to the right of the way, so that both directions can be seen."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.hypot(dx, dy)
     right, down = LANE * dy / length, -LANE * dx / length
