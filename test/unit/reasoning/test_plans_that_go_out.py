@@ -13,7 +13,8 @@ from core_driver import ERRANDS, Driver, shortest, soon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from late_standby import NEVER, Standby
-from mailbot_world import fewest_steps, neighbours, program
+from mailbot_world import neighbours, program
+from office_world import Office
 
 from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.solver import PlanSolver
@@ -41,46 +42,6 @@ def floors(draw):
     if draw(st.booleans()):
         corridors.add((1, count))
     return count, tuple(sorted(corridors)), draw(st.integers(1, count)), draw(st.integers(1, 3))
-
-
-class Office:
-    """Where robot and packages are: packages wait, ``("waits", from, to)``, ride, ``("rides", to)``, or are done."""
-
-    def __init__(self, graph, capacity, robot, packages=None):
-        self.graph, self.capacity, self.robot, self.packages = graph, capacity, robot, dict(packages or {})
-
-    def copy(self):
-        """The same office, to try things in."""
-        return Office(self.graph, self.capacity, self.robot, self.packages)
-
-    def do(self, action):
-        """An action is done; AssertionError where it cannot be."""
-        name, what = action.interface_name, str(action.parameter)
-        if name == "move_base":
-            assert what in self.graph[self.robot]
-            self.robot = what
-            return
-        place = self.packages[int(what)]
-        if name == "pickup":
-            assert place[:2] == ("waits", self.robot)
-            assert sum(bool(one) and one[0] == "rides" for one in self.packages.values()) < self.capacity
-            self.packages[int(what)] = ("rides", place[2])
-        else:
-            assert (name, place) == ("deliver", ("rides", self.robot))
-            self.packages[int(what)] = None
-
-    def judge(self, plan, cycle):
-        """The rest of a plan brings everything where it belongs; the number of its steps."""
-        office, rest = self.copy(), sorted((one for one in plan if one.cycle >= cycle), key=lambda one: one.cycle)
-        assert [one.cycle for one in rest] == sorted({one.cycle for one in rest}), "the robot does one thing at a time"
-        for action in rest:
-            office.do(action)
-        assert set(office.packages.values()) <= {None}
-        return rest[-1].cycle - cycle + 1 if rest else 0
-
-    def fewest(self):
-        """The fewest steps of a plan."""
-        return fewest_steps(self.graph, self.capacity, self.robot, tuple(self.packages.values()))
 
 
 class Run:
