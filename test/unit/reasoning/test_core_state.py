@@ -24,16 +24,6 @@ def test_the_same_is_said_once():
     assert throttle.take(Problem(9, "'_return(a,1,2)' is ignored", "arm"), QUIET + 1.0)
 
 
-def test_many_different_problems_of_one_interface():
-    throttle = LogThrottle()
-    lines = [throttle.take(Problem(1, "x" * number, "arm"), 0.0) for number in range(100)]
-    said = [line for line in lines if line]
-    assert len(said) == MANY
-    assert said[-1].endswith("only counted for a minute")
-    assert throttle.take(Problem(1, "y", "leg"), 0.0)
-    assert throttle.take(Problem(1, "z", "arm"), QUIET)
-
-
 def test_the_cores_own_problems_are_the_same_if_their_texts_are():
     throttle = LogThrottle()
     assert throttle.take(Problem(1, "update 1 is refused"), 0.0)
@@ -55,19 +45,16 @@ def test_many_of_a_kind_are_counted(origin):
     assert throttle.take(Problem(8, texts[0], origin), QUIET + 1.0)
 
 
-def test_what_was_too_much_of_one_interface_is_counted():
+@pytest.mark.parametrize(("origin", "whose"), [("arm", "from 'arm'"), ("", "of the core's own")])
+def test_problems_beyond_the_limit_of_an_origin_are_counted(origin, whose):
     throttle = LogThrottle()
-    for number in range(100):
-        throttle.take(Problem(1, "x" * (number + 1), "arm"), 0.0)
-    assert throttle.take(Problem(2, "of another", "leg"), 2 * QUIET)
-    assert throttle.counted(2 * QUIET) == [f"90 more from 'arm' in a minute, the last: cycle 1: {'x' * 100}"]
-
-
-def test_what_was_too_much_of_the_cores_own_is_counted():
-    throttle = LogThrottle()
-    for number in range(MANY + 5):
-        throttle.take(Problem(1, "x" * (number + 1)), 0.0)
-    assert throttle.counted(QUIET) == [f"5 more of the core's own in a minute, the last: cycle 1: {'x' * (MANY + 5)}"]
+    lines = [throttle.take(Problem(1, "x" * (number + 1), origin), 0.0) for number in range(100)]
+    said = [line for line in lines if line]
+    assert len(said) == MANY
+    assert said[-1].endswith("only counted for a minute")
+    assert throttle.take(Problem(1, "y", "leg"), 0.0), "of another origin"
+    assert throttle.counted(QUIET) == [f"{100 - MANY} more {whose} in a minute, the last: cycle 1: {'x' * 100}"]
+    assert throttle.take(Problem(1, "z", origin), QUIET)
 
 
 @pytest.mark.parametrize(("long", "told"), [(20, "x" * 20), (21, f"{'x' * 10} ... {'x' * 10} (21 characters)")])
