@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 from clingo import parse_term
-from goal_clients import Clients, numbers
+from goal_clients import Clients, numbers, numbers_of
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, SolveResult, Statement
 from rosoclingo.oclingo.progression.updates import Withdraw
@@ -118,24 +118,41 @@ def test_new_goals_are_left_out_of_all_questions():
     assert world.questions[1].startswith("#withdraw _request(go(2),8). #withdraw _request(go(4),5). #withdraw")
 
 
+HAND = [
+    (["3"], "4-6"),
+    (["4", "6"], "3 5"),
+    (["3 4"], "3 5 6"),
+    (["3 5", "4 6"], "3 4"),
+    (["3", "4", "5 6"], "5"),
+    (["3", "4", "5"], "6"),
+    (["1", "2"], "3-6"),
+    ([], "3-6"),
+]
+UNKNOWN = [
+    {"outcome": outcome, **why}
+    for outcome in (SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED)
+    for why in ({"refused": ["", "3"]}, {"least": STEPS + 1})
+]
+
+
 @pytest.mark.parametrize(
-    ("bound", "waiting"),
+    ("world", "chosen", "waiting"),
     [
-        ([], [3, 4, 5, 6]),
-        (["3"], [4, 5, 6]),
-        (["4", "6"], [3, 5]),
-        (["3 4"], [3, 5, 6]),
-        (["3 5", "4 6"], [3, 4]),
-        (["3", "4", "5 6"], [5]),
-        (["3", "4", "5"], [6]),
-        (["1", "2"], [3, 4, 5, 6]),
+        *((World(6, bound=bound), "3-6", waiting) for bound, waiting in HAND),
+        *((World(2, over=over), "2", waiting) for over, waiting in ((4, "2"), (5, ""))),  # what is over stays
+        (World(4, refused=["3 4", "3"]), "3 4", "4"),  # refused or too long: in hand
+        (World(4, bound=["3"], outcome=SolveOutcome.INTERRUPTED), "3 4", "4"),
+        *((World(2, **others), "2", "") for others in UNKNOWN),  # what is not new stays, and so does the other one
+        *((World(3, fresh="3", **others), "2 3", "3") for others in UNKNOWN),
     ],
 )
-def test_goals_in_hand_do_not_wait(bound, waiting):
-    world = World(6, bound=bound)
-    _, told = world.put_off(3, 4, 5, 6)
-    assert world.clients.waiting == waiting
-    assert told == f"it took too long: {len(waiting)} of 6 goals wait"
+def test_goals_in_hand_do_not_wait(world, chosen, waiting):
+    total = len(world.clients.live)
+    _, told = world.put_off(*numbers_of(chosen.split()))
+    assert world.clients.waiting == numbers_of(waiting.split())
+    number = len(world.clients.waiting)
+    assert told == "it took too long: " + (f"{number} of {total} goals wait" if number else "the search goes on")
+    assert waiting or total > 2 or len(world.updates) <= 2
 
 
 def test_where_all_are_in_hand_the_others_wait():
@@ -159,34 +176,6 @@ def test_where_none_is_chosen_the_search_goes_on():
     world = World(2)
     assert world.put_off() == (world, "it took too long: the search goes on")
     assert (world.clients.waiting, world.planners) == ([], [])
-
-
-@pytest.mark.parametrize(("over", "waiting"), [(4, [2]), (5, [])])
-def test_what_is_over_cannot_be_taken_back(over, waiting):
-    world = World(2, over=over)
-    world.put_off(2)
-    assert world.clients.waiting == waiting
-
-
-@pytest.mark.parametrize("others", [{"refused": [""]}, {"least": STEPS + 1}])
-@pytest.mark.parametrize("outcome", [SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED])
-def test_where_nothing_is_known_all_that_is_not_new_stays(others, outcome):
-    world = World(2, outcome=outcome, **others)
-    world.put_off(2)
-    assert (world.clients.waiting, len(world.updates)) == ([], 2), "nor the other one"
-    others = {"refused": ["3"]} if "refused" in others else others
-    world = World(3, fresh="3", outcome=outcome, **others)
-    world.put_off(2, 3)
-    assert world.clients.waiting == [3]
-
-
-def test_what_takes_too_long_or_is_refused_is_in_hand():
-    world = World(4, refused=["3 4", "3"])
-    world.put_off(3, 4)
-    assert world.clients.waiting == [4]
-    world = World(4, bound=["3"], outcome=SolveOutcome.INTERRUPTED)
-    world.put_off(3, 4)
-    assert world.clients.waiting == [4]
 
 
 def test_the_chosen_goals_stay_in_order():
