@@ -2,7 +2,7 @@
 
 import pytest
 from core_scripts import scripts
-from deliveries import deliver
+from delivery_scripts import deliver
 
 
 def test_what_there_is_not_is_rejected():

@@ -3,7 +3,7 @@
 import pytest
 from core_driver import PLANS
 from core_scripts import play
-from deliveries import Delivery, deliver
+from delivery_scripts import Delivery, deliver
 from shipped import ENCODINGS
 
 from rosoclingo.reasoning.events import PlanMade

@@ -2,7 +2,7 @@
 
 import pytest
 from core_scripts import scripts
-from deliveries import deliver
+from delivery_scripts import deliver
 from shipped import shipped
 
 DETOUR = "acts move_base,office2 move_base,office3 pickup,1 move_base,office4 deliver,1"
