@@ -2,7 +2,7 @@
 
 import math
 import traceback
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -239,9 +239,11 @@ class MoveBaseNode:
                 frame = self._sensing.local_frame(self._settings.local_frame)
                 self._display.see(self._navigator.costmap, located.pose, *frame)
         if self._navigator.active:
-            fault = self._guarded(lambda: self._control(now, located))
-            if fault:
-                self._abort(f"A planner or recovery plugin failed: {fault}")
+            try:
+                self._control(now, located)
+            except Exception as error:  # noqa: BLE001 a plugin may raise anything, and costs its goal only
+                rospy.logerr("a plugin failed:\n%s", traceback.format_exc())
+                self._abort(f"A planner or recovery plugin failed: {error!r}")
         self._display.costmaps(now)  # last, as the command is what others wait for
 
     def _watchful(self, navigator: Navigator) -> bool:
@@ -251,15 +253,6 @@ class MoveBaseNode:
         """Enter a scan as soon as it is there, before the next control period needs it."""
         if self._watchful(navigator) and self._sensing.observe(navigator.costmap):
             navigator.obstacles_changed()
-
-    def _guarded(self, work: Callable[[], None]) -> str:
-        """Do what calls plugins, which may be anybody's; return what one of them raised, empty for nothing."""
-        try:
-            work()
-        except Exception as error:  # noqa: BLE001 a plugin may raise anything, and costs its goal only
-            rospy.logerr("a plugin failed:\n%s", traceback.format_exc())
-            return repr(error)
-        return ""
 
     def _control(self, now: float, located: Located) -> None:
         """Give the command of this control period, and the goal's end when it has come."""

@@ -10,14 +10,17 @@ from nav_msgs.msg import Odometry
 from rosgraph.names import is_legal_name
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
 
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.common.prompt_publisher import prompt_publisher
+from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.messages import fill_pose, fill_transform, sendable
 from rosoclingo.robot.simulation.simulated_robot import Laser, Robot
 
 # stage_ros mounts the laser there; a planar world has no use for it.
 LASER_HEIGHT = 0.25
+IDENTITY = Pose2D(0.0, 0.0)
 
 
 class RobotTopics:
@@ -30,9 +33,10 @@ class RobotTopics:
         self._robot = robot
         self._odom = prompt_publisher(prefix + "odom", Odometry)
         self._truth = prompt_publisher(prefix + "base_pose_ground_truth", Odometry)
-        self._odom_message = _odometry(prefix + "odom", prefix + "base_footprint")
-        self._truth_message = _odometry(prefix + "odom", "")
-        self._frames = _frames(prefix)
+        odom, footprint = prefix + "odom", prefix + "base_footprint"
+        self._odom_message = Odometry(header=Header(frame_id=odom), child_frame_id=footprint)
+        self._truth_message = Odometry(header=Header(frame_id=odom))
+        self._frames = [_transform(odom, footprint), _transform(footprint, prefix + "base_link")]
         # As stage_ros: the topics and frames of several lasers are counted.
         endings = [f"_{i}" for i in range(len(robot.lasers))] if len(robot.lasers) > 1 else [""]
         self._scans = [_ScanTopic(prefix, ending, laser) for ending, laser in zip(endings, robot.lasers)]
@@ -72,9 +76,8 @@ class _ScanTopic:
 
     def __init__(self, prefix: str, ending: str, laser: Laser) -> None:
         self._spec = laser.spec
-        self.frame = _transform(prefix + "base_link", prefix + "base_laser_link" + ending)
-        fill_transform(self.frame.transform, laser.spec.pose)
-        self.frame.transform.translation.z = LASER_HEIGHT
+        child = prefix + "base_laser_link" + ending
+        self.frame = _transform(prefix + "base_link", child, laser.spec.pose, LASER_HEIGHT)
         self._message = _scan(self.frame.child_frame_id, laser)
         self._publisher = prompt_publisher(prefix + "base_scan" + ending, numpy_msg(LaserScan))
         self._next = 0.0
@@ -94,23 +97,11 @@ class _ScanTopic:
         self._publisher.publish(self._message)
 
 
-def _frames(prefix: str) -> List[TransformStamped]:
-    return [
-        _transform(prefix + "odom", prefix + "base_footprint"),
-        _transform(prefix + "base_footprint", prefix + "base_link"),
-    ]
-
-
-def _transform(parent: str, child: str) -> TransformStamped:
+def _transform(parent: str, child: str, pose: Pose2D = IDENTITY, height: float = 0.0) -> TransformStamped:
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = parent, child
-    message.transform.rotation.w = 1.0
-    return message
-
-
-def _odometry(frame: str, child: str) -> Odometry:
-    message = Odometry()
-    message.header.frame_id, message.child_frame_id = frame, child
+    fill_transform(message.transform, pose)
+    message.transform.translation.z = height
     return message
 
 

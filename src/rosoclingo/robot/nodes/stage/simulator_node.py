@@ -157,7 +157,7 @@ class SimulatorNode:
         return rospy.Service(name, kind, answer)
 
     def _on_reset(self, _: Any) -> EmptyResponse:
-        fault = self._between_steps(self._reset)
+        fault = self._between_steps(self._simulation.reset)
         if fault is not None:
             raise rospy.ServiceException(fault)
         return EmptyResponse()
@@ -243,9 +243,6 @@ class SimulatorNode:
             topics.publish(stamp, now, functools.partial(self._simulation.scan, name))
         self._clock_message.clock = stamp  # last, as in stage_ros: it wakes every node
         self._clock.publish(self._clock_message)
-
-    def _reset(self) -> None:
-        self._simulation.reset()
 
     def _pause(self, paused: bool) -> None:
         self._paused = paused
