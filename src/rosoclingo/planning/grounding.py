@@ -37,7 +37,7 @@ from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps,
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import Predicted, predict
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop
+from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, never
 from rosoclingo.planning.return_rules import ReturnRules, return_rules
 from rosoclingo.planning.snapshot import Past, Snapshot
 
@@ -94,7 +94,7 @@ class Grounding:
         snapshot: Snapshot,
         horizon: int,
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
-        dropped: Stop = lambda: False,
+        dropped: Stop = never,
         predicts: bool = False,
         whole: bool = False,
     ) -> None:

@@ -10,8 +10,8 @@ from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.worker import WorkerRequest
 
-GRACE, PATIENCE = 2.0, 5.0
-"""Those of the pool, longer: a stopped worker still assembles what it has found."""
+PATIENCE = 5.0
+"""That of the pool, longer: a stopped worker still assembles what it has found."""
 
 
 class Explanation(NamedTuple):
@@ -29,7 +29,7 @@ def explain_in_worker(
     The explanation contains what is found in ``seconds`` of processor time. Raises DroppedError if nothing is found by
     then, or before a stop, and SolverError if the process cannot be started, crashes or refuses the stream.
     """
-    with WorkerPool(program, patience=PATIENCE, grace=GRACE, shortest=True) as pool:
+    with WorkerPool(program, patience=PATIENCE, shortest=True) as pool:
         elapsed = pool.stopwatch()
 
         def is_over() -> bool:

@@ -16,9 +16,6 @@ from rosoclingo.planning.workers.worker import SolverWorker, WorkerLostError, Wo
 
 T = TypeVar("T")
 
-GRACE = 1.0
-"""Seconds of wall time after a stop until a grounding is dropped between two pieces."""
-
 PATIENCE = 2.0
 """Seconds of wall time after a stop until the worker is killed."""
 
@@ -35,9 +32,9 @@ class WorkerPool:
     Not thread-safe. :meth:`close` or the end of this process ends the workers.
 
     A stop ends a search with outcome INTERRUPTED, and the update stays accepted. A grounding does not react to a stop:
-    after ``grace`` seconds it is dropped between two pieces, after ``patience`` seconds the worker is killed. In both
-    cases the update is dropped and DroppedError raised, as after repeated crashes of workers. While a worker loads the
-    program, a stop raises NotReadyError.
+    after a second it is dropped between two pieces, after ``patience`` seconds the worker is killed. In both cases the
+    update is dropped and DroppedError raised, as after repeated crashes of workers. While a worker loads the program, a
+    stop raises NotReadyError.
 
     """
 
@@ -46,7 +43,6 @@ class WorkerPool:
         program: ReactiveProgram,
         *,
         patience: float = PATIENCE,
-        grace: float = GRACE,
         standby: bool = False,
         fork: bool = False,
         **options: Any,
@@ -56,14 +52,13 @@ class WorkerPool:
         Args:
             program: the reactive logic program.
             patience: seconds of wall time after a stop until the worker is killed.
-            grace: seconds of wall time after a stop until a grounding is dropped between two pieces.
             standby: whether to keep a standby worker; it is started after the first answer.
             fork: whether workers are forks of this process, which is much faster; it must have no threads then.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
                 :class:`ReactiveSolver`.
 
         """
-        self._patience = grace, patience
+        self._patience = patience
         self._keeps_standby = standby
         self._forked = program if fork else None
         constants = {name: str(value) for name, value in program.constants.items()}

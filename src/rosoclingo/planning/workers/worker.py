@@ -23,8 +23,8 @@ POLL = 0.002
 GROWTH = 32 * 2**20
 """A worker is replaced when it has grown by this number of bytes, or by half of its first size if that is more."""
 
-Patience = Tuple[float, float]
-"""Seconds of wall time after a stop until a grounding is dropped, and until the worker is killed."""
+GRACE = 1.0
+"""Seconds of wall time after a stop until a grounding is dropped between two pieces."""
 
 
 _DECIDED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE
@@ -66,8 +66,10 @@ class SolverWorker:
 
     """
 
-    def __init__(self, load: WorkerRequest, patience: Patience, program: Optional[ReactiveProgram] = None) -> None:
+    def __init__(self, load: WorkerRequest, patience: float, program: Optional[ReactiveProgram] = None) -> None:
         """Start a process and send it the request to ``load``; raises WorkerLostError.
+
+        It is lost if it ignores a stop for ``patience`` seconds of wall time.
 
         With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`, and is waited for, as it is
         ready at once. Otherwise ``load`` brings the program.
@@ -163,8 +165,8 @@ class SolverWorker:
         """Return the last reply to ``request``, which can have been begun, with the history after it.
 
         A stop interrupts the command, and so does a first answer that is being improved. If the worker does not react,
-        the command is dropped and then WorkerLostError raised, see :data:`Patience`. An ``idle`` command, which is
-        optional work, is abandoned at a stop with an empty reply. Raises SolverError if the worker refuses the command.
+        WorkerLostError is raised. An ``idle`` command, which is optional work, is abandoned at a stop with an empty
+        reply. Raises SolverError if the worker refuses the command.
         """
         self.wait_until_ready(stopped)
         if not self.has_begun(request):
@@ -190,8 +192,8 @@ class SolverWorker:
                     self.abandon()
                     break
                 interrupted = time.monotonic()
-                self._interrupt(self._patience[0])
-            elif time.monotonic() > interrupted + self._patience[1]:
+                self._interrupt(GRACE)
+            elif time.monotonic() > interrupted + self._patience:
                 raise WorkerLostError("the solver ignored a stop while grounding and was killed")
         return self._reply or WorkerReply()
 

@@ -55,7 +55,6 @@ at(P,t) :- _action_lib(go,P,t).
 @pytest.mark.once
 @pytest.mark.slow
 def test_explaining_process_ends_in_time(monkeypatch):
-    monkeypatch.setattr(explanation, "GRACE", 0.1)
     monkeypatch.setattr(explanation, "PATIENCE", 0.2)
     asked = stream("#step 1. e(1). #end step.", 3)
     with pytest.raises(DroppedError, match="no explanation was found in 1 s"):

@@ -40,7 +40,6 @@ EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,
 #: Grounding a fact big(1) takes some tenths of a second; blocks of steps are ground one after the other.
 IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X * t == 19999 * t.\n"
 
-PATIENT = {"patience": 600.0, "grace": 600.0}
 PLANS = {"shortest": True}
 
 
@@ -49,6 +48,13 @@ def echo():
     with pool_of(ECHO, models=0) as pool:
         pool.start()
         yield pool
+
+
+@pytest.fixture
+def patient(monkeypatch):
+    """Options of a pool that waits for groundings."""
+    monkeypatch.setattr(worker, "GRACE", 600.0)
+    return {"patience": 600.0}
 
 
 def pool_of(text, **options):
@@ -236,8 +242,8 @@ def test_grown_standby_is_replaced(memory):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("options", [{}, {**PLANS, "horizon_limit": 100_000, "log_limit": 0}])
-def test_stop_ends_search_and_keeps_its_update(options):
-    with pool_of(ENDLESS, **PATIENT, **options) as pool:
+def test_stop_ends_search_and_keeps_its_update(options, patient):
+    with pool_of(ENDLESS, **patient, **options) as pool:
         solver = ProcessSolver(pool)
         fed(solver, "1 : 0. e(1).")
         pid = pool.pid
@@ -261,9 +267,10 @@ def test_stop_ends_search_and_keeps_its_update(options):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("grace", [0.0, 600.0])
-def test_grounding_is_dropped_between_pieces_after_grace(grace):
+def test_grounding_is_dropped_between_pieces_after_grace(grace, patient, monkeypatch):
+    monkeypatch.setattr(worker, "GRACE", grace)
     dropped = pytest.raises(DroppedError, match="stopped while the program was grounded")
-    with pool_of(IN_PIECES, patience=600.0, grace=grace) as pool:
+    with pool_of(IN_PIECES, **patient) as pool:
         solver = ProcessSolver(pool)
         fed(solver, "320.")
         pid = pool.pid
@@ -276,8 +283,8 @@ def test_grounding_is_dropped_between_pieces_after_grace(grace):
 
 
 @pytest.mark.slow
-def test_stop_while_worker_starts_lets_it_load():
-    with pool_of(ECHO, **PATIENT) as pool:
+def test_stop_while_worker_starts_lets_it_load(patient):
+    with pool_of(ECHO, **patient) as pool:
         with pytest.raises(DroppedError):
             pool.start(lambda: True)
         solver = ProcessSolver(pool)
@@ -315,7 +322,7 @@ def test_stream_survives_twenty_kills():
                     assert ended(pid)
                     kills.append(pid)
 
-        while len(kills) < 20:
+        while len(kills) < 20 or len(done) < 3:  # a kill comes only if the worker is still searching
             cycle += 1
             if draw.random() < 0.5:
                 kill_some()
@@ -328,5 +335,4 @@ def test_stream_survives_twenty_kills():
             assert {one for one in done if one.arguments[2].number >= cycle - 10} <= past <= set(done)
             now = [one for one in actions if one.arguments[2].number == cycle]
             done += now
-        assert len(done) >= 3
         assert solver.log.length <= 8

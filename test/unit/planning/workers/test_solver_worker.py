@@ -9,7 +9,7 @@ from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.question import never
 from rosoclingo.planning.workers.worker import SolverWorker, WorkerRequest
 
-PATIENCE = (300.0, 300.0)
+PATIENCE = 300.0
 
 
 def load(text=""):
