@@ -341,7 +341,7 @@ def test_failure_brings_new_goals_into_the_update():
     run.go_on(2)
     run.step(fails=True)
     assert run.fed == ["1", "2", "3"]
-    assert run.waits("3")[-1] .startswith("it joins in cycle ")
+    assert run.waits("3")[-1].startswith("it joins in cycle ")
     run.finish()
 
 
