@@ -13,7 +13,6 @@ from rosoclingo.reasoning.interface_register import ReportedInterfaces
 from rosoclingo.runs.sentences import Sentences, actions_now
 
 Line = Callable[[ROSoClingoFeedback], str]
-Tell = Callable[[ROSoClingoFeedback], None]
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -47,49 +46,29 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
     line = _plain_line(words_of(client.node), interfaces_of(client.node)) if plain else _line
-    tell = _changes(line, say)
-    goal = client.send(text)
-    cancelled, beginning = False, Beginning()
-    while True:
+    return _follow(client, client.send(text), line, say)
+
+
+def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str], None]) -> int:
+    """Say what is new of a goal until it has ended; return the exit code."""
+    said, cancelled, beginning = "", False, Beginning()
+    while not goal.ended:
         try:
-            _follow(client, goal, tell, beginning, say)
-            break
+            text = beginning.line() or (line(goal.feedback) if goal.feedback is not None else "")
+            if text and text != said:
+                said = text
+                say(text)
+            client.wait(_TURN)
+            client.check()
         except KeyboardInterrupt:
             if cancelled:
                 say("not waiting any longer; the goal was asked to be cancelled")
                 return EXIT_CODES["lost"]
             cancelled = True
-            say(f"cancelling {text} (Ctrl-C again: do not wait)")
+            say(f"cancelling {goal.text} (Ctrl-C again: do not wait)")
             goal.cancel()
     say(f"{goal.outcome}: {goal.message}")
     return EXIT_CODES[goal.outcome]
-
-
-def _follow(client: CoreClient, goal: SentGoal, tell: Tell, beginning: Beginning, say: Callable[[str], None]) -> None:
-    """Tell feedback until the goal has ended."""
-    while not goal.ended:
-        line = beginning.line()
-        if line:
-            say(line)
-        if goal.feedback is not None:
-            tell(goal.feedback)
-        client.wait(_TURN)
-        client.check()
-
-
-def _changes(line: Line, say: Callable[[str], None]) -> Tell:
-    """Says the line of a feedback where it is another than the last one's, also after Ctrl-C."""
-    shown = ""
-
-    def tell(feedback: ROSoClingoFeedback) -> None:
-        """Print the line of a feedback if it is a new one."""
-        nonlocal shown
-        text = line(feedback)
-        if text and text != shown:
-            say(text)
-            shown = text
-
-    return tell
 
 
 def _plain_line(words: Sentences, interfaces: ReportedInterfaces) -> Line:

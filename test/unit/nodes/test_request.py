@@ -30,7 +30,7 @@ class Client:
 
     def __init__(self, server):
         self.goal = SimpleNamespace(
-            ended=False, feedback=feedback("active"), outcome="", message="", cancel=lambda: None
+            text="walk(3)", ended=False, feedback=feedback("active"), outcome="", message="", cancel=lambda: None
         )
         self.looks = self.told()
 
