@@ -30,7 +30,7 @@ def objects(driver, first, last):
 def test_core_keeps_as_much_after_many_goals_as_after_some():
     driver = Driver(FORGETFUL, events=10)
     objects(driver, 0, GOALS)
-    more = sized(30, GOALS)
+    more = sized(50, GOALS)
     before = objects(driver, GOALS, GOALS + more)
     assert objects(driver, GOALS + more, GOALS + 2 * more) - before < more, "an object or more is kept for each goal"
 

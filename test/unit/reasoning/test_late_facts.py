@@ -4,7 +4,7 @@ import pytest
 from core_driver import ERRANDS, Driver
 from core_programs import BATTERY, DOORS
 from core_scripts import play, scripts
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from workloads import sized
 
@@ -181,7 +181,6 @@ def test_turns_are_bounded_and_the_last_ones_keep_their_order():
     assert len(believed(driver)) == 199
 
 
-@settings(max_examples=40)
 @given(
     st.lists(st.tuples(st.sampled_from(["_in", "_gone"]), st.sampled_from(["hall", "study"])), max_size=8),
     st.booleans(),
