@@ -130,7 +130,7 @@ class Streams:
     ) -> Optional[Question]:
         """Return the question for the least horizon in first..last with an answer; None if there is none."""
         reply = Reply(None)
-        for end in sorted({min(hint, last), last}):
+        for end in sorted({min(hint, last), min(hint + 3, last), last}):
             reply = self._ask(grounding, question._replace(first=first, last=end))
             if reply.satisfiable:
                 break
