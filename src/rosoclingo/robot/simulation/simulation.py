@@ -172,7 +172,7 @@ class Simulation:
         """Return what a robot would stand in; one that is swallowed whole touches no edge."""
         body, outline = self.robots[robot], self._outlines[robot] * (1.0 - TOUCH)
         radius = body.spec.radius / self._scale * (1.0 - TOUCH)
-        hit = int(body_hits(*self._around(robot), outline, radius, *self._in_cells(pose), True))
+        hit = int(body_hits(*self._around(robot), outline, radius, *self._in_cells(pose)))
         point = pose.compose(Pose2D(*body.outline[0])) if body.outline else pose
         solids = self._solids + [other.corners() for other in self.robots.values() if other is not body]
         if hit == CLEAR and any(inside(np.array(solid), point.x, point.y) for solid in solids if solid):

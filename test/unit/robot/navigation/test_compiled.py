@@ -95,7 +95,7 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
 def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
     away = distance(occupied, x, y)
     if abs(away - radius) > 1e-9:
-        assert (body_hits(occupied, *NOTHING, np.empty((0, 2)), radius, x, y, 0.0, True) != CLEAR) == (away < radius)
+        assert (body_hits(occupied, *NOTHING, np.empty((0, 2)), radius, x, y, 0.0) != CLEAR) == (away < radius)
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))

@@ -108,8 +108,8 @@ def _edge_hits(around, ax, ay, bx, by):
 
 
 @jit
-def _holds(around, outline, x, y, yaw, walls):
-    """Return what lies within a polygon, as :func:`_disc_hits` does: by a point of each thing, ``walls`` if asked."""
+def _holds(around, outline, x, y, yaw):
+    """Return what lies within a polygon, as :func:`_disc_hits` does: by a point of each thing."""
     c, s = math.cos(yaw), math.sin(yaw)
     for k in range(around.segments.shape[0]):
         x0, y0, _x1, _y1 = _four(around.segments[k])
@@ -119,28 +119,34 @@ def _holds(around, outline, x, y, yaw, walls):
         px, py, _size = _three(around.discs[k])
         if inside(outline, c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)):
             return HIT_DISC
-    if walls:
-        reach = np.sqrt((outline**2).sum(axis=1).max())
-        height, width = around.occupied.shape
-        for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
-            for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
-                dx, dy = column + 0.5 - x, row + 0.5 - y
-                if around.occupied[row, column] and inside(outline, c * dx + s * dy, c * dy - s * dx):
-                    return HIT_WALL
     return CLEAR
 
 
 @jit
-def body_hits(occupied, segments, discs, outline, radius, x, y, yaw, walls):
-    """Return what a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC.
-
-    ``walls``: look for occupied cells that no edge of the body touches as well.
-    """
-    return _body_hits(Surroundings(occupied, segments, discs), outline, radius, x, y, yaw, walls)
+def _holds_wall(occupied, outline, x, y, yaw):
+    """Return whether the middle of an occupied cell lies within a polygon."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    reach = np.sqrt((outline**2).sum(axis=1).max())
+    height, width = occupied.shape
+    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
+        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
+            dx, dy = column + 0.5 - x, row + 0.5 - y
+            if occupied[row, column] and inside(outline, c * dx + s * dy, c * dy - s * dx):
+                return True
+    return False
 
 
 @jit
-def _body_hits(around, outline, radius, x, y, yaw, walls):
+def body_hits(occupied, segments, discs, outline, radius, x, y, yaw):
+    """Return what a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC."""
+    hit = _body_hits(Surroundings(occupied, segments, discs), outline, radius, x, y, yaw)
+    if hit == CLEAR and outline.shape[0] > 0 and _holds_wall(occupied, outline, x, y, yaw):
+        return HIT_WALL  # no edge touches it
+    return hit
+
+
+@jit
+def _body_hits(around, outline, radius, x, y, yaw):
     count = outline.shape[0]
     if count == 0:
         return _disc_hits(around, x, y, radius)
@@ -156,7 +162,7 @@ def _body_hits(around, outline, radius, x, y, yaw, walls):
         hit = _edge_hits(around, ax, ay, bx, by)
         if hit != CLEAR:
             return hit
-    return _holds(around, outline, x, y, yaw, walls)
+    return _holds(around, outline, x, y, yaw)
 
 
 @jit
@@ -174,7 +180,7 @@ def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt, grain
         half = 0.5 * w * dt * k / count
         chord = v * dt * k / count * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
         px, py = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
-        hit = _body_hits(around, outline, radius, px, py, yaw + 2.0 * half, False)
+        hit = _body_hits(around, outline, radius, px, py, yaw + 2.0 * half)
         if hit != CLEAR:
             return (k - 1) / count, hit
     return 1.0, CLEAR
