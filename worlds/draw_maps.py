@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws office.pgm, the four offices of the case study, and house.pgm, a house with two loops of rooms.
 
-All boxes are (x, y, width, depth) in m in the map's frame, yaw 0.
+Boxes are (x, y, width, depth) in m in the map frame.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ Box = Tuple[float, float, float, float]
 
 
 class Floor(NamedTuple):
-    """One map: the position of its lower left corner, its size, the free boxes, and what stands in them."""
+    """A map: the position of its lower left corner, its size, free boxes, and boxes with furniture."""
 
     origin: Tuple[float, float]
     size: Tuple[float, float]
@@ -41,12 +41,12 @@ OFFICE = Floor(
     doors=[(1.4 + 4.0 * i, 1.0, DOOR, WALL) for i in range(4)]
     + [
         (1.4, -1.15, DOOR, WALL),
-        (5.0, -1.15, DOOR, WALL),  # the meeting room has two doors: the way round a closed corridor
+        (5.0, -1.15, DOOR, WALL),  # two doors of the meeting room, a detour around the closed corridor
         (10.0, -1.15, DOOR, WALL),
         (13.4, -1.15, DOOR, WALL),
     ],
     things=[
-        # The corridor's frame of a fire door between office 2 and office 3; the door itself is in office_world.yaml.
+        # Frame of the fire door in the corridor between office 2 and office 3. office_world.yaml defines the door.
         (7.85, 0.75, WALL, 0.25), (7.85, -1.0, WALL, 0.25),
         *((2.2 + 4.0 * i, 3.6, 1.4, 0.75) for i in range(4)),  # desks
         *((2.65 + 4.0 * i, 3.2, 0.4, 0.3) for i in range(4)),  # chairs
@@ -92,7 +92,7 @@ HOUSE = Floor(
 
 
 def draw(floor: Floor, path: Path) -> None:
-    """Write a floor's map."""
+    """Write the image of a map."""
     width, depth = floor.size
     cells = np.full((round(depth / RESOLUTION), round(width / RESOLUTION)), GREY, dtype=np.uint8)
 

@@ -30,7 +30,7 @@ class Surveyor(GridPlanner):
         super().__init__(parameters)
 
     def plan(self, costmap, start, goal, tolerance=None):
-        while 12.0 < goal.x < 12.5 and self.wanted() and not rospy.has_param("/chart"):
+        while 12.0 < goal.x < 12.5 and not self.is_cancelled() and not rospy.has_param("/chart"):
             rospy.set_param("/looks_for_chart", True)
             time.sleep(0.05)
         if goal.x > 14.0:

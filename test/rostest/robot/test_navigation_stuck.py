@@ -31,7 +31,7 @@ class NavigationStuck(unittest.TestCase):
     def test_no_progress_is_told_once_all_recovery_has_failed(self):
         text, took, recoveries = self.drive("robot_0/", 3.9)
         self.assertRegex(
-            text, r"Even after executing recovery behaviors: the way left has not become shorter for \d+ s"
+            text, r"Even after executing recovery behaviors: the remaining path has not become shorter for \d+ s"
         )
         series = ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
         self.assertEqual(recoveries[-4:], series)  # a shorter way after a reset counts as progress: the series restarts
@@ -40,7 +40,7 @@ class NavigationStuck(unittest.TestCase):
 
     def test_oscillation_is_told_at_once_where_recovery_is_switched_off(self):
         text, took, recoveries = self.drive("robot_1/", 7.9)
-        self.assertRegex(text, r"Robot is oscillating.*it moved less than 0.3 m in \d+ s")
+        self.assertRegex(text, r"Robot is oscillating.*the robot moved less than 0.3 m in \d+ s")
         self.assertEqual(recoveries, [])
         self.assertGreater(took, 4.0)
         self.assertLess(took, 120.0)

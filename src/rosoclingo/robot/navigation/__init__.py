@@ -2,7 +2,7 @@
 
 from rosoclingo.common.lazy import loader
 
-# The names of each module that the package has as well.
+# Public names, by the module that defines them; loaded on first use.
 _NAMES = {
     "costmap": "Costmap CostmapLimits",
     "follower": "RolloutFollower",

@@ -1,11 +1,11 @@
-"""The robot's body, and the trial of its movements on a costmap."""
+"""The robot's body, and collision checks of its movements on a costmap."""
 
 import math
 from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import around
+from rosoclingo.robot.navigation.compiled.footprints import nearby_obstacles
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 from rosoclingo.robot.navigation.compiled.rollout import best_arc, best_command, can_turn
 from rosoclingo.robot.navigation.costmap import Costmap
@@ -14,20 +14,21 @@ from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
 
 Point = Union[Sequence[float], np.ndarray]  # x, y (m)
 
-CLEAR = 0.005  # m that corners keep free in a turn, as commands come late
-FINEST = 0.0125  # m: the shortest distance between discs that cover an edge
+CLEAR = 0.005  # m: clearance of the corners during a turn, to allow for the delay of commands
+FINEST = 0.0125  # m: minimum spacing of the discs that cover an edge
 CURVATURES = np.array(
     [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
-)  # 1/m, of the arcs to where the robot can turn
-LONGEST = 3.0  # m of such an arc
-FLOORS = (0.005, 0.002, 0.0005)  # m that it keeps free: the first with which there is one
-TIME, SLOWEST = 0.8, 0.02  # s in which the rest of it is driven at least; m/s
+)  # 1/m: candidate arcs of an escape
+LONGEST = 3.0  # m: maximum length of an escape arc
+FLOORS = (0.005, 0.002, 0.0005)  # m: clearances to try on an escape arc, the widest first
+TIME, SLOWEST = 0.8, 0.02  # s: slows the robot towards the end of an escape arc; m/s: its minimum speed
 
 
 class Body:
-    """A disc of ``radius`` m or a footprint, a sequence of corners (x, y) in m in the robot's frame.
+    """The shape of a robot: a disc of ``radius`` m, or a ``footprint`` polygon of corners (x, y) in m.
 
-    ``inner``, ``outer``: radii (m) of the circles around the robot's origin that are within it and that it is within.
+    The corners are in the robot's frame. ``inner`` is the radius (m) of the inscribed circle around the robot's origin,
+    ``outer`` that of the circumscribed circle.
     """
 
     def __init__(self, radius: float, footprint: Sequence = ()) -> None:
@@ -37,7 +38,10 @@ class Body:
         self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
 
     def discs(self, resolution: float) -> np.ndarray:
-        """Return the body on a grid, see :mod:`~rosoclingo.robot.navigation.compiled.footprints`."""
+        """Return the discs that cover the body, in cells of the given resolution (m).
+
+        See :mod:`~rosoclingo.robot.navigation.compiled.footprints` for the array.
+        """
         if self._discs[0] != resolution:
             found = [(0.0, 0.0, self.outer, 0.0, 0.0)]
             corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
@@ -50,17 +54,17 @@ class Body:
 
 
 class BodyState:
-    """A body on a costmap at a pose (m) and a velocity, for the next ``period`` s."""
+    """A body on a costmap, with its pose (m, rad), velocity and control period (s)."""
 
     def __init__(self, body: Body, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> None:
         self.body, self.costmap, self.pose, self.velocity, self.period = body, costmap, pose, velocity, period
         self._scale = 1.0 / costmap.resolution
         self._discs = body.discs(costmap.resolution)
         self._cells = np.array([*costmap.to_cells(pose.x, pose.y), pose.yaw])
-        self._near = around(costmap.clearance, costmap.occupied, self._discs, *self._cells)
+        self._near = nearby_obstacles(costmap.clearance, costmap.occupied, self._discs, *self._cells)
 
     def bearing(self, point: Point) -> float:
-        """Return the angle (rad) by which the robot would have to turn to face a point."""
+        """Return the angle (rad) between the robot's heading and the direction to a point."""
         return normalize_angle(math.atan2(point[1] - self.pose.y, point[0] - self.pose.x) - self.pose.yaw)
 
     def distance(self, point: Point) -> float:
@@ -68,13 +72,19 @@ class BodyState:
         return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
 
     def has_room(self, points: Sequence[Point], spare: float = 0.0) -> bool:
-        """Return whether the body can turn at all of some points (m) with ``spare`` m to its outermost corner."""
+        """Return whether the robot can turn on the spot at all of the points (m).
+
+        ``spare`` (m) is an additional clearance of its outermost corner.
+        """
         cells = self.costmap.all_to_cells(np.array(points)).tolist()
         least = min(point_clearance(self.costmap.clearance, x, y) for x, y in cells)
         return bool(least >= (self.body.outer + spare) * self._scale)
 
     def may_turn(self, angle: float) -> bool:
-        """Return whether the body keeps CLEAR, or what it has now if that is less, while it turns by ``angle`` rad."""
+        """Return whether the robot can turn on the spot by ``angle`` rad.
+
+        Its clearance must stay at least CLEAR, or at least its present clearance if that is smaller.
+        """
         if not self.body.footprint:
             return True
         return bool(can_turn(*self._near, self._discs, self._cells, angle, CLEAR * self._scale))
@@ -88,9 +98,10 @@ class BodyState:
         comfort: float,
         horizon: float,
     ) -> Optional[Velocity]:
-        """Return the command of ``speeds`` (m/s) and ``turns`` (rad/s) that leads best to a point; None for none.
+        """Return the safe command with the best score towards a point (m), or None.
 
-        See :func:`~rosoclingo.robot.navigation.compiled.rollout.best_command`; lengths in m.
+        Candidates are all pairs of ``speeds`` (m/s) and ``turns`` (rad/s). For the scores see
+        :func:`~rosoclingo.robot.navigation.compiled.rollout.best_command`; all lengths are in m.
         """  # fmt: skip
         scale, cells = self._scale, np.array(self.costmap.to_cells(*carrot))
         i, j = best_command(
@@ -100,9 +111,9 @@ class BodyState:
         return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
 
     def arc_to_room(self, spare: float, speed: float, before: Optional[float] = None) -> Optional[Velocity]:
-        """Return the command, ``speed`` m/s at most, along the arc that leads soonest to where the body can turn.
+        """Return the command along the shortest arc to a pose at which the robot can turn, or None.
 
-        The curvature ``before`` (1/m), that of the last command, is kept while it leads there.
+        ``speed`` (m/s) is the maximum speed. The previous curvature ``before`` (1/m) is preferred if it still works.
         """
         scale = self._scale
         for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):

@@ -1,6 +1,6 @@
-"""Braking for what the laser sees just now and no costmap has yet: it takes several scans for a cell to be marked.
+"""Braking for obstacles that the laser sees but the costmap does not contain yet.
 
-What moves is never marked in time: another robot that comes along is in each cell for a scan or two.
+Marking a cell takes several scans. Moving obstacles, such as another robot, leave a cell before it is marked.
 """
 
 import math
@@ -11,15 +11,18 @@ import numpy as np
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.local_planner import Velocity
 
-AHEAD, MARGIN = np.linspace(0.2, 1.0, 5), 0.05  # s, m: of a robot that drives; that a thing may come nearer is in it
-SOON, CORNERS = np.linspace(0.05, 0.4, 8), 0.02  # s, m: of one that turns on the spot, which stops at once
-PARTS = (1.0, 0.6, 0.3, 0.0)  # of the speed, tried in turn
+# While driving: times to check (s) and the margin (m), which allows for approaching obstacles.
+AHEAD, MARGIN = np.linspace(0.2, 1.0, 5), 0.05
+# While turning on the spot, where the robot can stop at once: times to check (s) and the margin (m).
+SOON, CORNERS = np.linspace(0.05, 0.4, 8), 0.02
+PARTS = (1.0, 0.6, 0.3, 0.0)  # fractions of the speed, tried in this order
 
 
 def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence = ()) -> Velocity:
-    """Return a velocity, or a slower one that leads a robot (m) no nearer to points (n, 2; m) than a margin.
+    """Return the velocity, reduced where necessary to keep a margin to nearby points (n, 2; m).
 
-    A robot that is nearer to one comes no nearer still; where no velocity does that it stands still.
+    If the robot is within the margin of a point already, the distance must not decrease. If no candidate is safe, the
+    robot stops.
     """
     if not len(points):
         return velocity
@@ -37,7 +40,7 @@ def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, 
 
 
 def _gaps(pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence) -> np.ndarray:
-    """Return the distances (m) of points from a robot at a pose, less than 0 within it."""
+    """Return the distances (m) of points from the robot's edge at a pose; negative inside the robot."""
     x, y = (points - pose[:2]).T
     if not len(footprint):
         return np.hypot(x, y) - radius

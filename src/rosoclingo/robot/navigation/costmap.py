@@ -1,4 +1,4 @@
-"""What is known to be in the way: the static map, and what the laser saw that the map lacks."""
+"""Costmap: the static map, and the obstacles that the laser has seen."""
 
 import copy
 import math
@@ -14,19 +14,19 @@ from rosoclingo.robot.navigation.grid import OCCUPIED, OccupancyGrid
 
 Window = Tuple[int, int, int, int]
 EMPTY: Window = (0, 0, 0, 0)
-SPARE = 0.015  # m that ways keep free beside the robot's radius: what is seen and driven is not exact to the millimetre
-BAR = 0.1  # m around a point that is barred
-NEARBY = 1.5  # m: what is hit within it and not marked yet is kept, for who has to brake
-SCANS = 3  # for so many scans: what is seen edge on is not hit in each
+SPARE = 0.015  # m: added to the robot's radius in planning, since sensing and driving are inexact
+BAR = 0.1  # m: radius of a barred area
+NEARBY = 1.5  # m: range in which unmarked hits are kept, for braking
+SCANS = 3  # number of scans for which unmarked hits are kept, as thin obstacles are not hit in every scan
 
 
 class CostmapLimits(NamedTuple):
-    """How the costmap reads map and laser; lengths in m. Names and meanings as in costmap_2d.
+    """Settings of the costmap; lengths in m. Names and meanings are those of costmap_2d, with three additions.
 
-    ``static_tolerance`` is this costmap's own: a hit that near to something on the map is that thing, not a new one,
-    so that noise does not make walls thicker and doors narrower; while the robot turns it is more, up to
-    ``most_tolerance``. So are ``way_radii``, what ways keep free, widest first: each where there is no way by those
-    before it; empty for ``robot_radius`` alone.
+    ``static_tolerance``: a hit within this distance of a mapped obstacle belongs to that obstacle. Without it, noise
+    would make walls thicker and doors narrower. ``most_tolerance``: maximum addition to it while the robot turns.
+    ``way_radii``: clearances of paths, widest first; each is tried if no path exists with the previous ones. Empty:
+    ``robot_radius`` only.
     """
 
     robot_radius: float = 0.18
@@ -41,19 +41,20 @@ class CostmapLimits(NamedTuple):
     way_radii: Tuple[float, ...] = ()
 
 
-class Ground(NamedTuple):
-    """What a planner plans on: ``open`` (uint8 H, W), the cells in which the robot keeps ``radius`` cells free."""
+class FreeSpace(NamedTuple):
+    """Cells that are free for the robot: ``open`` (uint8 H, W), where it has a clearance of ``radius`` cells."""
 
     open: np.ndarray
     radius: float
 
 
 class Costmap:
-    """A grid with a clearance field: for each cell the distance to the nearest obstacle, cut off at ``reach``.
+    """A grid with a clearance field: the distance of each cell to the nearest obstacle, at most ``reach``.
 
-    ``clearance`` is float32 (height, width) in cells (see ``update_clearance``). ``grounds`` are what planners plan on,
-    for each of the radii to plan with: off what is ``closed`` (bool): bars, and unknown cells unless they are allowed.
-    ``unmarked`` (n, 2; m) is what the last few scans hit nearby that is neither on the map nor marked yet.
+    ``clearance``: float32 (height, width), in cells; see ``update_clearance``.
+    ``free_spaces``: the free cells for each planning radius, without ``closed`` cells.
+    ``closed``: bool (height, width): barred cells, and unknown cells unless they are allowed.
+    ``unmarked``: points (n, 2; m) of nearby obstacles in the last few scans that are neither mapped nor marked yet.
     """
 
     def __init__(self, grid: OccupancyGrid, limits: Optional[CostmapLimits] = None) -> None:
@@ -71,8 +72,8 @@ class Costmap:
         self._counts = np.zeros(grid.shape, dtype=np.uint8)
         self.closed = self._unknown.copy()
         self._has_bars = False
-        self.grounds = tuple(
-            Ground(np.zeros(grid.shape, dtype=np.uint8), (radius + SPARE) / grid.resolution) for radius in radii
+        self.free_spaces = tuple(
+            FreeSpace(np.zeros(grid.shape, dtype=np.uint8), (radius + SPARE) / grid.resolution) for radius in radii
         )
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
         self._static_clearance = self.clearance.copy()
@@ -81,39 +82,40 @@ class Costmap:
         self._unmarked: Deque[np.ndarray] = deque(maxlen=SCANS)
 
     def snapshot(self) -> "Costmap":
-        """Return a costmap to plan on that stays as this one is now. Nothing may be entered into it."""
+        """Return a copy for planning in another thread. It must not be modified."""
         twin = copy.copy(self)
         twin.clearance, twin.occupied, twin.marks = self.clearance.copy(), self.occupied.copy(), self.marks.copy()
-        twin.grounds = tuple(ground._replace(open=ground.open.copy()) for ground in self.grounds)
+        twin.free_spaces = tuple(space._replace(open=space.open.copy()) for space in self.free_spaces)
         return twin
 
     def alone(self) -> "Costmap":
-        """Return a costmap of the map alone, without what the laser saw and without bars."""
+        """Return a costmap of the static map, without marks of the laser and without barred areas."""
         if self._alone is None:
             self._alone = Costmap(self.grid, self.limits)
         return self._alone
 
     def to_cells(self, x: float, y: float) -> Tuple[float, float]:
-        """Return a point (m) in cells, as the compiled functions take it."""
+        """Convert a point (m) to cells, the unit of the compiled functions."""
         return (x - self.grid.origin_x) / self.resolution, (y - self.grid.origin_y) / self.resolution
 
     def to_metres(self, x: float, y: float) -> Tuple[float, float]:
-        """Return a point (cells) in m."""
+        """Convert a point (cells) to m."""
         return self.grid.origin_x + x * self.resolution, self.grid.origin_y + y * self.resolution
 
     def all_to_cells(self, points: np.ndarray) -> np.ndarray:
-        """Return points (float64 n, 2; m) in cells."""
+        """Convert points (float64 n, 2; m) to cells."""
         return (points - (self.grid.origin_x, self.grid.origin_y)) / self.resolution
 
     def observe(
         self, sensor: Pose2D, angles: np.ndarray, ranges: np.ndarray, range_max: float, smear: float = 0.0
     ) -> bool:
-        """Mark what a scan hit and clear what it looked through; tell whether anything changed.
+        """Enter a scan: mark the cells that it hits, clear those that it passes. Return whether any mark changed.
 
-        ``sensor`` is the laser's pose in the map's frame, ``angles`` (rad, float64) are relative to it, ``ranges``
-        in m. A range of ``range_max`` or more, or infinity, hit nothing; NaN and negative ones are left out.
-        ``smear`` (rad) is by how much all directions may be wrong, as those of a robot that turns: rays end where that
-        would be more than ``most_tolerance``, and what may be something on the map is that.
+        ``sensor``: pose of the laser in the map frame. ``angles``: rad, float64, relative to the sensor. ``ranges``: m;
+        a range of at least ``range_max`` is no hit, NaN and negative values are ignored.
+
+        ``smear``: maximum error (rad) of the directions, for a turning robot. Rays end where it would exceed
+        ``most_tolerance``, and hits that could belong to a mapped obstacle are ignored.
         """
         good = ~np.isnan(ranges) & (ranges >= 0.0)
         turned = np.asarray(angles[good] + sensor.yaw, dtype=np.float64)
@@ -122,7 +124,7 @@ class Costmap:
         most = self.limits.most_tolerance
         sharp = most / smear if smear > 0.0 else math.inf
         hits = far < min(self.limits.obstacle_range, range_max - 1e-3, sharp)
-        # What is hit is marked where it is, however far off clearing ends.
+        # Hits mark at any distance; only clearing is limited to raytrace_range.
         ends = np.where(hits, far, np.minimum(far, min(self.limits.raytrace_range, range_max, sharp)))
         known = (self.limits.static_tolerance + min(smear * self.limits.obstacle_range, most)) / self.resolution
         lengths = ends / self.resolution + 1e-3
@@ -130,7 +132,7 @@ class Costmap:
             self._counts, self.marks, self._static, self._static_clearance, x, y, turned, lengths, hits, known
         )
         self._changed(changed)
-        # What is neither on the map nor marked yet.
+        # Hits that are neither mapped nor marked yet, for braking.
         scale = self.resolution
         seen = hits_apart(self.occupied, self.clearance, x, y, turned, far / scale, hits, NEARBY / scale, known)
         self._unmarked.append(seen * self.resolution + (self.grid.origin_x, self.grid.origin_y))
@@ -138,7 +140,7 @@ class Costmap:
         return bool(changed != EMPTY)
 
     def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
-        """Drop what the laser marked further than ``beyond`` m (in x or y) from a point; tell whether any was."""
+        """Drop marks further than ``beyond`` m (in x or y) from a point. Return whether there were any."""
         row, column = self.grid.cell(x, y)
         span = round(beyond / self.resolution)
         kept = np.zeros_like(self.marks)
@@ -152,29 +154,29 @@ class Costmap:
         return len(dropped) > 0
 
     def bar(self, x: float, y: float) -> None:
-        """Keep paths, where there are others, off a point (m) at which one has turned out to be blocked."""
+        """Close the area around a point (m) at which a path turned out to be blocked."""
         row, column = self.grid.cell(x, y)
         window = self._widened((row, row + 1, column, column + 1), math.ceil(BAR / self.resolution))
         rows, columns = np.mgrid[window[0] : window[1], window[2] : window[3]]
         self.closed[rows, columns] |= np.hypot(rows - row, columns - column) * self.resolution <= BAR
         self._has_bars = True
-        self._update_grounds(window)
+        self._update_free_spaces(window)
 
     def unbar(self) -> bool:
-        """Take all bars away; tell whether there were any."""
+        """Open all barred areas. Return whether there were any."""
         if not self._has_bars:
             return False
         self._has_bars = False
         barred = np.argwhere(self.closed != self._unknown)
         self.closed[:] = self._unknown
-        self._update_grounds(_window_of(barred))
+        self._update_free_spaces(_window_of(barred))
         return True
 
     def costs(self, first: Optional[Pose2D] = None, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
-        """Return occupancy as navigation's costmap topics show it (int8: 100 lethal, 99 inscribed, .. 0 free, -1).
+        """Return costs as costmap topics publish them (int8: 100 lethal, 99 inscribed .. 0 free, -1 unknown).
 
-        Of the whole grid, or of cells of its size in any ``shape`` (rows, columns) and direction: ``first`` is the pose
-        (m, rad) of the first one's centre. Off the grid it is -1.
+        By default the array covers the whole grid. With ``shape`` (rows, columns) it covers a window of cells of the
+        same size, whose first cell is centred at the pose ``first`` (m, rad). Cells off the grid have -1.
         """
         x, y = (0.5, 0.5) if first is None else self.to_cells(first.x, first.y)
         yaw = 0.0 if first is None else first.yaw
@@ -185,7 +187,7 @@ class Costmap:
         return costs
 
     def _changed(self, window: Window) -> None:
-        """Bring occupancy and clearance up to date after marks changed within a window."""
+        """Update occupancy and clearance after marks changed within a window."""
         if window != EMPTY:
             self._refresh(window, margin=math.ceil(self.reach) + 1)
             self.has_marks = bool(self.marks.any())
@@ -196,11 +198,11 @@ class Costmap:
         self.occupied[part] = self._static[part] | self.marks[part]
         window = self._widened(window, margin)
         update_clearance(self.occupied, self.reach, *window, self.clearance)
-        self._update_grounds(window)
+        self._update_free_spaces(window)
 
-    def _update_grounds(self, window: Window) -> None:
-        for ground in self.grounds:
-            update_open(self.clearance, self.occupied, self.closed, ground.radius, *window, ground.open)
+    def _update_free_spaces(self, window: Window) -> None:
+        for space in self.free_spaces:
+            update_open(self.clearance, self.occupied, self.closed, space.radius, *window, space.open)
 
     def _widened(self, window: Window, margin: int) -> Window:
         row0, row1, column0, column1 = window

@@ -1,4 +1,4 @@
-"""The floor of a map as a program sees it: places, which are next to each other, and how far they are apart."""
+"""Places of a map as a logic program sees them, with connections and distances."""
 
 from typing import Dict, List, NamedTuple, Tuple
 
@@ -12,26 +12,26 @@ from rosoclingo.robot.navigation.grid import load_map
 from rosoclingo.robot.navigation.grid_planner import GridPlanner, PlanOutcome
 from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
-#: A place is on the way between two others where the way over it is longer by no more than this part.
+#: Maximum relative detour at which a place counts as lying between two others.
 DETOUR = 0.1
 
 Pair = Tuple[str, str]
 
-#: Marks of the facts that a program can ignore.
+#: Comments that keep the linter from reporting facts that a program does not use.
 _WAYS = "% check: ok unused (for programs that drive from place to place)"
 _DISTANCES = "% check: ok unused (for programs that prefer short drives)"
 _START = "% check: ok unused (for programs with a start of their own)"
 
 
 class FloorError(ValueError):
-    """Labels that fit no floor; the text lists all faults with what to do."""
+    """Labels that do not fit the map. The text lists all faults, each with a remedy."""
 
 
 class Floor(NamedTuple):
-    """Labels ``places``, in order, and ``distances`` (m) of the pairs of them, in order, between which there is a way.
+    """Places of a map: sorted labels, path lengths between them, and connections.
 
-    ``connections`` are the pairs with no third place on the way. ``start`` is where the robot is at first, empty where
-    that is not told.
+    ``distances`` (m) contains each reachable pair once, in sorted order. ``connections`` are the pairs without a third
+    place between them. ``start`` is the initial place of the robot, or empty if unknown.
     """
 
     places: Tuple[str, ...]
@@ -40,7 +40,7 @@ class Floor(NamedTuple):
     start: str = ""
 
     def facts(self) -> str:
-        """The floor as facts: place/1, connection/2, distance/3, in decimetres and both directions, and start/1."""
+        """Return the facts place/1, connection/2, distance/3 (decimetres, in both directions) and start/1."""
         lines = [" ".join(f"place({place})." for place in self.places), ""]
         lines += [_WAYS, *(f"connection({a},{b})." for a, b in self.connections)] if self.connections else []
         lines += ["", _DISTANCES, *(f"distance({a},{b},{d}). distance({b},{a},{d})." for a, b, d in self._decimetres())]
@@ -52,10 +52,10 @@ class Floor(NamedTuple):
 
 
 def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Floor:
-    """Plan between all pairs of labels on the map alone, with the costmap's limits; raises FloorError.
+    """Plan paths between all pairs of labels on the static map. Raises FloorError.
 
-    Ways are as long as those of navfn, which keep away from walls as the limits' inflation tells. A place is on the way
-    between two others where the way over it is longer by the part ``detour`` at most.
+    Paths are as long as those of navfn, which keep away from walls according to the inflation of the costmap's limits.
+    ``detour`` is the maximum relative detour at which a place counts as lying between two others.
     """
     planner, faults = GridPlanner(), []
     for label in labels:
@@ -77,9 +77,10 @@ def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Fl
 def floor_program(
     map_file: str, labels_file: str, limits: CostmapLimits, detour: float = DETOUR, start: str = ""
 ) -> str:
-    """The floor of files (YAML) as a program, with ways on a costmap with these limits.
+    """Return the places of a map file and a labels file (YAML) as a program.
 
-    The robot is at the label ``start`` at first, if one is named. Raises MapError, LabelError, FloorError.
+    ``limits`` configure the costmap on which paths are planned. ``start`` is the label of the robot's initial place, if
+    known. Raises MapError, LabelError, FloorError.
     """
     for measure in ("robot_radius", "inflation_radius", "cost_scaling_factor"):
         if not 0.0 <= getattr(limits, measure) < np.inf:
@@ -95,14 +96,14 @@ def floor_program(
 
 
 def _between(names: Tuple[str, ...], distances: Dict[Pair, float], ends: Pair, detour: float) -> bool:
-    """Whether some place is on the way between two others, and not where one of them is."""
+    """Return whether a third place lies between two others. A place at one of the ends does not count."""
     most = (1.0 + detour) * distances[ends]
     parts = [[distances.get((min(place, end), max(place, end)), np.inf) for end in ends] for place in names]
     return any(max(part) < distances[ends] and sum(part) <= most for part in parts)
 
 
 def _fault(planner: GridPlanner, costmap: Costmap, label: Label) -> str:
-    """Why nobody can be at a label; empty where one can."""
+    """Return why the robot cannot be at a label; empty if it can."""
     found = planner.plan(costmap, _pose(label), _pose(label), 0.0).outcome
     return (
         "" if found is PlanOutcome.FOUND else f"{label.name}: ({label.x:g}, {label.y:g}): {found.value}: move the label"

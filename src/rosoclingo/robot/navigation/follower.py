@@ -1,4 +1,4 @@
-"""The local planner: from a path and what is near to the next velocity."""
+"""Local planner that samples velocities and simulates each of them."""
 
 import math
 from typing import Optional, Sequence, Union
@@ -12,27 +12,28 @@ from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import STOP, FollowOutcome, LocalPlanner, Velocity, VelocityCommand
 from rosoclingo.robot.navigation.navigation_types import FollowerLimits
 
-# A point that close (m) is turned to before it is driven to; beyond BEHIND (rad) any point is.
+# The robot turns before it drives to a target nearer than NEAR (m) and more than ASIDE (rad) off its heading, and to
+# any target more than BEHIND (rad) off. Within FACING (rad) it counts as facing the target.
 NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
-EXACT = 0.01  # m: a robot that is there is at the goal
-CLOSE = 0.005  # m that are kept free even where it is tight, unless there are less already
-RUSH = 0.08  # s: by this times the speed above creeping more room is needed, as commands come late
-WINDOW = 1.5  # m of the path within which the robot is looked for
-# A robot that has come less than GAIN (m) further in LULL (s) tries what needs less room; after PATIENCE (s) it reports
-# the place as blocked.
+EXACT = 0.01  # m: within this distance the robot does not move closer to the goal
+CLOSE = 0.005  # m: minimum clearance in tight places, unless the present clearance is smaller
+RUSH = 0.08  # s: the required clearance grows by this time x (speed - creep speed), as commands come late
+WINDOW = 1.5  # m: length of the path that is searched for the robot's position
+# After LULL (s) with less than GAIN (m) of progress the robot tries manoeuvres that need less room; after PATIENCE (s)
+# it reports the path as blocked.
 GAIN, LULL, PATIENCE = 0.05, 3.0, 8.0
-SPARE = 0.01  # m more than it needs to turn, where it leaves a place in which it cannot
-CREEPING = np.array([1.0, 0.5, 0.25, 0.0, -0.5, -1.0])  # parts of the speed there
+SPARE = 0.01  # m: additional clearance at the end of an escape
+CREEPING = np.array([1.0, 0.5, 0.25, 0.0, -0.5, -1.0])  # speeds in tight places, relative to creep_vel_x
 
 
 class RolloutFollower(LocalPlanner):
-    """Tries commands on the clearance field and takes the safe one that leads best to a point ahead on the path."""
+    """Selects the safe velocity that leads best to a point ahead on the path."""
 
     def __init__(self, parameters: Optional[dict] = None, radius: float = 0.18, footprint: Sequence = ()) -> None:
         super().__init__(parameters, radius, footprint)
         limits = self.limits = FollowerLimits(**self.parameters)
         self._points, self._along = np.empty((0, 2)), np.empty(0)
-        # Beyond what the robot can drive in a trial, else it would go slower so as to end at the point.
+        # The target lies beyond the end of a rollout: otherwise the robot would slow down to end at the target.
         self._ahead = np.linspace(0.0, max(limits.lookahead, 1.2 * limits.sim_time * limits.max_vel_x), 9)
         self._turns = np.linspace(-1.0, 1.0, limits.vtheta_samples)
         self._slower = np.linspace(1.0, 0.0, limits.vx_samples)
@@ -40,12 +41,12 @@ class RolloutFollower(LocalPlanner):
         self._index, self._place = 0, 0.0
         self._arrived = False
         self._body = Body(radius, footprint)
-        self._circle = Body(self._body.outer)  # in which it can turn
-        self._least, self._lull = -1.0, 0.0  # what is left of the path at least, and since when (s)
-        self._curvature: Optional[float] = None  # 1/m, of the arc on which it escapes
+        self._circle = Body(self._body.outer)  # turning circle
+        self._least, self._lull = -1.0, 0.0  # shortest remaining path (m), and time without progress (s)
+        self._curvature: Optional[float] = None  # 1/m, of the current escape arc
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
-        """Take a new path; see :class:`LocalPlanner`."""
+        """Set a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
             self._arrived, self._lull, self._curvature = False, 0.0, None
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
@@ -58,14 +59,14 @@ class RolloutFollower(LocalPlanner):
         if not len(self._points):
             return VelocityCommand(FollowOutcome.OFF_PATH)
         now = BodyState(self._body, costmap, pose, velocity, period)
-        # Once there the robot only turns: what it drifts while turning must not send it off again (twice is leaving).
+        # At the goal the robot only turns. The doubled tolerance keeps drift during the turn from restarting the drive.
         tolerance = self.limits.xy_goal_tolerance * (2.0 if self._arrived else 1.0)
         self._arrived = now.distance(self._points[-1]) <= tolerance
         if self._arrived:
             command = self._turn_to_goal(now)
             if command.outcome is not FollowOutcome.BLOCKED or now.distance(self._points[-1]) <= EXACT:
                 return command
-            self._arrived = False  # nearer to the goal there may be room
+            self._arrived = False  # closer to the goal there can be enough room to turn
         self._watch(now)
         found = self._escape(now) if self._lull >= LULL else self._follow(now)
         if found:
@@ -73,18 +74,18 @@ class RolloutFollower(LocalPlanner):
         return self._creep(now)
 
     def length_left(self, pose: Pose2D) -> float:
-        """Return what is left of the path; see :class:`LocalPlanner`."""
+        """Return the remaining length of the path; see :class:`LocalPlanner`."""
         if not len(self._points):
             return math.inf
         self._index, self._place, away = place_on(self._points, self._along, self._index, WINDOW, pose.x, pose.y)
         return float(away + self._along[-1] - self._place)
 
     def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
-        """Return whether turning on the spot at ``rate`` rad/s touches nothing that the robot does not touch now."""
+        """Return whether the robot can turn on the spot at ``rate`` rad/s without a new contact."""
         return BodyState(self._body, costmap, pose, STOP, 0.0).may_turn(0.4 * rate)
 
     def _watch(self, now: BodyState) -> None:
-        """Update for how long the robot has come no further."""
+        """Update the time without progress."""
         left = self.length_left(now.pose)
         self._lull += now.period
         if self._least < 0.0:  # a new path
@@ -93,13 +94,14 @@ class RolloutFollower(LocalPlanner):
             self._least, self._lull = left, 0.0
 
     def _at(self, places: Union[float, np.ndarray]) -> np.ndarray:
-        """Return the points (m) of the path at places (m) along it."""
+        """Return the points (m) at distances (m) along the path."""
         return np.stack([np.interp(places, self._along, self._points[:, axis]) for axis in (0, 1)], axis=-1)
 
     def _follow(self, now: BodyState) -> Optional[Velocity]:
-        """Return the command towards a point ahead on the path, None where none keeps enough room."""
+        """Return the command towards a point ahead on the path, or None if no safe command exists."""
         ahead = self._at(self._place + self._ahead)
-        # Where it has the room to turn, and on a path that has, it is to keep that; else it must get straight in.
+        # Where robot and path have room to turn, check the turning circle to keep that room. In tight places check
+        # the footprint itself.
         if self.footprint and now.has_room([now.pose[:2], *ahead]):
             now = BodyState(self._circle, now.costmap, now.pose, now.velocity, now.period)
         carrot = self._carrot(now, ahead)
@@ -112,14 +114,14 @@ class RolloutFollower(LocalPlanner):
         return self._drive(now, carrot) or (self._turn(now, bearing) if abs(bearing) > 0.1 else None)
 
     def _carrot(self, now: BodyState, ahead: np.ndarray) -> Optional[np.ndarray]:
-        """Return the point furthest ahead that a straight line leads to, None where that is too near."""
+        """Return the furthest point ahead with a clear straight line, or None if that point is too near."""
         costmap, scale = now.costmap, now.costmap.resolution
         x, y = costmap.to_cells(now.pose.x, now.pose.y)
         lines = costmap.all_to_cells(ahead).tolist()
         room = np.array([least_along(costmap.clearance, x, y, *end) for end in lines])
         nearest = min(1.2 * scale, now.distance(self._points[-1])) - 1e-6
         room[np.hypot(*(ahead - now.pose[:2]).T) < nearest] = -np.inf
-        # Only a direction: what is driven is tried for safety. So, in a tight place, a line may graze something.
+        # The target only gives a direction; commands are checked later. So a line can graze obstacles in tight places.
         for less in (0.0, 0.25, 0.5):
             clear = np.flatnonzero(room >= now.body.inner / scale - less)
             if len(clear):
@@ -127,19 +129,19 @@ class RolloutFollower(LocalPlanner):
         return None
 
     def _drive(self, now: BodyState, carrot: Point) -> Optional[Velocity]:
-        """Try commands that keep the margin, and more of it the faster they are."""
+        """Return the best command whose clearance is at least the margin, and more at higher speeds."""
         limits = self.limits
         speeds = self._speeds(now)
         needs = limits.margin + RUSH * np.maximum(0.0, speeds - limits.creep_vel_x)
-        # The slowest need no more room than there is.
+        # At the lowest speeds the present clearance is enough.
         needs[speeds <= max(limits.creep_vel_x, speeds[-2])] = -limits.margin
         found = self._best(now, carrot, speeds, needs, limits.max_vel_theta)
-        # A robot that faces a point and can only turn is stuck.
+        # A robot that faces the target but can only turn is stuck.
         stuck = found and found.linear < 0.02 and abs(now.bearing(carrot)) <= FACING
         return None if stuck else found
 
     def _speeds(self, now: BodyState) -> np.ndarray:
-        """Return the speeds (m/s) within reach of the accelerations, and a stop to turn on the spot."""
+        """Return the speeds (m/s) that the acceleration limits allow, and 0 for turning on the spot."""
         acceleration = self.limits.acc_lim_x
         top = min(self.limits.max_vel_x, math.sqrt(acceleration * max(now.distance(self._points[-1]), 0.01)))
         high = min(top, max(0.0, now.velocity.linear) + acceleration * now.period)
@@ -149,18 +151,21 @@ class RolloutFollower(LocalPlanner):
     def _best(
         self, now: BodyState, carrot: Point, speeds: np.ndarray, needs: np.ndarray, rate: float
     ) -> Optional[Velocity]:
-        """Return the best command that is safe and moves the robot, turning by ``rate`` (rad/s) at most."""
+        """Return the best safe command that moves the robot, with at most ``rate`` rad/s."""
         limits, angular = self.limits, now.velocity.angular
         reach = limits.acc_lim_theta * now.period
         low, high = max(-rate, min(rate, angular) - reach), min(rate, max(-rate, angular) + reach)
         turns = np.append(0.5 * (low + high) + 0.5 * (high - low) * self._turns, 0.0)
-        # Look less far ahead when the goal is near, so that the arc does not end beyond it.
+        # Shorten the horizon near the goal, so that arcs do not end beyond it.
         horizon = max(0.6, min(limits.sim_time, 2.0 * now.distance(self._points[-1]) / limits.max_vel_x))
         found = now.best_command(speeds, needs, turns, carrot, limits.comfort, horizon)
         return found if found and (abs(found.linear) >= 0.01 or abs(found.angular) >= 0.05) else None
 
     def _escape(self, now: BodyState) -> Optional[Velocity]:
-        """Return the command that leads to where the robot can turn, None where it can or none does."""
+        """Return the command towards a pose at which the robot can turn.
+
+        None if it can turn already, or if no arc leads to such a pose.
+        """
         if not self.footprint or now.has_room([now.pose[:2]], 0.5 * SPARE):
             return None
         found = now.arc_to_room(SPARE, self.limits.creep_vel_x, self._curvature)
@@ -168,9 +173,9 @@ class RolloutFollower(LocalPlanner):
         return found
 
     def _creep(self, now: BodyState) -> VelocityCommand:
-        """Go on slowly, backwards too, with as little room as there is; report the path as blocked after a while."""
+        """Drive slowly, possibly backwards, with minimum clearance; report a blocked path after PATIENCE."""
         point, creep, most = self._at(self._place + NEAR), self.limits.creep_vel_x, self.limits.max_vel_theta
-        # No corner is to be faster than that.
+        # Limits the speed of the outermost corner to the creep speed.
         rate = min(most, creep / self._body.outer) if self.footprint else most
         found = self._best(now, point, CREEPING * creep, np.full(len(CREEPING), -CLOSE), rate)
         if found is None or self._lull > PATIENCE:
@@ -180,7 +185,7 @@ class RolloutFollower(LocalPlanner):
         return VelocityCommand(FollowOutcome.DRIVING, found).stopping_first(now.velocity)
 
     def _turn(self, now: BodyState, error: float) -> Optional[Velocity]:
-        """Return the command that turns on the spot by ``error`` rad, the other way round if need be; None for none."""
+        """Return the command to turn on the spot by ``error`` rad, in either direction; None if both are blocked."""
         if abs(now.velocity.linear) > 0.05:
             return STOP
         for angle in (error, error - math.copysign(2.0 * math.pi, error)):
@@ -191,7 +196,7 @@ class RolloutFollower(LocalPlanner):
         return None
 
     def _turn_to_goal(self, now: BodyState) -> VelocityCommand:
-        """Return the command of a robot that is at its goal and only has to turn."""
+        """Return the command for a robot at its goal position, which only has to turn."""
         error, tolerance = normalize_angle(self._goal.yaw - now.pose.yaw), self.limits.yaw_goal_tolerance
         if abs(error) <= tolerance and abs(now.velocity.linear) <= 0.05:
             done = abs(now.velocity.angular) < 0.2 or abs(error) < 0.25 * tolerance

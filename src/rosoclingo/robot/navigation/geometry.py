@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 
 
 def normalize_angle(angle: float) -> float:
-    """Return ``angle`` (rad) in [-pi, pi]."""
+    """Return the equivalent angle (rad) in [-pi, pi]."""
     return math.remainder(angle, 2.0 * math.pi)
 
 
@@ -17,7 +17,7 @@ class Pose2D(NamedTuple):
     yaw: float = 0.0
 
     def compose(self, other: "Pose2D") -> "Pose2D":
-        """Return ``other``, given in the frame of this pose, in the frame that this pose is given in."""
+        """Transform ``other`` from the frame of this pose to the parent frame."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return Pose2D(
             self.x + c * other.x - s * other.y,
@@ -31,11 +31,11 @@ class Pose2D(NamedTuple):
         return Pose2D(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
 
     def distance(self, other: "Pose2D") -> float:
-        """Return the distance (m) between the two positions."""
+        """Return the distance (m) between the positions of two poses."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
     def towards(self, other: "Pose2D", part: float) -> "Pose2D":
-        """Return what lies by a ``part`` (0 .. 1) of the way, and of the turn, towards another pose."""
+        """Interpolate towards another pose: ``part`` 0 is this pose, 1 the other."""
         turn = normalize_angle(other.yaw - self.yaw)
         return Pose2D(
             self.x + part * (other.x - self.x),
@@ -44,9 +44,9 @@ class Pose2D(NamedTuple):
         )
 
     def moved(self, v: float, w: float, dt: float) -> "Pose2D":
-        """Return the pose after ``dt`` s at ``v`` m/s and ``w`` rad/s: the exact arc of a differential drive."""
+        """Return the pose after ``dt`` s at ``v`` m/s and ``w`` rad/s, on the exact arc of a differential drive."""
         half = 0.5 * w * dt
-        # sin(x)/x, exact for the straight line too: the chord of an arc of length v*dt.
+        # Chord of an arc of length v*dt. The series of sin(x)/x covers straight lines.
         chord = v * dt * (math.sin(half) / half if abs(half) > 1e-9 else 1.0 - half * half / 6.0)
         direction = self.yaw + half
         return Pose2D(
@@ -57,15 +57,15 @@ class Pose2D(NamedTuple):
 
 
 def yaw_to_quaternion(yaw: float) -> Tuple[float, float, float, float]:
-    """Return the quaternion (x, y, z, w) of a turn by ``yaw`` about the z axis."""
+    """Return the quaternion (x, y, z, w) of a rotation by ``yaw`` about the z axis."""
     return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
 
 
 def quaternion_to_yaw(x: float, y: float, z: float, w: float, tilt: float = 1e-3) -> Optional[float]:
-    """Return the yaw of a quaternion, or None where it is no planar pose.
+    """Return the yaw of a quaternion, or None if it is not a rotation about the z axis.
 
-    As move_base does, refuse one that is not finite, is near to zero, or whose turned z axis leans by more
-    than ``tilt`` (1 - cosine) from the vertical.
+    Rejects the same quaternions as move_base: those that are not finite or close to zero, and those whose z axis is
+    tilted by more than ``tilt`` (1 - cosine).
     """
     norm2 = x * x + y * y + z * z + w * w
     if not math.isfinite(norm2) or norm2 < 1e-6:

@@ -1,4 +1,4 @@
-"""Occupancy grids, read from the files that map_server reads (PGM or PNG with YAML)."""
+"""Occupancy grids, and the map files of map_server (PGM or PNG with YAML)."""
 
 import math
 from pathlib import Path
@@ -11,19 +11,19 @@ from rosoclingo.common.reading import Reader, read_yaml
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 MODES = ("trinary", "scale", "raw")
-FAR = 1e7  # m: no origin is further off
+FAR = 1e7  # m: limit of an origin's coordinates
 
 
 class MapError(ValueError):
-    """A map that cannot be used; the message names the file and the key."""
+    """An invalid map. The message names the file and the key."""
 
 
 class OccupancyGrid(NamedTuple):
     """A map as in nav_msgs/OccupancyGrid.
 
-    ``cells`` is an int8 array of shape (height, width), row 0 at the bottom (least y): 0 free .. 100 occupied,
-    -1 unknown. ``resolution`` is the edge of a cell in m, ``origin_x`` and ``origin_y`` (m) the lower left corner
-    of cell (0, 0). The axes of the grid are those of its frame.
+    ``cells``: int8 (height, width), row 0 at the bottom (smallest y); 0 free .. 100 occupied, -1 unknown.
+    ``resolution``: edge of a cell (m). ``origin_x``, ``origin_y``: lower left corner of cell (0, 0) (m).
+    The axes of the grid are those of its frame.
     """
 
     cells: np.ndarray
@@ -37,7 +37,7 @@ class OccupancyGrid(NamedTuple):
         return self.cells.shape[0], self.cells.shape[1]
 
     def cell(self, x: float, y: float) -> Tuple[int, int]:
-        """Return (row, column) of the cell around a point (m); it may lie outside of the grid."""
+        """Return (row, column) of the cell that contains a point (m), which can lie outside the grid."""
         return (
             math.floor((y - self.origin_y) / self.resolution),
             math.floor((x - self.origin_x) / self.resolution),
@@ -51,12 +51,12 @@ class OccupancyGrid(NamedTuple):
         )
 
     def contains(self, x: float, y: float) -> bool:
-        """Tell whether a point (m) lies on the grid."""
+        """Return whether a point (m) lies on the grid."""
         row, column = self.cell(x, y)
         return 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
 
     def beyond(self, x: float, y: float) -> str:
-        """Return in words that a point (m) is off the grid, whose edges belong to it; empty where it is not."""
+        """Return a message if a point (m) is off the grid, else an empty text. Edges belong to the grid."""
         right = self.origin_x + self.shape[1] * self.resolution
         top = self.origin_y + self.shape[0] * self.resolution
         if self.origin_x <= x <= right and self.origin_y <= y <= top:
@@ -65,15 +65,12 @@ class OccupancyGrid(NamedTuple):
         return f"({x:g}, {y:g}) is off the map, which covers {extent}"
 
     def occupied(self, threshold: int = OCCUPIED) -> np.ndarray:
-        """Return the mask (uint8, the grid's shape) of cells occupied to ``threshold`` or more."""
+        """Return the mask (uint8, shape of the grid) of cells with an occupancy of at least ``threshold``."""
         return np.ascontiguousarray(self.cells >= threshold, dtype=np.uint8)
 
 
 def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
-    """Read and check the YAML file of a map; return its keys with map_server's defaults filled in.
-
-    Raises MapError.
-    """
+    """Read and check the YAML file of a map, and add the defaults of map_server. Raises MapError."""
     reader = read_yaml(path, "map", MapError)
     info = {
         "image": Path(path).parent / reader.at("image").text(wanted="the image's file name"),
@@ -85,25 +82,25 @@ def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
         "mode": reader.at("mode").choice(MODES, "trinary"),
     }
     if not isinstance(reader.value, dict):
-        reader.fault("the file must hold keys and values (image, resolution, origin ...)")
+        reader.fault("the file must contain keys and values (image, resolution, origin ...)")
     reader.check(MapError)
     return info
 
 
 def load_map(path: Union[str, Path]) -> OccupancyGrid:
-    """Read a map: the YAML file and the image that it names, as map_server does. Raises MapError."""
+    """Load a map: the YAML file and its image, as map_server does. Raises MapError."""
     info = read_map_info(path)
     try:
         with Image.open(str(info["image"])) as image:
             cells = _cells(image, info)
-    except Exception as error:  # noqa: BLE001 what Pillow raises for a broken image depends on its format
+    except Exception as error:  # noqa: BLE001 Pillow's exceptions depend on the image format
         raise MapError("map {}: image {}: {}".format(path, info["image"], error or repr(error))) from error
     x, y = info["origin"]
     return OccupancyGrid(np.ascontiguousarray(cells[::-1]), info["resolution"], x, y)
 
 
 def _cells(image: Image.Image, info: Mapping[str, Any]) -> np.ndarray:
-    """Return the occupancy of each pixel (int8); of 256 greys each is looked at once, as large maps are large."""
+    """Return the occupancy of each pixel (int8). A lookup table speeds up images with 256 grey levels."""
     if image.mode in ("1", "L"):
         table = _occupancy((np.arange(256.0), np.full(256, 255.0)), info)
         return np.asarray(table[np.asarray(image.convert("L"))])
@@ -113,11 +110,11 @@ def _cells(image: Image.Image, info: Mapping[str, Any]) -> np.ndarray:
 def _levels(image: Image.Image, mode: str) -> Tuple[np.ndarray, np.ndarray]:
     """Return (mean colour, opacity) of an image as float arrays of its shape, from 0 to 255.
 
-    As map_server does, take opacity for one more colour in trinary mode. Raises ValueError for an unknown image mode.
+    In trinary mode the opacity counts as another colour, as in map_server. Raises ValueError for an unsupported image.
     """
     if image.mode == "F":
         raise ValueError("its pixels are floating-point numbers; save it with 8 or 16 bits")
-    if image.mode.startswith("I"):  # 16 bits, of which the upper 8 count
+    if image.mode.startswith("I"):  # 16 bits; the upper 8 are used
         grey = np.clip(np.asarray(image, dtype=np.int64), 0, 65535) // 256
         return grey.astype(np.float64), np.full(grey.shape, 255.0)
     transparent = image.mode[-1] in "Aa" or "transparency" in image.info
@@ -126,7 +123,7 @@ def _levels(image: Image.Image, mode: str) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def _occupancy(levels: Tuple[np.ndarray, np.ndarray], info: Mapping[str, Any]) -> np.ndarray:
-    """Turn image levels into occupancy, after map_server's three modes."""
+    """Convert image levels to occupancy, in the modes of map_server."""
     grey, opacity = levels
     if info["mode"] == "raw":
         raw = np.floor(255.0 - grey if info["negate"] else grey)
@@ -151,5 +148,5 @@ def _origin(reader: Reader) -> Tuple[float, float]:
     if max(map(abs, origin[:2])) > FAR:
         reader.fault(f"x and y must be within {FAR:g} m, not {list(origin[:2])}")
     if origin[2:] not in ((), (0.0,)):
-        reader.fault("a turned map (yaw) is not supported; turn the image, and make the yaw 0")
+        reader.fault("rotated maps (yaw) are not supported; rotate the image and set the yaw to 0")
     return origin[0], origin[1]

@@ -1,20 +1,20 @@
-"""Ways on a map where cells near walls cost more, as navfn drives them on a costmap with an inflation layer."""
+"""Path lengths of navfn on a costmap with an inflation layer, where cells near walls cost more."""
 
 import math
 from typing import List, Optional, Sequence
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.marching import march, way_down
+from rosoclingo.robot.navigation.compiled.marching import descend, march
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-INSCRIBED = 253  # costmap_2d's cost of a cell in which the robot's middle cannot be
-NEUTRAL, FACTOR = 50.0, 0.8  # what navfn adds for each cell, and by what it takes the costmap's cost of it
+INSCRIBED = 253  # costmap_2d: cost of cells in which the robot's centre cannot be
+NEUTRAL, FACTOR = 50.0, 0.8  # navfn: cost of each cell, and factor of its costmap cost
 
 
 def navfn_lengths(costmap: Costmap, goal: Pose2D, starts: Sequence[Pose2D]) -> List[Optional[float]]:
-    """Return the length (m) of the cheapest way from each of the poses to one; None where navfn finds none."""
+    """Return the length (m) of the cheapest path from each start to the goal; None where navfn finds none."""
     costs = _costs(costmap)
     row, column = costmap.grid.cell(goal.x, goal.y)
     if not costmap.grid.contains(goal.x, goal.y) or not math.isfinite(costs[row, column]):
@@ -27,14 +27,14 @@ def _length(costmap: Costmap, found: np.ndarray, start: Pose2D, goal: Pose2D) ->
     if not costmap.grid.contains(start.x, start.y) or not math.isfinite(found[costmap.grid.cell(start.x, start.y)]):
         return None
     ends = (coordinate - 0.5 for pose in (start, goal) for coordinate in costmap.to_cells(pose.x, pose.y)[::-1])
-    way = way_down(found, *ends)
+    way = descend(found, *ends)
     return float(np.hypot(*np.diff(way, axis=0).T).sum()) * costmap.resolution
 
 
 def _costs(costmap: Costmap) -> np.ndarray:
-    """Return what a way of the length of a cell costs in each cell (float32, rows x columns), 1 far from walls.
+    """Return the cost of each cell (float32, rows x columns) per cell length, 1 far from walls.
 
-    As costmap_2d has it, what is near a wall is measured from the middle of a cell to that of the nearest occupied one.
+    As in costmap_2d, distances are measured between the centres of cells.
     """
     limits, shown = costmap.limits, costmap.costs()
     room = (costmap.clearance + 0.5) * costmap.resolution

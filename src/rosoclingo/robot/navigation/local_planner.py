@@ -1,4 +1,4 @@
-"""What every local planner has: the plugin interface, commands, the robot's body."""
+"""Plugin interface of local planners, their commands, and radii of the robot's footprint."""
 
 import enum
 import math
@@ -21,7 +21,7 @@ STOP = Velocity()
 
 
 class FollowOutcome(enum.Enum):
-    """What a local planner has to say besides its command."""
+    """Status of a local planner; the value is the message."""
 
     DRIVING = "driving"
     REACHED = "goal reached"
@@ -30,27 +30,27 @@ class FollowOutcome(enum.Enum):
 
 
 class VelocityCommand(NamedTuple):
-    """The answer of a local planner; ``at``: a point (m) of the path that is blocked, to be avoided."""
+    """Result of a local planner. ``at``: the blocked point (m) of the path, which the next plan should avoid."""
 
     outcome: FollowOutcome
     velocity: Velocity = STOP
     at: Optional[Tuple[float, float]] = None
 
     def stopping_first(self, before: Velocity) -> "VelocityCommand":
-        """Return this, or a stop while the robot still drives the other way: no turn is to begin before."""
+        """Return this command, or a stop while the robot still drives in the opposite direction."""
         turns_round = self.velocity.linear * before.linear < 0.0 and abs(before.linear) > STILL
         return self._replace(velocity=STOP) if turns_round else self
 
 
 STILL = 0.02  # m/s
-SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s ahead
+SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s: times of the displayed trajectory
 
 
 class LocalPlanner:
-    """What a local planner plugin does: subclasses are named by class path in ``base_local_planner``.
+    """Base class of local planner plugins, which ``base_local_planner`` names by class path.
 
-    It is made with its parameters (the mapping under the last part of its class path) and the robot's footprint, a
-    sequence of (x, y) in m, or a radius in m.
+    A planner is created with its parameters, the mapping in the namespace of its class name, and the shape of the
+    robot: a radius (m) or a footprint, a sequence of corners (x, y) in m.
     """
 
     def __init__(self, parameters: Optional[dict] = None, radius: float = 0.18, footprint: Sequence = ()) -> None:
@@ -59,7 +59,7 @@ class LocalPlanner:
         self.footprint = tuple(footprint)
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
-        """Take a new path: points (n, 2) in m in the map's frame, and the pose to end in."""
+        """Set a new path: points (n, 2; m, in the map frame), and the goal pose."""
         raise NotImplementedError
 
     def compute(self, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> VelocityCommand:
@@ -67,20 +67,20 @@ class LocalPlanner:
         raise NotImplementedError
 
     def length_left(self, pose: Pose2D) -> float:
-        """Return the length (m) of the path that is still to be driven; infinity without a path."""
+        """Return the remaining length (m) of the path; infinity without a path."""
         raise NotImplementedError
 
     def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
-        """Return whether turning on the spot at ``rate`` rad/s touches nothing; a recovery asks before it turns."""
+        """Return whether the robot can turn on the spot at ``rate`` rad/s; recovery behaviours check this."""
         return True
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
-        """Return the points (n, 2; m) that a command leads through, for display."""
+        """Return the predicted points (n, 2; m) of a command, for display."""
         return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])
 
 
 def inscribed_radius(radius: float, footprint: Sequence) -> float:
-    """Return the radius (m) of the largest disc around the robot's origin within its footprint; else ``radius``."""
+    """Return the radius (m) of the circle around the origin inscribed in the footprint; ``radius`` for a disc."""
     if not len(footprint):
         return radius
     corners = [Pose2D(*corner) for corner in footprint]
@@ -92,9 +92,9 @@ def inscribed_radius(radius: float, footprint: Sequence) -> float:
 
 
 def way_radii(radius: float, footprint: Sequence) -> Tuple[float, ...]:
-    """Return the radii (m) that ways keep free, widest first: where the robot can turn, where it can drive ahead.
+    """Return the clearances (m) of paths, widest first: to turn anywhere, and only to drive ahead.
 
-    None for a disc, whose ways keep its radius.
+    Empty for a disc, whose paths keep its radius.
     """
     if not len(footprint):
         return ()

@@ -1,4 +1,4 @@
-"""States, outcomes and settings of driving to a goal."""
+"""States, outcomes and settings of navigation."""
 
 import enum
 from typing import NamedTuple, Optional
@@ -7,11 +7,11 @@ from rosoclingo.robot.navigation.local_planner import STOP, Velocity
 
 
 class NavigationError(RuntimeError):
-    """A call that the navigator's state does not allow."""
+    """Call that is invalid in the present state of the navigator."""
 
 
 class NavigatorState(enum.Enum):
-    """move_base's states, and idle."""
+    """States of move_base, and idle."""
 
     IDLE = "idle"
     PLANNING = "planning"
@@ -20,7 +20,7 @@ class NavigatorState(enum.Enum):
 
 
 class NavigationOutcome(enum.Enum):
-    """How a goal ended; the message of the result says why."""
+    """How a goal ended. The message of the result gives the reason."""
 
     REACHED = 0
     NO_PLAN = 1
@@ -32,7 +32,7 @@ class NavigationOutcome(enum.Enum):
 
 
 class Trigger(enum.Enum):
-    """Why the robot recovers: the outcome if it cannot, and the words of move_base."""
+    """Reason of a recovery: the outcome if recovery fails, and the message of move_base."""
 
     PLANNING = (NavigationOutcome.NO_PLAN, "Failed to find a valid plan.")
     CONTROLLING = (NavigationOutcome.NO_CONTROL, "Failed to find a valid control.")
@@ -40,7 +40,7 @@ class Trigger(enum.Enum):
     STUCK = (NavigationOutcome.NO_PROGRESS, "Robot makes no progress.")
 
 
-#: The states that can follow each state, by their values.
+#: Allowed transitions between states.
 TRANSITIONS = {
     "idle": ("planning",),
     "planning": ("controlling", "clearing", "idle", "planning"),
@@ -50,10 +50,10 @@ TRANSITIONS = {
 
 
 class NavigatorLimits(NamedTuple):
-    """Settings, named as move_base names them (s, m, Hz); ``progress_timeout`` (0: never) is this navigator's own.
+    """Settings with the names of move_base (s, m, Hz); only ``progress_timeout`` (0: no limit) is an addition.
 
-    ``planner_frequency`` 0: plan for a new goal and when the way is blocked only. ``max_planning_retries`` -1: as
-    many as planner_patience allows. ``oscillation_timeout`` 0: never.
+    ``planner_frequency`` 0: plan only for a new goal and when the path is blocked. ``max_planning_retries`` -1: limited
+    only by planner_patience. ``oscillation_timeout`` 0: no limit.
     """
 
     planner_frequency: float = 1.0
@@ -67,14 +67,14 @@ class NavigatorLimits(NamedTuple):
 
 
 class Result(NamedTuple):
-    """The end of a goal."""
+    """Outcome and message of a goal."""
 
     outcome: NavigationOutcome
     message: str
 
 
 class Tick(NamedTuple):
-    """What one control period gives: the velocity to drive, and the result once the goal has ended."""
+    """Result of a control period: the velocity to drive, and the result of the goal once it has ended."""
 
     velocity: Velocity = STOP
     result: Optional[Result] = None
@@ -83,11 +83,12 @@ class Tick(NamedTuple):
 class FollowerLimits(NamedTuple):
     """Settings of :class:`~rosoclingo.robot.navigation.follower.RolloutFollower` (m, rad, s).
 
-    Named as move_base's local planners name theirs.
+    Names are those of move_base's local planners, with these additions:
 
-    Its own: ``lookahead``, how far ahead on the path it aims; ``margin``, what it keeps free beside the robot where
-    there is room, at ``creep_vel_x`` and slower where there is not; ``comfort``, up to where more room counts as
-    better; ``turn_gain`` (1/s), by which it turns slower towards the end of a turn.
+    ``lookahead``: distance along the path to the point that it aims at.
+    ``margin``: clearance where there is room; with less clearance it drives at most ``creep_vel_x``.
+    ``comfort``: clearance up to which more room gives a better score.
+    ``turn_gain`` (1/s): slows a turn towards its end.
     """
 
     max_vel_x: float = 0.65

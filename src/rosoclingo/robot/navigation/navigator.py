@@ -1,4 +1,4 @@
-"""Driving to a goal: the state machine of move_base, without ROS."""
+"""Navigation to a goal: the state machine of move_base, without ROS."""
 
 import math
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
@@ -21,36 +21,34 @@ from rosoclingo.robot.navigation.navigation_types import (
     Tick,
     Trigger,
 )
-from rosoclingo.robot.navigation.planning import Planning, from_here
-from rosoclingo.robot.navigation.progress import WayProgress
+from rosoclingo.robot.navigation.planning import Planning, cut_start
+from rosoclingo.robot.navigation.progress import PathProgress
 from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
-# The least time (s) between two plans: a blocked robot that sees something new all the time need not plan all the time.
+# Minimum time (s) between two plans. Limits replanning while a blocked robot keeps seeing new obstacles.
 MOMENT = 0.25
-# For so long (s) a way must seem to be blocked to be left, by how many were left before without any progress since:
-# what the laser just touches is marked in some scans only, and must not draw the robot to and fro.
+# Time (s) for which a path must appear blocked before the robot leaves it, by the number of paths left since the last
+# progress. Obstacles at the edge of the beam are marked in some scans only, and must not make the robot oscillate.
 SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
-# A new way has to be that much shorter for the robot to leave a good old one: no dithering between equals. The factor
-# counts once more for each detour and each way left: what seems to be open and closed in turns must not draw it to and
-# fro.
+# Maximum relative length of a new path that replaces a free one, to avoid oscillation between paths of equal length.
+# The factor applies once more for each detour and each path left.
 WORTHWHILE = 0.9
-TIGHT = 0.75  # cells by which a way can come nearer to things than it should
-MOVED = 0.1  # m that the robot may have moved while it was planned
+TIGHT = 0.75  # cells: tolerance in the clearance of a path
+MOVED = 0.1  # m: motion during planning beyond which the start of the plan is cut off
 
 
-class Asked(NamedTuple):
-    """A plan that is being looked for, from a start; ``keep``: the old one may stay, if the new one is no better."""
+class PlanRequest(NamedTuple):
+    """Pending plan from a start. ``keep``: keep the old path unless the new one is better."""
 
     start: Pose2D
     keep: bool
 
 
 class Navigator:
-    """Takes goals and, once a control period, what is known of the robot; gives velocities and results.
+    """Drives the robot to goals: turns pose and velocity into commands, once per control period.
 
-    Plans come by ``planning``: while one is looked for that takes its time the robot is driven on by the old one, or
-    stands where it has none. Observers: ``on_plan(points)``, ``on_recovery(behavior, number, total, pose)``,
-    ``on_log(text)``; all optional attributes.
+    Plans come from ``planning``. While a plan is pending, the robot follows the old path, or stops if there is none.
+    Optional observers: ``on_plan(points)``, ``on_recovery(behavior, number, total, pose)``, ``on_log(text)``.
     """
 
     def __init__(
@@ -64,7 +62,7 @@ class Navigator:
     ) -> None:
         self.costmap, self.follower = costmap, follower
         self.planning = planning or Planning(planner)
-        self._asked: Optional[Asked] = None
+        self._asked: Optional[PlanRequest] = None
         self.recoveries = recoveries
         self.limits = limits or NavigatorLimits()
         self.state = NavigatorState.IDLE
@@ -85,35 +83,35 @@ class Navigator:
 
     @property
     def active(self) -> bool:
-        """Whether there is a goal to drive to."""
+        """Whether there is a goal."""
         return self.state is not NavigatorState.IDLE
 
     def set_goal(self, now: float, goal: Pose2D) -> None:
-        """Drive to a pose (m, rad; the map's frame) from now (s) on, instead of to any other."""
+        """Replace the goal by a pose (m, rad; in the map frame). ``now``: present time (s)."""
         self.goal = goal
         self._start(now)
         self._go(NavigatorState.PLANNING)
 
     def cancel(self) -> None:
-        """Give the goal up."""
+        """Abandon the goal."""
         if self.active:
             self._go(NavigatorState.IDLE)
 
     def take_map(self, costmap: Costmap) -> None:
-        """Go on with another map."""
+        """Replace the costmap."""
         self._drop()
         self.costmap, self._changed = costmap, True
 
     def obstacles_changed(self) -> None:
-        """Tell that the costmap has changed: the way ahead is looked at again."""
+        """Note that the costmap has changed, so that the path is checked again."""
         self._changed = True
 
     def tick(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
-        """Go on for one control period (s) and return what to drive. Raises NavigationError when idle."""
+        """Advance by one control period (s). Raises NavigationError when idle."""
         if not self.active:
             raise NavigationError("tick without a goal")
         if now < self._now:
-            self.on_log(f"Time went back by {self._now - now:.1f} s: patience starts anew")
+            self.on_log(f"Time went back by {self._now - now:.1f} s: timeouts restart")
             self._start(now)
         self._now, self._blind_since = now, None
         tick = self._handlers[self.state](now, pose, velocity, period)
@@ -124,7 +122,7 @@ class Navigator:
         return tick._replace(velocity=slow)
 
     def blind(self, now: float, outcome: NavigationOutcome, reason: str) -> Tick:
-        """Stand still for a control period in which pose or obstacles are not known; give up after some patience."""
+        """Stop for a control period without a pose or a scan. After controller_patience, end the goal."""
         if now < self._now:
             self._start(now)
         if self._blind_since is None or now < self._blind_since:
@@ -136,10 +134,10 @@ class Navigator:
         return Tick(result=Result(outcome, reason))
 
     def _start(self, now: float) -> None:
-        """Set the clocks and counts of a fresh goal."""
+        """Reset timers and counters for a new goal."""
         self._drop()
         self._now = self._last_plan = self._last_control = now
-        self._progress = WayProgress(self.limits, now)
+        self._progress = PathProgress(self.limits, now)
         self._block: Optional[Tuple[float, float]] = None
         self.costmap.unbar()
         self._planned_at = self._good_until = -math.inf
@@ -156,7 +154,7 @@ class Navigator:
         self.state = state
 
     def _planning(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
-        """Look for a path; while there is none, wait for planner_patience."""
+        """Plan a path. If there is none, retry for planner_patience, then recover."""
         found = self._make_plan(now, pose)
         if found is None:
             return Tick()
@@ -174,12 +172,12 @@ class Navigator:
         return self._recover(now, pose, Trigger.PLANNING)
 
     def _controlling(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
-        """Follow the path; plan again in time and when it is blocked."""
+        """Follow the path. Replan at planner_frequency and when the path is blocked."""
         if not self._replan(now, pose):
             self._last_plan = max(self._last_plan, now)
             self._go(NavigatorState.PLANNING)
             return Tick()
-        if self._progress.see(now, self.follower.length_left(pose)):
+        if self._progress.update(now, self.follower.length_left(pose)):
             self._left, self._recovery = 0, 0
             self.costmap.unbar()
         for trigger, reason in (
@@ -200,25 +198,25 @@ class Navigator:
             return self._recover(now, pose, Trigger.CONTROLLING)
         if command.at is not None:
             self.costmap.bar(*command.at)
-        self._changed = True  # plan again, in case the robot has left its path
+        self._changed = True  # replan, in case the robot has left its path
         return Tick()
 
     def _clearing(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
-        """Go on with the recovery behaviour, then plan again."""
+        """Continue the recovery behaviour; replan when it is done."""
         if self._running is not None:
             step = self._running.step(now, pose, self.costmap, self.follower)
             if not step.done:
                 return Tick(step.velocity)
         self._running = None
         self._last_plan = self._last_control = now
-        self._progress.renew(now)
+        self._progress.restart(now)
         self.costmap.unbar()
         self._tries = 0
         self._go(NavigatorState.PLANNING)
         return Tick()
 
     def _recover(self, now: float, pose: Pose2D, trigger: Trigger) -> Tick:
-        """Start the next recovery behaviour, or give up when there is none left."""
+        """Start the next recovery behaviour, or abort if there is none left."""
         outcome, words = trigger.value
         if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
             words += " Even after executing recovery behaviors"
@@ -232,8 +230,8 @@ class Navigator:
         return Tick()
 
     def _ask(self, pose: Pose2D, keep: bool) -> Optional[GlobalPlan]:
-        """Have a plan looked for; return it if it is there already."""
-        self._asked, self._changed = Asked(pose, keep), False
+        """Request a plan. Return it if it is available at once."""
+        self._asked, self._changed = PlanRequest(pose, keep), False
         self.planning.ask(self.costmap, pose, self.goal)
         return self.planning.answer()
 
@@ -243,7 +241,7 @@ class Navigator:
             self.planning.drop()
 
     def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> Optional[bool]:
-        """Plan, or go on with that; tell whether there is a path to follow, None while that is not known."""
+        """Request or continue a plan. Return whether there is a path to follow, None while the plan is pending."""
         if self._asked is not None:
             plan, keep = self.planning.answer(), self._asked.keep
         else:
@@ -255,7 +253,7 @@ class Navigator:
         return None if plan is None else self._take_plan(now, pose, plan)
 
     def _take_plan(self, now: float, pose: Pose2D, plan: GlobalPlan) -> bool:
-        """Follow a plan that has come, unless the old one is as good; tell whether there is one to follow."""
+        """Adopt a plan unless the old path is as good. Return whether there is a path to follow."""
         assert self._asked is not None
         (start, keep), self._asked = self._asked, None
         self._planned_at = now
@@ -263,7 +261,7 @@ class Navigator:
             self.plan = plan
             return False
         if start.distance(pose) > MOVED:
-            plan = plan._replace(points=from_here(plan.points, pose, start.distance(pose)))
+            plan = plan._replace(points=cut_start(plan.points, pose, start.distance(pose)))
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
@@ -273,11 +271,11 @@ class Navigator:
         self.plan, self._good_until = plan, now
         self.follower.set_plan(self.plan.points, self.goal)
         self.on_plan(self.plan.points)
-        self._progress.take_way(now, plan.length)
+        self._progress.set_path(now, plan.length)
         return True
 
     def _replan(self, now: float, pose: Pose2D) -> bool:
-        """Plan again where it is time to; tell whether there is a path to follow."""
+        """Replan if necessary. Return whether there is a path to follow."""
         self._block = self._first_block(pose)
         if self._block is None:
             self._good_until = now
@@ -295,7 +293,7 @@ class Navigator:
         return now - self._good_until <= SEEMS[min(self._left, len(SEEMS) - 1)]
 
     def _first_block(self, pose: Pose2D) -> Optional[Tuple[float, float]]:
-        """Return the point (m) of the way at which it is blocked, None where it is not."""
+        """Return the first blocked point (m) of the path, or None."""
         costmap = self.costmap
         radius = max(self.follower.radius, self.plan.radius) / costmap.resolution
         cells = costmap.all_to_cells(self.plan.points)

@@ -1,16 +1,16 @@
-"""The time by which patience is measured."""
+"""Clock for the timeouts of navigation."""
 
 import time
 from typing import Callable
 
-FASTEST = 20.0  # s a second
+FASTEST = 20.0  # maximum speed, relative to the wall clock
 
 
 class PatienceClock:
-    """Goes with ROS time, but at most ``FASTEST`` times as fast as the wall clock (``wall``, s).
+    """Follows ROS time, but at most ``FASTEST`` times as fast as the wall clock (``wall``, s).
 
-    In a free running simulation 15 s of patience may be a tenth of a second: without this a process that had to wait
-    that long for a processor, here or beside, would cost a goal.
+    In a simulation that runs as fast as it can, 15 s of patience can be a tenth of a second. Without this limit, a
+    short delay of any process would abort the goal.
     """
 
     def __init__(self, wall: Callable[[], float] = time.monotonic) -> None:
@@ -18,8 +18,8 @@ class PatienceClock:
         self.now = 0.0
         self._seen = (0.0, wall())
 
-    def see(self, now: float) -> float:
-        """Take the ROS time (s) and return this clock's: it goes back when ROS time does."""
+    def update(self, now: float) -> float:
+        """Update to the ROS time (s), which can also go back. Return the time (s) of this clock."""
         (last, last_wall), wall = self._seen, self._wall()
         self._seen = (now, wall)
         self.now += min(now - last, FASTEST * (wall - last_wall))

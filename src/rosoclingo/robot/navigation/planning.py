@@ -1,4 +1,4 @@
-"""Who plans for a navigator: at once, or beside all else while the robot is driven on."""
+"""Planning for a navigator, either synchronously or in another thread."""
 
 from typing import Optional
 
@@ -10,30 +10,30 @@ from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner
 
 
 class Planning:
-    """Has a planner plan at once; subclasses do it elsewhere, and answer when it is done."""
+    """Calls a global planner synchronously. Subclasses can run it in the background."""
 
     def __init__(self, planner: GlobalPlanner) -> None:
         self.planner = planner
         self._plan: Optional[GlobalPlan] = None
 
     def ask(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
-        """Ask for a plan; what was asked for before is not wanted any more."""
+        """Request a plan. This replaces any previous request."""
         self._plan = self.planner.plan(costmap, start, goal)
 
     def answer(self) -> Optional[GlobalPlan]:
-        """Return the plan that was asked for, None while it is not there; raises what the planner has raised."""
+        """Return the requested plan, None while it is pending. Raises the exception of the planner."""
         plan, self._plan = self._plan, None
         return plan
 
     def drop(self) -> None:
-        """Want no plan any more."""
+        """Cancel the request."""
         self._plan = None
 
 
-def from_here(points: np.ndarray, pose: Pose2D, moved: float) -> np.ndarray:
-    """Return what is left of a path (n, 2; m) for a robot that has moved (m) since its start: from where it is nearest.
+def cut_start(points: np.ndarray, pose: Pose2D, moved: float) -> np.ndarray:
+    """Return the rest of a path (n, 2; m) from the point nearest to a robot that has moved by ``moved`` m.
 
-    It is looked for as far along the path as the robot can have come.
+    The search is limited to the part of the path that the robot can have covered.
     """
     if len(points) < 3 or moved <= 0.0:
         return points

@@ -1,4 +1,4 @@
-"""Whether the robot comes any nearer to its goal."""
+"""Progress of the robot towards its goal."""
 
 import math
 from typing import Optional, Tuple
@@ -6,37 +6,37 @@ from typing import Optional, Tuple
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 
-# A new way is a detour when it is that much (m) longer; a bound keeps a hopeless goal from lasting for ever.
+# Additional length (m) that makes a new path a detour; the maximum number of detours ends hopeless goals.
 DETOUR, MOST_DETOURS = 1.0, 20
 
 
-class WayProgress:
-    """Keeps how much of the way was left at least, and since when the robot has come no further; times in s.
+class PathProgress:
+    """Tracks the shortest remaining path, and the time since the last progress (s).
 
-    ``detours``: how often a way was left for a longer one.
+    ``detours``: number of changes to a longer path.
     """
 
     def __init__(self, limits: NavigatorLimits, now: float) -> None:
         self._limits = limits
         self._best = self._least = math.inf
         self.detours = 0
-        self.renew(now)
+        self.restart(now)
 
-    def renew(self, now: float) -> None:
-        """Start all patience anew."""
+    def restart(self, now: float) -> None:
+        """Restart all timeouts."""
         self._last = now
         self._oscillation: Tuple[float, Optional[Pose2D]] = (now, None)
 
-    def take_way(self, now: float, length: float) -> None:
-        """Take a new way's length (m) for what there is left to drive; only to have driven is progress."""
+    def set_path(self, now: float, length: float) -> None:
+        """Adopt the length (m) of a new path. A shorter path is no progress; only driving is."""
         if length > self._best + DETOUR and self.detours < MOST_DETOURS:
-            # The way is blocked and another one known: that takes its time, but renews no recovery.
+            # The detour gets time of its own, but does not reset the recovery behaviours.
             self._best, self._last, self.detours = length, now, self.detours + 1
         else:
             self._best = min(self._best, length)
 
-    def see(self, now: float, length: float) -> bool:
-        """Take what is left (m) of the way: half a metre less is progress. Tell whether it is less than ever."""
+    def update(self, now: float, length: float) -> bool:
+        """Update the remaining length (m). Return whether it is a new minimum, by at least oscillation_distance."""
         if length < self._best - self._limits.oscillation_distance:
             self._best, self._last = length, now
         if length >= self._least - self._limits.oscillation_distance:
@@ -45,14 +45,17 @@ class WayProgress:
         return True
 
     def stuck(self, now: float) -> str:
-        """Return in words that the way left has not become shorter for progress_timeout, the way aside; else empty."""
+        """Return a message if the remaining path has not become shorter for progress_timeout, else an empty text.
+
+        The timeout grows with the remaining length, by 1 s per m.
+        """
         timeout = self._limits.progress_timeout
         if timeout <= 0 or now - self._last <= timeout + self._best:
             return ""
-        return f"the way left has not become shorter for {now - self._last:.0f} s"
+        return f"the remaining path has not become shorter for {now - self._last:.0f} s"
 
     def oscillates(self, now: float, pose: Pose2D) -> str:
-        """Return in words that the robot has stayed where it is for oscillation_timeout; else empty."""
+        """Return a message if the robot has stayed in one place for oscillation_timeout, else an empty text."""
         since, place = self._oscillation
         if place is None or place.distance(pose) >= self._limits.oscillation_distance:
             self._oscillation = (now, pose)
@@ -60,4 +63,4 @@ class WayProgress:
         timeout = self._limits.oscillation_timeout
         if timeout <= 0 or now - since <= timeout:
             return ""
-        return f"it moved less than {self._limits.oscillation_distance} m in {now - since:.0f} s"
+        return f"the robot moved less than {self._limits.oscillation_distance} m in {now - since:.0f} s"

@@ -1,4 +1,4 @@
-"""Recovery behaviours: what the robot tries when it is stuck."""
+"""Recovery behaviours for a robot that is stuck."""
 
 import math
 from typing import List, NamedTuple, Optional
@@ -9,49 +9,49 @@ from rosoclingo.robot.navigation.local_planner import STOP, LocalPlanner, Veloci
 
 
 class RecoveryStep(NamedTuple):
-    """One step of a recovery: what to drive, and whether that was the last."""
+    """One step of a recovery behaviour: the velocity, and whether the behaviour is done."""
 
     velocity: Velocity = STOP
     done: bool = True
 
 
 class RecoveryBehavior:
-    """What a recovery plugin does: subclasses are named by class path in ``recovery_behaviors``."""
+    """Base class of recovery plugins, which ``recovery_behaviors`` names by class path."""
 
     def __init__(self, name: str, parameters: Optional[dict] = None) -> None:
         self.name = name
         self.parameters = dict(parameters or {})
 
     def start(self, now: float, pose: Pose2D) -> None:
-        """Begin, at a time (s) and pose."""
+        """Start at a time (s) and pose."""
 
     def step(self, now: float, pose: Pose2D, costmap: Costmap, follower: LocalPlanner) -> RecoveryStep:
-        """Go on; called once a control period until the answer is done."""
+        """Return the next step. Called once per control period until it is done."""
         raise NotImplementedError
 
 
 class ClearCostmap(RecoveryBehavior):
-    """Forgets what the laser marked further than ``reset_distance`` m away (0: everything)."""
+    """Clears marks outside a square of edge ``reset_distance`` (m) around the robot; 0 clears all marks."""
 
     def step(self, now: float, pose: Pose2D, costmap: Costmap, follower: LocalPlanner) -> RecoveryStep:
-        """Clear at once."""
+        """Clear the costmap; done after one step."""
         costmap.forget(pose.x, pose.y, 0.5 * float(self.parameters.get("reset_distance", 3.0)))
         return RecoveryStep()
 
 
 class RotateRecovery(RecoveryBehavior):
-    """Turns once around on the spot, to look everywhere; gives up after ``patience`` s (default 20)."""
+    """Turns once on the spot to look around. Ends after ``patience`` s (default 20) in any case."""
 
     def __init__(self, name: str, parameters: Optional[dict] = None) -> None:
         super().__init__(name, parameters)
         self._turned, self._yaw, self._since = 0.0, 0.0, 0.0
 
     def start(self, now: float, pose: Pose2D) -> None:
-        """Begin; see :class:`RecoveryBehavior`."""
+        """Start; see :class:`RecoveryBehavior`."""
         self._turned, self._yaw, self._since = 0.0, pose.yaw, now
 
     def step(self, now: float, pose: Pose2D, costmap: Costmap, follower: LocalPlanner) -> RecoveryStep:
-        """Turn on; ends early where turning would touch something."""
+        """Continue the turn. Ends early if the robot would touch an obstacle."""
         self._turned += abs(normalize_angle(pose.yaw - self._yaw))
         self._yaw = pose.yaw
         rate = float(self.parameters.get("max_vel_theta", 1.0))
@@ -67,9 +67,9 @@ def default_recoveries(
     rotation_allowed: bool = True,
     turning: Optional[dict] = None,
 ) -> List[RecoveryBehavior]:
-    """Return move_base's own list: clear far away, turn around, clear nearly everything, turn around.
+    """Return the default list of move_base: clear far away, rotate, clear nearby, rotate.
 
-    ``turning``: the parameters of :class:`RotateRecovery`.
+    ``turning``: parameters of :class:`RotateRecovery`.
     """
     turns = [RotateRecovery("rotate_recovery", turning)] if rotation_allowed else []
     return [

@@ -1,1 +1,1 @@
-"""Nodes of the stand-in for a robot."""
+"""ROS nodes of the simulated robot: move_base, simulator, map server, localisation and office."""

@@ -1,6 +1,6 @@
-"""Compiles all loops before their first use: ``python3 -m rosoclingo.robot.nodes.compiling FOLDER...``.
+"""Compiles all numerical loops: ``python3 -m rosoclingo.robot.nodes.compiling FOLDER...``.
 
-The build runs this, with a folder that gets a copy.
+The build runs this and copies the compiled code into FOLDER.
 """
 
 import contextlib
@@ -28,12 +28,12 @@ FOOTPRINT = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))  # m
 
 
 def compile_once(part: str, log: Callable[[str], None]) -> None:
-    """Compile the functions of one of PARTS that are not compiled yet, and ``log`` that before."""
+    """Compile one of PARTS, and ``log`` a message if this takes long."""
     mark = Path(FOLDER, f"{part}.compiled")
     if not mark.exists():
         log(f"compiling {part} once, which takes up to a minute; the compiled code is kept in {FOLDER}")
     PARTS[part]()
-    with contextlib.suppress(OSError):  # without a folder it is compiled every time
+    with contextlib.suppress(OSError):  # without a writable folder every process compiles
         mark.touch()
 
 
@@ -46,25 +46,25 @@ def _room() -> OccupancyGrid:
 
 
 def _navigate() -> None:
-    """Call each compiled function for a disc and for a robot with corners."""
+    """Call each compiled function for a disc and for a footprint."""
     angles, pose = np.linspace(-1.0, 1.0, 20), Pose2D(1.0, 1.5, 0.0)
     for footprint in ((), FOOTPRINT):
         costmap = Costmap(_room(), CostmapLimits(way_radii=way_radii(0.2, footprint)))
         follower = RolloutFollower(radius=0.2, footprint=footprint)
         navigator = Navigator(costmap, GridPlanner(), follower, [])
-        for x in (3.0, 0.3):  # the latter next to the wall
+        for x in (3.0, 0.3):  # the second goal is next to a wall
             navigator.set_goal(0.0, Pose2D(x, 1.5, 1.0))
             navigator.tick(0.0, pose, Velocity(), 0.1)
             follower.may_turn(costmap, pose, 1.0)
         for _ in range(5):
             costmap.observe(pose, angles, np.full(20, 0.5), 5.0)
-            follower.compute(costmap, pose, Velocity(), 4.0)  # a period after which it creeps
+            follower.compute(costmap, pose, Velocity(), 4.0)  # a long period, so that the robot creeps
         BodyState(Body(0.2, footprint), costmap, pose, Velocity(), 0.1).arc_to_room(0.0, 0.1)
         costmap.costs()
 
 
 def _simulate() -> None:
-    """Step and scan a world with a disc, a robot with corners, a door, a box and a post."""
+    """Step and scan a world with a disc, a footprint, a door, a box and a post."""
     robots = (RobotSpec("disc", Pose2D(1.0, 1.0)), RobotSpec("corners", Pose2D(1.7, 1.0), footprint=FOOTPRINT))
     things = (ObstacleSpec("box", (1.0, 2.0), box=Box(0.2, 0.2)), ObstacleSpec("post", (1.7, 2.0), radius=0.1))
     door = DoorSpec("door", (1.4, 0.0), (1.4, 0.5), open=False)
@@ -75,12 +75,12 @@ def _simulate() -> None:
     world.step()
 
 
-#: What has compiled functions, and what calls each of them with each kind of argument.
+#: Parts with compiled functions. Each entry calls all functions of the part with all argument types.
 PARTS = {"navigation": _navigate, "simulation": _simulate}
 
 
 def main() -> None:
-    """Compile all parts, and put a copy into each folder."""
+    """Compile all parts, and copy the compiled code to the folders of the command line."""
     for part in PARTS:
         compile_once(part, print)
     for folder in sys.argv[1:]:

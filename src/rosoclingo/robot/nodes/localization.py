@@ -1,4 +1,4 @@
-"""Localisation from the ground truth, as the package fake_localization has it."""
+"""Localisation node from the ground truth, with the interface of fake_localization."""
 
 import contextlib
 import math
@@ -24,22 +24,23 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.messages import fill_pose, fill_transform, from_transform, to_pose2d
 
-SURE = [0.0] * 36  # the covariance of what is known
+SURE = [0.0] * 36  # covariance of an exact pose
 
 
 class FakeLocalizationNode:
-    """Knows where the robot is because the simulator says so, and publishes it like amcl.
+    """Publishes the ground truth of the simulator as a localisation, as amcl would.
 
     Parameters
     ----------
         ~odom_frame_id (str, default "odom"), ~base_frame_id (str, default "base_link"),
             ~global_frame_id (str, default "map"): the frames of odometry, robot and map.
-        ~delta_x, ~delta_y, ~delta_yaw (float, default 0.0): a point of the world is turned back by the yaw (rad), then
-            moved back by x and y (m), and so has its place in the map.
-        ~transform_tolerance (float, default 0.1): map -> odom is dated that far (s) into the future.
+        ~delta_x, ~delta_y, ~delta_yaw (float, default 0.0): offset (m, rad) between world and map. A point of the
+            world is rotated by -yaw, then moved by -x and -y.
+        ~transform_tolerance (float, default 0.1): seconds by which map -> odom is dated into the future.
     Subscribes:
         base_pose_ground_truth (nav_msgs/Odometry)
-        initialpose (geometry_msgs/PoseWithCovarianceStamped): moves the map so that the robot is there; in any frame.
+        initialpose (geometry_msgs/PoseWithCovarianceStamped): moves the map so that the robot has this pose, which can
+            be in any frame.
         /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
         amcl_pose (geometry_msgs/PoseWithCovarianceStamped, latched), particlecloud (geometry_msgs/PoseArray, latched)
@@ -60,7 +61,7 @@ class FakeLocalizationNode:
         self._pose = prompt_publisher("amcl_pose", PoseWithCovarianceStamped, 10, latch=True)
         self._cloud = prompt_publisher("particlecloud", PoseArray, 10, latch=True)
         self._tf = prompt_publisher("/tf", TFMessage)
-        # When tf lags behind, the newest truth is not the one to use; so some are kept.
+        # tf can lag behind: keep some messages, to use one whose time tf knows.
         self._waiting: Deque[Odometry] = deque(maxlen=200)
         self._truth: Optional[Pose2D] = None
         self._odom_in_map = Pose2D(0.0, 0.0)
@@ -84,22 +85,23 @@ class FakeLocalizationNode:
     def _move_map(self, message: PoseWithCovarianceStamped) -> None:
         pose, frame = to_pose2d(message.pose.pose), message.header.frame_id.lstrip("/")
         if pose is None or not all(map(math.isfinite, pose)):
-            rospy.logwarn("initialpose: not taken, its position is not finite or its orientation no turn about z")
+            rospy.logwarn("initialpose ignored: its position is not finite or it is no rotation about the z axis")
             return
         if self._truth is None:
-            rospy.logwarn("initialpose: not taken, there is no base_pose_ground_truth yet")
+            rospy.logwarn("initialpose ignored: there is no base_pose_ground_truth yet")
             return
         in_map = self._in_map(frame)
         if in_map is None:
-            rospy.logwarn("initialpose: not taken, tf does not know %r; give it in the frame %s", frame, self._global)
+            rospy.logwarn("initialpose ignored: tf does not know frame %r; use the frame %s", frame, self._global)
             return
         self._world_in_map = in_map.compose(pose).compose(self._truth.inverse())
 
     def _in_map(self, frame: str) -> Optional[Pose2D]:
-        """Return the newest pose of a frame in the map, None where there is none; an empty name is the map itself."""
+        """Return the newest pose of a frame in the map, or None. An empty name is the map frame."""
         if frame in ("", self._global):
             return Pose2D(0.0, 0.0)
-        # The robot's frames by way of odometry's: map to odom is dated ahead, and tf looks for times that both have.
+        # Frames of the robot go through the odometry frame: map -> odom is dated into the future, and tf only uses
+        # times at which both transforms are known.
         for parent, known in ((self._odom, self._odom_in_map), (self._global, Pose2D(0.0, 0.0))):
             with contextlib.suppress(tf2_ros.TransformException):
                 found = self._buffer.lookup_transform_core(parent, frame, rospy.Time(0))
@@ -107,7 +109,7 @@ class FakeLocalizationNode:
         return None
 
     def _settle(self) -> None:
-        """Publish where the newest truth puts the robot for whose time odometry is known."""
+        """Publish the pose of the newest ground truth whose odometry is known."""
         for message in reversed(self._waiting):
             stamp = message.header.stamp
             try:
@@ -121,7 +123,7 @@ class FakeLocalizationNode:
             pass
         truth = to_pose2d(message.pose.pose)
         if truth is None or not all(map(math.isfinite, truth)):
-            rospy.logwarn_throttle(10.0, "base_pose_ground_truth: a pose is left out, as it is none in the plane")
+            rospy.logwarn_throttle(10.0, "base_pose_ground_truth: pose ignored: it is not a finite pose in the plane")
             return
         self._truth = truth
         pose = self._world_in_map.compose(truth)

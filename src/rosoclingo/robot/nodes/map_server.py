@@ -1,4 +1,4 @@
-"""A map server, as the package map_server has it."""
+"""Map server node, with the interface of map_server."""
 
 import os
 from pathlib import Path
@@ -14,7 +14,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation import grid
 from rosoclingo.robot.nodes.messages import GRID_MESSAGE, grid_message
 
-# Answers whose maps are written from arrays: of a large map, to write it number by number takes seconds.
+# Responses that serialise maps from arrays: element by element, a large map takes seconds.
 MAP_ANSWER, CHANGE_ANSWER = numpy_msg(GetMapResponse), numpy_msg(LoadMapResponse)
 
 
@@ -24,7 +24,7 @@ class MapServerNode:
     Parameters
     ----------
         ~frame_id (str, default "map"): the frame of the map.
-        ~map (str, required): the map's YAML file, unless it is given on the command line.
+        ~map (str, required): the YAML file of the map, unless the command line names it.
     Publishes:
         map (nav_msgs/OccupancyGrid, latched), map_metadata (nav_msgs/MapMetaData, latched)
     Services:
@@ -49,7 +49,7 @@ class MapServerNode:
         rospy.on_shutdown(lambda: self._worker.stop(2.0))
 
     def _show(self, path: str) -> None:
-        """Load a map and publish it. Raises MapError."""
+        """Load and publish a map. Raises MapError."""
         self._message = grid_message(grid.load_map(path), self._frame, rospy.Time.now())
         self._map.publish(self._message)
         self._metadata.publish(self._message.info)
@@ -59,7 +59,7 @@ class MapServerNode:
     def _change(self, request: LoadMapRequest) -> LoadMapResponse:
         try:
             path = local_path(request.map_url)
-            if not os.path.isfile(str(path)):  # of a path that cannot be, pathlib's own would raise
+            if not os.path.isfile(str(path)):  # Path.is_file raises for invalid paths
                 return self._refused(f"there is no file {path}", LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
             grid.read_map_info(path)
         except grid.MapError as error:
@@ -71,13 +71,13 @@ class MapServerNode:
         return CHANGE_ANSWER(map=self._message, result=LoadMapResponse.RESULT_SUCCESS)
 
     def _refused(self, reason: str, result: int) -> LoadMapResponse:
-        """Answer that a map is not taken; the old one stays."""
+        """Return the response for a map that was not loaded. The old map stays."""
         rospy.logerr("change_map: %s", reason)
         return CHANGE_ANSWER(map=self._message, result=result)
 
 
 def local_path(url: str) -> Path:
-    """Return the file that a URL names: a path, file:///PATH or package://PACKAGE/PATH. Raises MapError."""
+    """Return the file of a URL: a path, file:///PATH or package://PACKAGE/PATH. Raises MapError."""
     kind, found, rest = url.partition("://")
     if not found or kind == "file":
         return Path(rest if found else url)

@@ -1,4 +1,4 @@
-"""ROS messages of what navigation and simulation have as plain values: poses, paths, grids."""
+"""Conversion between ROS messages and the plain values of navigation and simulation."""
 
 import math
 from typing import Any, Optional
@@ -13,11 +13,11 @@ from rospy.numpy_msg import numpy_msg
 from rosoclingo.robot.navigation.geometry import Pose2D, quaternion_to_yaw, yaw_to_quaternion
 from rosoclingo.robot.navigation.grid import MapError, OccupancyGrid
 
-GRID_MESSAGE = numpy_msg(OccupancyGridMessage)  # of a large map: to write it number by number takes seconds
+GRID_MESSAGE = numpy_msg(OccupancyGridMessage)  # serialises arrays; element by element, a large map takes seconds
 
 
 class _Sendable(np.ndarray):
-    """An array with the method that ROS's generated messages call: numpy has removed it in 2.3."""
+    """Array with ``tostring``, which generated messages call and numpy 2.3 has removed."""
 
     def tostring(self, order: str = "C") -> bytes:  # type: ignore[override]
         """Return the array's bytes."""
@@ -25,18 +25,18 @@ class _Sendable(np.ndarray):
 
 
 def sendable(array: np.ndarray) -> np.ndarray:
-    """Return an array, which shares its memory, that a message of rospy.numpy_msg can hold."""
+    """Return a view of an array that messages of rospy.numpy_msg can contain."""
     return array.view(_Sendable)
 
 
 def to_pose2d(pose: Any) -> Optional[Pose2D]:
-    """Return a geometry_msgs/Pose in the plane; None where its orientation is none."""
+    """Convert a geometry_msgs/Pose to the plane; None if its orientation is no rotation about the z axis."""
     yaw = quaternion_to_yaw(pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w)
     return None if yaw is None else Pose2D(pose.position.x, pose.position.y, yaw)
 
 
 def from_transform(transform: Any) -> Pose2D:
-    """Return a geometry_msgs/Transform in the plane; yaw 0 where its rotation is none."""
+    """Convert a geometry_msgs/Transform to the plane; the yaw is 0 if its rotation is not about the z axis."""
     rotation = transform.rotation
     yaw = quaternion_to_yaw(rotation.x, rotation.y, rotation.z, rotation.w)
     return Pose2D(transform.translation.x, transform.translation.y, yaw or 0.0)
@@ -55,7 +55,7 @@ def fill_transform(message: Any, pose: Pose2D) -> None:
 
 
 def stamped_pose(pose: Pose2D, frame: str) -> PoseStamped:
-    """Return a pose (m, rad) in a frame as a message, stamped now."""
+    """Return a pose (m, rad) in a frame as a message with the present time."""
     message = PoseStamped()
     message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
     fill_pose(message.pose, pose)
@@ -63,7 +63,10 @@ def stamped_pose(pose: Pose2D, frame: str) -> PoseStamped:
 
 
 def path_message(points: np.ndarray, frame: str, final_yaw: float = 0.0) -> Path:
-    """Return points (n, 2; m) as a path, stamped now; each pose looks to the next, the last one to ``final_yaw``."""
+    """Return points (n, 2; m) as a path with the present time.
+
+    Each pose is directed to the next point, the last one has ``final_yaw``.
+    """
     path = Path()
     path.header.frame_id, path.header.stamp = frame, rospy.Time.now()
     yaws = [*(math.atan2(y, x) for x, y in np.diff(points, axis=0)), final_yaw]
@@ -72,7 +75,7 @@ def path_message(points: np.ndarray, frame: str, final_yaw: float = 0.0) -> Path
 
 
 def grid_message(grid: OccupancyGrid, frame: str, stamp: rospy.Time) -> OccupancyGridMessage:
-    """Return a grid as a message."""
+    """Convert a grid to a message."""
     message = GRID_MESSAGE()
     message.header.frame_id, message.header.stamp = frame, stamp
     message.info.map_load_time = stamp
@@ -84,13 +87,13 @@ def grid_message(grid: OccupancyGrid, frame: str, stamp: rospy.Time) -> Occupanc
 
 
 def grid_from_message(message: OccupancyGridMessage) -> OccupancyGrid:
-    """Return a message as a grid. Raises MapError for one that contradicts itself, and for a turned one."""
+    """Convert a message to a grid. Raises MapError if the message is inconsistent or its origin is rotated."""
     info, rotation = message.info, message.info.origin.orientation
     if abs(rotation.z) > 1e-6:
-        raise MapError("its origin is turned against its frame (yaw), which is not supported")
+        raise MapError("its origin is rotated against its frame (yaw), which is not supported")
     numbers = (info.resolution, info.origin.position.x, info.origin.position.y)
     if not all(map(math.isfinite, numbers)) or info.resolution <= 0.0:
-        raise MapError(f"resolution and origin must be finite, the resolution more than 0; they are {numbers}")
+        raise MapError(f"resolution and origin must be finite, and the resolution positive; they are {numbers}")
     if not len(message.data) or info.width * info.height != len(message.data):
         raise MapError(f"it has {len(message.data)} cells for {info.width} x {info.height}")
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)

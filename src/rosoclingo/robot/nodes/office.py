@@ -1,4 +1,4 @@
-"""The office of the case study: actionlib servers that let the simulated robot pick up and put down packages."""
+"""Action servers of the simulated office, with which the robot picks up and puts down packages."""
 
 import functools
 import time
@@ -36,12 +36,12 @@ from rosoclingo.robot.simulation.office_packages import (
 )
 from rosoclingo.srv import PutPackage, PutPackageResponse
 
-STARTING = 10.0  # s of wall time from its start for which an action waits for the first pose of the robot
-KEEPING = 5.0  # s of wall time that the master may take to note where the packages are
+STARTING = 10.0  # s of wall time after the start in which actions wait for the first pose of the robot
+KEEPING = 5.0  # s of wall time to wait for the master to store the state
 
 
 class _Kind(NamedTuple):
-    """One of the two actions: what it does to the office, its message types, the words for what it is doing."""
+    """One of the two actions: its operation on the office, its message types, and its description for feedback."""
 
     handle: Callable[[PackageOffice, str, Optional[str]], HandlingResult]
     result: type
@@ -54,21 +54,21 @@ _DELIVER = _Kind(PackageOffice.deliver, DeliverResult, DeliverFeedback, "putting
 
 
 class _Job:
-    """One goal that was accepted or waits for the robot's arm."""
+    """A goal that is being executed or waits for the arm."""
 
     def __init__(self, kind: _Kind, goal_handle: Any) -> None:
         self.kind = kind
         self.goal_handle = goal_handle
         self.package = goal_handle.get_goal().package
-        self.since: Optional[float] = None  # ROS time in seconds at which the arm began
+        self.since: Optional[float] = None  # ROS time (s) at which the arm started
 
     @property
     def cancelled(self) -> bool:
-        """True if a client wants the goal no more."""
+        """Whether a client has cancelled the goal."""
         return self.goal_handle.get_goal_status().status in (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
 
     def end(self, result: HandlingResult) -> None:
-        """Give the goal its terminal status."""
+        """Set the terminal status of the goal."""
         message = self.kind.result(outcome=result.outcome, message=result.message, location=result.location)
         if result.outcome == PREEMPTED:
             self.goal_handle.set_canceled(message, result.message)
@@ -79,31 +79,30 @@ class _Job:
 
 
 class OfficeNode:
-    """The world's side of `pickup` and `deliver`: a robot arm that handles one package after the other.
+    """Serves the actions `pickup` and `deliver` with a simulated arm, which handles one package at a time.
 
-    A goal succeeds only if robot and package are where they have to be when the arm is done; otherwise it is aborted
-    with an outcome code and the reason in words, and nothing has moved.  Goals that arrive while the arm is busy wait.
+    A goal succeeds only if robot and package are at the right place when the arm is done. Otherwise nothing moves, and
+    the goal is aborted with an outcome code and a reason. Goals that arrive while the arm is busy are queued.
 
     Parameters
     ----------
         ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
-        ~packages (map, default {}): which packages lie where at the start, `{office3: [1, 2]}`.
-        ~kept (map, optional): set by the node at each change, before a goal ends: `{lying: {office3: ["1"]}, carried:
-            ["2"]}`. One that was killed and is started again goes on with it in place of ~packages, as the world has
-            not ended; a node that ends removes it.
-        ~appear (bool, default false): a package never heard of is found where the robot first tries to pick it up.
-        ~capacity (int, default 3): how many packages the robot can carry.
-        ~duration (float, default 3.0): seconds of ROS time that the arm takes.
-        ~tolerance (float, default 0.5): metres within which the robot counts as at a label.
-        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames between which the robot is
-            looked up.
-        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
+        ~packages (map, default {}): initial places of the packages, `{office3: [1, 2]}`.
+        ~kept (map, optional): persisted state, set by the node at each change before a goal ends: `{lying: {office3:
+            ["1"]}, carried: ["2"]}`. A node that restarts after a crash uses it in place of ~packages; a regular
+            shutdown removes it.
+        ~appear (bool, default false): an unknown package appears where the robot first tries to pick it up.
+        ~capacity (int, default 3): maximum number of packages that the robot can carry.
+        ~duration (float, default 3.0): seconds of ROS time that the arm needs.
+        ~tolerance (float, default 0.5): distance in metres within which the robot counts as being at a label.
+        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames of the robot's pose.
+        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old.
     Publishes:
-        packages (rosoclingo/PackageStates, latched): where each package is.
+        packages (rosoclingo/PackageStates, latched): the place of each package.
     Subscribes:
         /tf, /tf_static (tf2_msgs/TFMessage)
     Services:
-        ~put_package (rosoclingo/PutPackage): put a package at a label, or take it out of the office.
+        ~put_package (rosoclingo/PutPackage): put a package at a label, or remove it from the office.
     Actions served:
         pickup (rosoclingo/PickupAction), deliver (rosoclingo/DeliverAction)
 
@@ -125,8 +124,8 @@ class OfficeNode:
         given.check()
         self._jobs: Deque[_Job] = deque()
         self._servers: Tuple[ActionServer, ...] = ()
-        self._kept = KeptState("~kept", "the packages are forgotten when this node is killed")
-        self._known: List[PackagePlace] = []  # where the packages are, as it was last kept
+        self._kept = KeptState("~kept", "the places of the packages are lost if this node crashes")
+        self._known: List[PackagePlace] = []  # places of the packages in the persisted state
         self._last_time = 0.0
         self._worker = Worker(settle=self._tick, period=0.02)
         self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
@@ -151,7 +150,7 @@ class OfficeNode:
         self._worker.put(lambda: self._jobs.append(_Job(kind, goal_handle)))
 
     def _on_cancel(self, goal_handle: Any) -> None:
-        self._worker.put(lambda: None)  # the goal's own status tells; the worker only has to look
+        self._worker.put(lambda: None)  # wakes the worker, which checks the status of the goals
 
     def _on_put(self, request: Any) -> PutPackageResponse:
         return self._worker.ask(lambda: self._put(request.package, request.location))
@@ -174,7 +173,7 @@ class OfficeNode:
         if job.since is None:
             job.goal_handle.set_accepted(f"{job.kind.doing} {words_for(job.package)}")
             job.goal_handle.publish_feedback(job.kind.feedback(state=job.kind.doing))
-        if job.since is None or now < job.since:  # begun just now, or simulated time was reset
+        if job.since is None or now < job.since:  # new job, or simulated time was reset
             job.since = now
         starting = time.monotonic() < self._starts_until and not self._pose.is_known
         if now - job.since >= self._duration and not starting:
@@ -204,7 +203,7 @@ class OfficeNode:
         return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
 
     def _keep(self) -> None:
-        """Have a successor know where the packages are, before anybody else does."""
+        """Persist the places of the packages before they are published."""
         if self._office.places != self._known:
             self._known = self._office.places
             self._kept.keep({"lying": self._office.lying, "carried": self._office.carried}, KEEPING)

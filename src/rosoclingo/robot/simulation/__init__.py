@@ -1,8 +1,8 @@
-"""The two-dimensional world: robots, sensors, doors, obstacles, packages (pure)."""
+"""Two-dimensional simulation of robots, sensors, doors, obstacles and packages (pure)."""
 
 from rosoclingo.common.lazy import loader
 
-# The names of each module that the package has as well.
+# Public names, by the module that defines them; loaded on first use.
 _NAMES = {
     "simulated_robot": "Laser Robot",
     "simulation": "Collision Simulation load_simulation",

@@ -1,4 +1,4 @@
-"""Packages in the simulated office: where each one is, and what picking up and putting down do to it."""
+"""Packages of the simulated office: their places, and the effects of picking up and putting down."""
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
@@ -7,22 +7,22 @@ from rosoclingo.common.reading import Reader
 DEFAULT_CAPACITY = 3
 
 # Outcome codes of pickup and deliver, equal to the constants of action/Pickup.action and action/Deliver.action.
-SUCCEEDED = 0  # done, the package is where it was wanted
+SUCCEEDED = 0  # the package is at its new place
 FAILED = 1  # the gripper failed
-UNKNOWN_PACKAGE = 2  # no such package in this world
+UNKNOWN_PACKAGE = 2  # the package does not exist
 NOT_HERE = 3  # package and robot are at different places
 NOT_AT_LABEL = 4  # the robot is at no known location
-FULL = 5  # the robot carries as much as it can
+FULL = 5  # the robot cannot carry more packages
 NOT_CARRIED = 6  # the robot does not carry the package
-PREEMPTED = 7  # cancelled before it was done
+PREEMPTED = 7  # cancelled before completion
 
 
 class PackageError(ValueError):
-    """A package or place that cannot be put into the office; the message gives the reason."""
+    """Invalid package or place. The message gives the reason."""
 
 
 class HandlingResult(NamedTuple):
-    """The result of a pickup or a deliver: outcome code, the reason in words, the robot's label ("" if at none)."""
+    """Result of a pickup or delivery: outcome code, reason, and the label of the robot ("" if at none)."""
 
     outcome: int
     message: str
@@ -30,12 +30,12 @@ class HandlingResult(NamedTuple):
 
     @property
     def succeeded(self) -> bool:
-        """True if the package is now where it was wanted."""
+        """Whether the package is at its new place."""
         return self.outcome == SUCCEEDED
 
 
 class PackagePlace(NamedTuple):
-    """Where one package is: at the label `location`, or carried by the robot (then `location` is "")."""
+    """Place of a package: the label `location`, or "" if the robot carries it."""
 
     package: str
     location: str
@@ -43,26 +43,26 @@ class PackagePlace(NamedTuple):
 
 
 def words_for(package: object) -> str:
-    """Return what messages call a package: "package 1", but just "newspaper"."""
+    """Return the name of a package for messages: "package 1", but "newspaper"."""
     return f"package {package}" if str(package).isdecimal() else str(package)
 
 
 class PackageOffice:
-    """All packages of one office and one robot that carries at most `capacity` of them.
+    """Packages of an office, and one robot that carries at most `capacity` of them.
 
-    Packages and labels are ASP terms as text.  Failed handling changes nothing.  With `appear`, an unknown package is
-    found wherever the robot first tries to pick it up (the client of a delivery has put it there); without, picking it
-    up fails.
+    Packages and labels are ASP terms as text. A failed operation changes nothing. With `appear`, an unknown package
+    appears where the robot first tries to pick it up, since a client of a delivery has put it there. Otherwise the
+    pickup fails.
     """
 
     def __init__(self, labels: Tuple[str, ...], capacity: int = DEFAULT_CAPACITY, appear: bool = False) -> None:
         self._labels, self._capacity, self._appear = labels, capacity, appear
-        self._locations: Dict[str, Optional[str]] = {}  # None: carried
+        self._locations: Dict[str, Optional[str]] = {}  # None: carried by the robot
 
     def read(self, lying: Reader, carried: Optional[Reader] = None) -> None:
-        """Put `{label: [package, ...]}`, as config/office_packages.yaml holds it; the readers have the faults.
+        """Add packages from `{label: [package, ...]}`, as in config/office_packages.yaml.
 
-        ``carried`` lists those that the robot carries.
+        ``carried`` lists the packages that the robot carries. Faults are collected in the readers.
         """
         places = lying.entries("a mapping of labels to lists of packages", {})
         found: List[Tuple[Reader, Optional[str]]] = [
@@ -80,18 +80,18 @@ class PackageOffice:
 
     @property
     def places(self) -> List[PackagePlace]:
-        """Every package, ordered by identifier (numbers first, in numerical order)."""
+        """All packages, sorted by identifier; numbers come first, in numerical order."""
         known = sorted(self._locations.items(), key=lambda item: _order(item[0]))
         return [PackagePlace(package, location or "", location is None) for package, location in known]
 
     @property
     def carried(self) -> List[str]:
-        """The packages that the robot carries."""
+        """Packages that the robot carries."""
         return [place.package for place in self.places if place.carried]
 
     @property
     def lying(self) -> Dict[str, List[str]]:
-        """The packages that lie somewhere, as ``read`` takes them."""
+        """Packages that the robot does not carry, in the format of ``read``."""
         found: Dict[str, List[str]] = {}
         for place in self.places:
             if not place.carried:
@@ -99,7 +99,7 @@ class PackageOffice:
         return found
 
     def put(self, package: str, location: Optional[str]) -> None:
-        """Put a package at a label, wherever it was before, or into the robot's hands (None); raises PackageError."""
+        """Move a package to a label, or to the robot (None). Raises PackageError."""
         if not package:
             raise PackageError("a package needs an identifier")
         if location is not None and location not in self._labels:
@@ -108,25 +108,25 @@ class PackageOffice:
         self._locations[package] = location
 
     def remove(self, package: str) -> None:
-        """Take a package out of the office; raises PackageError if there is no such package."""
+        """Remove a package from the office. Raises PackageError if there is no such package."""
         if package not in self._locations:
             raise PackageError(f"there is no {words_for(package)}")
         del self._locations[package]
 
     def pickup(self, package: str, robot_at: Optional[str]) -> HandlingResult:
-        """The robot, standing at the label `robot_at` (None: at none), picks up a package."""
+        """Pick up a package with the robot at the label `robot_at` (None: at no label)."""
         if self._appear and robot_at is not None and package not in self._locations:
             self.put(package, robot_at)
         words, location, count = words_for(package), self._locations.get(package), len(self.carried)
         faults = (
             (location is None, NOT_HERE, f"the robot carries {words} already"),
             (location != robot_at, NOT_HERE, f"{words} is at {location}, the robot at {robot_at}"),
-            (count >= self._capacity, FULL, f"the robot carries {count} already, and no more fit"),
+            (count >= self._capacity, FULL, f"the robot carries {count} packages already, its maximum"),
         )
         return self._handle(package, robot_at, faults, None, f"picked up {words} at {robot_at}")
 
     def deliver(self, package: str, robot_at: Optional[str]) -> HandlingResult:
-        """The robot, standing at the label `robot_at` (None: at none), puts down a package that it carries."""
+        """Put down a carried package with the robot at the label `robot_at` (None: at no label)."""
         words, location = words_for(package), self._locations.get(package)
         faults = ((location is not None, NOT_CARRIED, f"the robot does not carry {words}, it lies at {location}"),)
         return self._handle(package, robot_at, faults, robot_at, f"put down {words} at {robot_at}")
@@ -135,7 +135,7 @@ class PackageOffice:
         self, package: str, robot_at: Optional[str], faults: Tuple[Tuple[bool, int, str], ...], to: Optional[str],
         done: str,
     ) -> HandlingResult:  # fmt: skip
-        """Move a package, unless one of the faults (whether, outcome, message) is there."""
+        """Move a package, unless one of the faults (condition, outcome, message) applies."""
         first = (
             (robot_at is None, NOT_AT_LABEL, "the robot is at no known location"),
             (package not in self._locations, UNKNOWN_PACKAGE, f"there is no {words_for(package)}"),

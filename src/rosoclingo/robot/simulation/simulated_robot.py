@@ -1,4 +1,4 @@
-"""One simulated robot: a differential drive with limits, drifting odometry, a watchdog and lasers."""
+"""Simulated robot: a differential drive with limits, odometry drift, a watchdog and lasers."""
 
 import math
 from typing import List, Tuple
@@ -9,11 +9,11 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.simulation.compiled.shapes import CLEAR, Surroundings, cast_rays, sweep
 from rosoclingo.robot.simulation.spec import LaserSpec, Point, RobotSpec
 
-GRAIN = 0.25  # cells: the largest distance between two checked places of a moving robot
+GRAIN = 0.25  # cells: maximum distance between two collision checks of a moving robot
 
 
 class Laser:
-    """A laser scanner; its noise comes from ``seed``."""
+    """A laser scanner. ``seed`` determines its noise."""
 
     def __init__(self, spec: LaserSpec, seed: int) -> None:
         self.spec = spec
@@ -22,7 +22,7 @@ class Laser:
         self._random = np.random.Generator(np.random.PCG64(seed))
 
     def scan(self, pose: Pose2D, around: Surroundings, scale: float) -> np.ndarray:
-        """Return the ranges (float32, m) from a pose of the robot (in cells), ``scale`` m a cell."""
+        """Return the ranges (float32, m) from a pose of the robot (cells); a cell is ``scale`` m wide."""
         spec = self.spec
         place = pose.compose(Pose2D(spec.pose.x / scale, spec.pose.y / scale, spec.pose.yaw))
         out = np.empty(len(self.angles))
@@ -35,10 +35,9 @@ class Laser:
 
 
 class Robot:
-    """The state of a robot: ``pose`` and ``odometry``, its estimate (m, the world's frame), velocity, stall.
+    """State of a robot: ``pose`` and ``odometry`` (m, rad; in the world frame), velocity, stall.
 
-    ``drift``: the factors (v, w) by which odometry is wrong. ``outline``: the corners (m) of its footprint, empty for a
-    disc.
+    ``drift``: factors of the odometry's velocities (v, w). ``outline``: corners (m) of the footprint, empty for a disc.
     """
 
     def __init__(self, spec: RobotSpec, seed: int) -> None:
@@ -52,7 +51,7 @@ class Robot:
         self.reset()
 
     def reset(self) -> None:
-        """Put the robot at its start, at rest, odometry set to it, drift as at the start."""
+        """Return to the initial pose, at rest, and reset odometry and drift."""
         self.place(self.spec.pose)
         self.odometry = self.spec.pose
         self._command: Tuple[float, float] = (0.0, 0.0)
@@ -61,22 +60,22 @@ class Robot:
         self.drift = (1.0 + self.spec.drift[0] * draw[0], 1.0 + self.spec.drift[1] * draw[1])
 
     def place(self, pose: Pose2D) -> None:
-        """Carry the robot to a pose (m): odometry does not notice, as when a real robot is lifted."""
+        """Move the robot to a pose (m) without changing its odometry, as if it were lifted."""
         self.pose, self.v, self.w, self.stalled = pose, 0.0, 0.0, False
-        self._before: List[Pose2D] = []  # its poses at the beginnings of the last steps, the newest first
+        self._before: List[Pose2D] = []  # poses at the last steps, newest first
 
     def corners(self) -> List[Point]:
-        """Return the corners (m) of its footprint where it stands."""
+        """Return the corners (m) of the footprint in the world frame."""
         return [self.pose.compose(Pose2D(x, y))[:2] for x, y in self.outline]
 
     def command(self, v: float, w: float, now: float) -> None:
-        """Ask for a velocity (m/s, rad/s) at a time (s). One that is not finite is a stop."""
+        """Set the desired velocity (m/s, rad/s) at a time (s). A velocity that is not finite is a stop."""
         good = math.isfinite(v) and math.isfinite(w)
         self._command = (v, w) if good else (0.0, 0.0)
         self._commanded_at = now
 
-    def seen_from(self, laser: int, dt: float) -> Pose2D:
-        """Return the pose (m) from which a laser's scan of now is taken, ``dt`` s being a step."""
+    def scan_pose(self, laser: int, dt: float) -> Pose2D:
+        """Return the pose (m) of the robot for the present scan of a laser, given the delay and the step ``dt`` (s)."""
         late = self.lasers[laser].spec.delay / dt
         if late <= 0.0 or not self._before:
             return self.pose
@@ -85,20 +84,20 @@ class Robot:
         return newer.towards(older, late % 1.0)
 
     def accelerate(self, now: float, dt: float, watchdog: float) -> None:
-        """Change the velocity towards the command, within the limits; towards a stop when that is too old.
+        """Accelerate towards the command, within the limits; stop if the command is too old.
 
-        As stage_ros has it, a command of the age ``watchdog`` (s) is too old; 0: none ever is.
+        As in stage_ros, a command is too old at the age ``watchdog`` (s); 0: never.
         """
         fresh = watchdog <= 0.0 or now - self._commanded_at < watchdog - 1e-9
         v, w = self._command if fresh else (0.0, 0.0)
         spec = self.spec
-        self.v = _nearer(self.v, _within(v, spec.max_speed), spec.acceleration * dt)
-        self.w = _nearer(self.w, _within(w, spec.max_turn), spec.turn_acceleration * dt)
+        self.v = _approach(self.v, _clamp(v, spec.max_speed), spec.acceleration * dt)
+        self.w = _approach(self.w, _clamp(w, spec.max_turn), spec.turn_acceleration * dt)
 
     def move(self, dt: float, around: Surroundings, outline: np.ndarray, pose: Pose2D, scale: float) -> int:
-        """Drive for ``dt`` s along the exact arc of the present velocity; return what was hit (CLEAR: nothing).
+        """Move for ``dt`` s along the arc of the present velocity. Return the kind of obstacle hit, or CLEAR.
 
-        ``outline`` and ``pose`` are in cells of ``scale`` m. A robot that hits something stands still, free of it.
+        ``outline`` and ``pose`` are in cells of ``scale`` m. A robot that hits an obstacle stops before it.
         """
         late = max((laser.spec.delay for laser in self.lasers), default=0.0)
         self._before = [self.pose, *self._before][: math.ceil(late / dt - 1e-9)]
@@ -115,11 +114,11 @@ class Robot:
         return int(hit)
 
 
-def _nearer(value: float, wanted: float, most: float) -> float:
-    """Return ``wanted``, exactly, or a value that is ``most`` nearer to it."""
-    return wanted if abs(wanted - value) <= most else value + math.copysign(most, wanted - value)
+def _approach(value: float, target: float, most: float) -> float:
+    """Return ``value`` moved towards ``target`` by at most ``most``."""
+    return target if abs(target - value) <= most else value + math.copysign(most, target - value)
 
 
-def _within(value: float, limit: float) -> float:
-    """Return ``value``, cut off at ``limit`` either way."""
+def _clamp(value: float, limit: float) -> float:
+    """Return ``value`` limited to -``limit`` .. ``limit``."""
     return max(-limit, min(limit, value))

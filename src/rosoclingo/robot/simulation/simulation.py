@@ -1,4 +1,4 @@
-"""The simulated world in motion."""
+"""Simulation of a world: robots, doors and obstacles."""
 
 import math
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
@@ -19,13 +19,13 @@ from rosoclingo.robot.simulation.simulated_robot import Robot
 from rosoclingo.robot.simulation.spec import DoorSpec, ObstacleSpec, Point, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
-# A robot that touches something stands free of it: a pose that was reached by driving must not be refused by rounding.
+# Relative tolerance of contacts, so that rounding does not turn a pose reached by driving into a collision.
 TOUCH = 1e-9
 HITS = {HIT_WALL: "a wall", HIT_SEGMENT: "a door, a box or a robot's side", HIT_DISC: "an obstacle or a robot"}
 
 
 class Collision(NamedTuple):
-    """A robot has run into something: at a time (s), from its pose (m) at a standstill, and what it was."""
+    """Collision of a robot: the time (s), the pose (m) at which it stopped, and the obstacle."""
 
     robot: str
     time: float
@@ -34,9 +34,9 @@ class Collision(NamedTuple):
 
 
 class Simulation:
-    """A world made from its spec. All that happens in it follows from the spec, its seed and the calls made.
+    """A simulated world. Its course is determined by the spec, its seed and the calls.
 
-    ``watchdog``: a robot that no command has reached for that long (s of simulated time) stops; 0: it never does.
+    ``watchdog``: simulated seconds without a command after which a robot stops; 0: no limit.
     """
 
     def __init__(self, spec: WorldSpec, watchdog: float = 0.2) -> None:
@@ -54,38 +54,40 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Simulated time in s."""
+        """Simulated time (s)."""
         return self.steps * self.spec.interval
 
     def command(self, robot: str, v: float, w: float) -> None:
-        """Give a robot a velocity (m/s, rad/s)."""
+        """Set the desired velocity (m/s, rad/s) of a robot."""
         self._robot(robot).command(v, w, self.time)
 
     def step(self) -> List[Collision]:
-        """Go on by one interval; return the collisions that began in it."""
+        """Advance by one interval. Return the collisions that began in it."""
         now, dt = self.time, self.spec.interval
         self.steps += 1
         collisions = []
         for name, robot in self.robots.items():
             robot.accelerate(now, dt, self.watchdog)
             stalled = robot.stalled
-            hit = robot.move(dt, self._around(name), self._outlines[name], self._in_cells(robot.pose), self._scale)
+            hit = robot.move(
+                dt, self._surroundings(name), self._outlines[name], self._in_cells(robot.pose), self._scale
+            )
             if hit != CLEAR and not stalled:
                 collisions.append(Collision(name, self.time, robot.pose, HITS[hit]))
         return collisions
 
     def scan(self, robot: str, laser: int = 0) -> np.ndarray:
-        """Return the ranges (float32, m) of one of a robot's lasers now. Raises WorldError for one that it lacks."""
+        """Return the present ranges (float32, m) of a robot's laser. Raises WorldError if there is no such laser."""
         lasers = self._robot(robot).lasers
         if not 0 <= laser < len(lasers):
             raise WorldError(f"robot {robot!r} has no laser {laser}; it has {len(lasers)}")
-        place = self._robot(robot).seen_from(laser, self.spec.interval)
-        return lasers[laser].scan(self._in_cells(place), self._around(robot), self._scale)
+        pose = self._robot(robot).scan_pose(laser, self.spec.interval)
+        return lasers[laser].scan(self._in_cells(pose), self._surroundings(robot), self._scale)
 
     def reset(self) -> None:
-        """Put every robot back to its start, as stage_ros's reset_positions does; time, doors, obstacles stay.
+        """Return all robots to their initial poses. Time, doors and obstacles stay, as with stage_ros.
 
-        Raises WorldError where something stands at a start; then nothing has moved.
+        Raises WorldError if an initial pose is occupied; then no robot moves.
         """
         before = {name: robot.pose for name, robot in self.robots.items()}
         for robot in self.robots.values():
@@ -100,16 +102,16 @@ class Simulation:
             robot.reset()
 
     def place(self, robot: str, pose: Pose2D) -> None:
-        """Carry a robot to a pose (m). Raises WorldError where it would stand in something."""
+        """Move a robot to a pose (m). Raises WorldError if it would be in collision there."""
         self._check_place(robot, pose)
         self._robot(robot).place(pose)
 
     def arrange(
         self, robots: Mapping[str, Tuple[Pose2D, Pose2D]], doors: Mapping[str, bool], obstacles: Dict[str, ObstacleSpec]
     ) -> None:
-        """Put robots (pose and odometry, m), doors and obstacles where they were, all at once.
+        """Restore robots (pose and odometry, m), doors and obstacles in one operation.
 
-        Raises WorldError where a robot would stand in something, or an obstacle cannot be; then part of it is done.
+        Raises WorldError if a robot would be in collision or an obstacle is invalid. The state is undefined then.
         """
         for obstacle in obstacles.values():
             self._check_obstacle(obstacle)
@@ -120,29 +122,29 @@ class Simulation:
         self._check_places()
 
     def set_door(self, door: str, opened: bool) -> None:
-        """Open or close a door. Raises WorldError for an unknown one, and where a robot stands in it."""
+        """Open or close a door. Raises WorldError if it is unknown or a robot stands in it."""
         if door not in self.doors:
             raise WorldError("door {!r} is unknown; doors: {}".format(door, ", ".join(self.doors) or "none"))
         doors = {**self.doors, door: self.doors[door]._replace(open=opened)}
         self._change(doors, self.obstacles, f"the door {door!r}")
 
     def put_obstacle(self, obstacle: ObstacleSpec) -> None:
-        """Put an obstacle into the world, or move the one of that name.
+        """Add an obstacle, or move the one of that name.
 
-        Raises WorldError where a robot stands, and for one that has no place or no size.
+        Raises WorldError if a robot stands there, or if position or size are invalid.
         """
         self._check_obstacle(obstacle)
         self._change(self.doors, {**self.obstacles, obstacle.name: obstacle}, f"the obstacle {obstacle.name!r}")
 
     def remove_obstacle(self, name: str) -> None:
-        """Take an obstacle away. Raises WorldError for an unknown one."""
+        """Remove an obstacle. Raises WorldError if it is unknown."""
         if name not in self.obstacles:
             known = ", ".join(self.obstacles) or "none"
             raise WorldError(f"obstacle {name!r} is unknown; obstacles: {known}")
         self._build(self.doors, {other: spec for other, spec in self.obstacles.items() if other != name})
 
     def _change(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec], what: str) -> None:
-        """Put doors and obstacles in place of those before, unless a robot stands in the way: WorldError."""
+        """Replace doors and obstacles. Raises WorldError if one would collide with a robot."""
         before = self.doors, self.obstacles
         self._build(doors, obstacles)
         for name, robot in self.robots.items():
@@ -151,15 +153,15 @@ class Simulation:
                 raise WorldError(f"{what} would stand where robot {name!r} is")
 
     def _build(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec]) -> None:
-        """Take over doors and obstacles, and gather their segments and discs, in cells."""
+        """Set doors and obstacles, and compute their segments and discs in cells."""
         self.doors, self.obstacles = doors, obstacles
         self._solids = [obstacle.corners() for obstacle in obstacles.values() if obstacle.box]
         segments = [(door.start, door.end) for door in doors.values() if not door.open]
         self._segments = self._points([*segments, *(edge for solid in self._solids for edge in _edges(solid))], 4)
         self._discs = self._with_radii([(one.at, one.radius) for one in obstacles.values() if not one.box])
 
-    def _around(self, robot: str) -> Surroundings:
-        """Return what one robot can hit: the world and the other robots."""
+    def _surroundings(self, robot: str) -> Surroundings:
+        """Return the obstacles of a robot: the world and the other robots."""
         others = [other for name, other in self.robots.items() if name != robot]
         if not others:
             return Surroundings(self._occupied, self._segments, self._discs)
@@ -169,10 +171,10 @@ class Simulation:
         return Surroundings(self._occupied, segments, np.concatenate((self._discs, discs)))
 
     def _hits(self, robot: str, pose: Pose2D) -> int:
-        """Return what a robot would stand in; one that is swallowed whole touches no edge."""
+        """Return the kind of obstacle that a robot at a pose overlaps, including one that contains the whole robot."""
         body, outline = self.robots[robot], self._outlines[robot] * (1.0 - TOUCH)
         radius = body.spec.radius / self._scale * (1.0 - TOUCH)
-        hit = int(body_hits(*self._around(robot), outline, radius, *self._in_cells(pose)))
+        hit = int(body_hits(*self._surroundings(robot), outline, radius, *self._in_cells(pose)))
         point = pose.compose(Pose2D(*body.outline[0])) if body.outline else pose
         solids = self._solids + [other.corners() for other in self.robots.values() if other is not body]
         if hit == CLEAR and any(inside(np.array(solid), point.x, point.y) for solid in solids if solid):
@@ -185,7 +187,7 @@ class Simulation:
 
     def _check_place(self, robot: str, pose: Pose2D) -> None:
         if not all(map(math.isfinite, pose)):
-            raise WorldError(f"robot {robot!r}: a pose must be finite, is {tuple(pose)}")
+            raise WorldError(f"robot {robot!r}: the pose must be finite, not {tuple(pose)}")
         self._robot(robot)
         beyond = self.spec.grid.beyond(pose.x, pose.y)
         if beyond:
@@ -205,7 +207,7 @@ class Simulation:
         return self.robots[name]
 
     def _points(self, points: Sequence, columns: int) -> np.ndarray:
-        """Return points (m), or pairs of them, as rows of an array in cells."""
+        """Convert points (m), or pairs of points, to rows of an array in cells."""
         origin = (self.spec.grid.origin_x, self.spec.grid.origin_y)
         return ((np.array(points, dtype=np.float64).reshape(-1, 2) - origin) / self._scale).reshape(-1, columns)
 
@@ -219,9 +221,9 @@ class Simulation:
 
 
 def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2, delay: Optional[float] = None) -> Simulation:
-    """Return the simulation of a world file, whose robots stand free. Raises WorldError, which names file and place.
+    """Load a world file and check that its robots are free of collisions. Raises WorldError, which names file and key.
 
-    ``delay``: that of all lasers (s), in place of what the file says.
+    ``delay``: delay (s) of all lasers, overrides the file.
     """
     spec = load_world(path, map_file)
     if delay is not None:
@@ -232,7 +234,7 @@ def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2, delay:
     try:
         return Simulation(spec, watchdog)
     except WorldError as error:
-        raise WorldError(f"world {path}: robots: {error}; change its pose, or what is there") from error
+        raise WorldError(f"world {path}: robots: {error}; change the pose or move the obstacle") from error
 
 
 def _edges(corners: List[Point]) -> List[Tuple[Point, Point]]:

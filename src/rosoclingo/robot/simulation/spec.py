@@ -1,4 +1,4 @@
-"""What a simulated world is made of."""
+"""Specification of a simulated world."""
 
 import math
 from typing import List, NamedTuple, Optional, Tuple, Union
@@ -10,13 +10,13 @@ Point = Tuple[float, float]
 
 
 class WorldError(ValueError):
-    """A world that cannot be, or a change that it does not allow; the message names the place."""
+    """Invalid world, or invalid change of a world. The message names the place."""
 
 
 class LaserSpec(NamedTuple):
-    """A planar laser scanner: m, degrees (``angle``: of the whole fan), beams, standard deviation (m), Hz, its pose.
+    """A planar laser scanner: m, degrees (``angle``: field of view), beams, standard deviation (m), Hz, pose.
 
-    ``delay``: by so much (s) a scan is older than it says: it is taken from where the robot was then.
+    ``delay`` (s): age of a scan at its stamp; the scan is taken from the pose of the robot at that time.
     """
 
     range: float = 8.0
@@ -32,7 +32,7 @@ class LaserSpec(NamedTuple):
 class RobotSpec(NamedTuple):
     """A differential-drive robot: a disc of ``radius`` (m) or a ``footprint`` polygon; limits in m, rad, s.
 
-    ``drift``: the greatest relative error (linear, angular) of its odometry; the error itself comes from the seed.
+    ``drift``: maximum relative errors (linear, angular) of the odometry. The seed determines the actual errors.
     """
 
     name: str = "robot_0"
@@ -48,7 +48,7 @@ class RobotSpec(NamedTuple):
 
 
 class DoorSpec(NamedTuple):
-    """A door: the segment that it closes (m)."""
+    """A door, which closes a segment (m)."""
 
     name: str
     start: Point
@@ -57,7 +57,7 @@ class DoorSpec(NamedTuple):
 
 
 class Box(NamedTuple):
-    """The size (m) of a rectangle and its turn (rad)."""
+    """A rectangle: its size (m) and its rotation (rad)."""
 
     width: float
     depth: float
@@ -65,7 +65,7 @@ class Box(NamedTuple):
 
 
 class ObstacleSpec(NamedTuple):
-    """A movable obstacle that no map shows: a disc of ``radius`` m, or a ``box``."""
+    """A movable obstacle that is not on the map: a disc of ``radius`` m, or a ``box``."""
 
     name: str
     at: Point
@@ -73,33 +73,33 @@ class ObstacleSpec(NamedTuple):
     box: Optional[Box] = None
 
     def corners(self) -> List[Point]:
-        """Return the corners (m) of its box, none of a disc."""
+        """Return the corners (m) of a box; empty for a disc."""
         if self.box is None:
             return []
         centre, x, y = Pose2D(*self.at, self.box.yaw), self.box.width / 2.0, self.box.depth / 2.0
         return [centre.compose(Pose2D(sx * x, sy * y))[:2] for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
 
     def problem(self) -> str:
-        """Return in words why there can be no such thing; empty if there can."""
+        """Return why the obstacle is invalid; empty if it is valid."""
         numbers = (*self.at, self.radius, *(self.box or ()))
         if not all(map(math.isfinite, numbers)):
-            return f"its place and size must be finite, are {numbers}"
+            return f"its position and size must be finite, not {numbers}"
         if self.radius < 0.0 or (self.radius > 0.0) == (self.box is not None):
-            return "an obstacle has either a radius, more than 0, or a box: [width, depth] or [width, depth, yaw]"
+            return "an obstacle has either a positive radius or a box: [width, depth] or [width, depth, yaw]"
         if self.box is not None and min(self.box[:2]) <= 0.0:
-            return f"the width and depth of its box must be more than 0, are {self.box[:2]}"
+            return f"the width and depth of its box must be positive, not {self.box[:2]}"
         return ""
 
 
 class PackageSpec(NamedTuple):
-    """A package: its id (text, as in a term) and where it is (a label's name, or x, y in m)."""
+    """A package: its id (text of a term), and its place (name of a label, or x, y in m)."""
 
     id: str
     at: Union[str, Point]
 
 
 class WorldSpec(NamedTuple):
-    """A whole world. ``interval`` is the length of a step in s, ``map_file`` names the map's YAML file, if any."""
+    """A world. ``interval``: length of a step (s). ``map_file``: YAML file of the map, if any."""
 
     grid: OccupancyGrid
     robots: Tuple[RobotSpec, ...]

@@ -1,4 +1,4 @@
-"""Stage at a pace: its world file with another speed. Stage itself keeps it, but only where it has a window."""
+"""World files of Stage with another speed. Stage keeps this speed only if it has a window."""
 
 import os
 import re
@@ -7,9 +7,9 @@ from typing import List
 
 from rosoclingo.robot.simulation.spec import WorldError
 
-# Comments, texts, brackets, words and numbers, white space.
+# Tokens: comments, strings, brackets, words and numbers, white space.
 TOKENS = re.compile(r'#[^\n]*|"[^"\n]*"|[()\[\]]|[^\s"#()\[\]]+|\s+|.')
-FILES = ("bitmap", "include", "texture")  # words before the name of a file, which is relative to the world file
+FILES = ("bitmap", "include", "texture")  # keywords before a file name, which is relative to the world file
 
 
 def read_stage_world(path: str) -> str:
@@ -21,7 +21,10 @@ def read_stage_world(path: str) -> str:
 
 
 def paced_world(text: str, folder: str, speed: float) -> str:
-    """Return a world file of Stage in ``folder`` for a pace (simulated s per s), to be put anywhere."""
+    """Return the text of a world file in ``folder`` with a given speed (simulated s per s).
+
+    File names become absolute, so that the text can be stored in any folder.
+    """
     kept: List[str] = []
     depth, word, drops = 0, "", False
     for token in TOKENS.findall(text):

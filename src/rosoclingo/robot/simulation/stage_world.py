@@ -1,4 +1,4 @@
-"""World files of Stage, made from this simulator's own."""
+"""Conversion of this simulator's world files to world files of Stage."""
 
 import math
 import os
@@ -12,12 +12,12 @@ from rosoclingo.robot.navigation.grid import read_map_info
 from rosoclingo.robot.simulation.spec import LaserSpec, ObstacleSpec, Point, RobotSpec, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
-# Stage takes every pixel for occupied whose first channel is no lighter than that.
+# Stage regards pixels as occupied if their first channel is at most this.
 DARK = 127
-# A laser is mounted that high (m) and a body is that high, so that robots see each other.
+# Heights (m) of lasers, robots and walls. Robots are higher than lasers, so that they see each other.
 MOUNT, BODY, WALL = 0.25, 0.4, 1.0
-THICKNESS = 0.04  # m: of a door; Stage sees boxes only
-CORNERS = 16  # of the polygon that stands for a disc
+THICKNESS = 0.04  # m: thickness of doors, which are boxes in Stage
+CORNERS = 16  # number of corners of the polygon for a disc
 
 HEAD = """\
 # Made from {source} by "rosrun rosoclingo stage_world"; do not edit. Open doors and packages are not in it.
@@ -47,16 +47,16 @@ floorplan
 
 
 class StageWorld(NamedTuple):
-    """A world file's ``text`` and, where Stage would read the map's own image otherwise, the ``bitmap`` to use."""
+    """The ``text`` of a world file, and a ``bitmap`` if Stage would misread the image of the map."""
 
     text: str
     bitmap: Optional[np.ndarray]
 
 
 def write_stage_world(source: str, target: str) -> List[str]:
-    """Make a world file for Stage from one of this simulator's; return the names of the files that were written.
+    """Convert a world file to one of Stage. Return the names of the written files.
 
-    Raises WorldError, and OSError where a file cannot be written.
+    Raises WorldError, and OSError if a file cannot be written.
     """
     spec, path = load_world(source), Path(target)
     own = path.with_name(path.stem + "_stage.pgm")
@@ -70,14 +70,14 @@ def write_stage_world(source: str, target: str) -> List[str]:
 
 
 def stage_world(spec: WorldSpec, source: str, image: str, own_bitmap: str) -> StageWorld:
-    """Return a world for Stage. Raises WorldError for a map without walls, which Stage cannot scale.
+    """Convert a world to one of Stage. Raises WorldError for a map without walls, which Stage cannot scale.
 
-    ``source`` names the world file in a comment, ``image`` the map's image and ``own_bitmap`` the file for an image of
-    its own, both as the world file has to name them.
+    ``source`` is the name of the original file, for a comment. ``image`` is the map's image and ``own_bitmap`` the file
+    for a separate image, both relative to the world file.
     """
     occupied = spec.grid.occupied().astype(bool)
     if not occupied.any():
-        raise WorldError(f"world {source}: map: nothing in it is occupied; Stage needs a wall to scale the map by")
+        raise WorldError(f"world {source}: map: no cell is occupied; Stage needs walls to scale the map")
     same = spec.map_file != "" and np.array_equal(_dark(spec.map_file), occupied)
     parts = [_head(spec, occupied, source, image if same else own_bitmap)]
     parts += [_robot(robot) for robot in spec.robots]
@@ -88,7 +88,7 @@ def stage_world(spec: WorldSpec, source: str, image: str, own_bitmap: str) -> St
 
 
 def _dark(map_file: str) -> np.ndarray:
-    """Return the mask (bool; row 0 at the bottom) of what Stage takes for occupied in a map's image."""
+    """Return the mask (bool; row 0 at the bottom) of pixels that Stage regards as occupied."""
     with Image.open(str(read_map_info(Path(map_file))["image"])) as image:
         pixels = np.asarray(image if image.mode in ("L", "RGB", "RGBA") else image.convert("L"))
     first = pixels if pixels.ndim == 2 else pixels[:, :, 0]
@@ -96,7 +96,7 @@ def _dark(map_file: str) -> np.ndarray:
 
 
 def _head(spec: WorldSpec, occupied: np.ndarray, source: str, bitmap: str) -> str:
-    """Return the map's part. Stage fits what is occupied into ``size``, whatever is free around it."""
+    """Return the map's section. Stage scales the bounding box of occupied pixels to ``size``."""
     rows, columns = np.flatnonzero(occupied.any(axis=1)), np.flatnonzero(occupied.any(axis=0))
     scale = spec.grid.resolution
     low = (spec.grid.origin_x + columns[0] * scale, spec.grid.origin_y + rows[0] * scale)
@@ -133,7 +133,7 @@ def _robot(robot: RobotSpec) -> str:
 
 
 def _ranger(laser: LaserSpec) -> List[str]:
-    # Stage's noise: a variance, a part of the range, an angle.
+    # Noise in Stage: a variance, a relative error of the range, an angle.
     noise = f" noise [ {_number(laser.noise**2)} 0 0 ]" if laser.noise > 0.0 else ""
     return [
         "ranger",
@@ -179,7 +179,7 @@ def _entity(kind: str, lines: Sequence[str]) -> str:
 
 
 def _block(corners: Sequence[Point]) -> List[str]:
-    """Return the lines of a polygon; Stage fits it into the model's size."""
+    """Return the lines of a polygon, which Stage scales to the size of the model."""
     points = " ".join(f"point[{i}] [ {_numbers(corner)} ]" for i, corner in enumerate(corners))
     return [f"block ( points {len(corners)} {points} z [ 0 1 ] )"]
 
@@ -190,7 +190,7 @@ def _disc(radius: float) -> List[Point]:
 
 
 def _extent(points: Sequence[Point]) -> Tuple[Point, Point]:
-    """Return (size, centre) of the rectangle around points."""
+    """Return (size, centre) of the bounding box of points."""
     (low_x, low_y), (high_x, high_y) = np.min(points, axis=0).tolist(), np.max(points, axis=0).tolist()
     return (high_x - low_x, high_y - low_y), ((low_x + high_x) / 2.0, (low_y + high_y) / 2.0)
 
@@ -208,5 +208,5 @@ def _number(value: float) -> str:
 
 
 def _text(value: str) -> str:
-    """Return a text in quotes; Stage's files know no way to write a quote within them."""
+    """Return a quoted string. Stage's files cannot escape quotes, so they are replaced."""
     return '"{}"'.format(value.replace('"', "'").replace("\n", " "))

@@ -1,4 +1,4 @@
-"""World files: YAML that names a map, robots, doors, obstacles and packages."""
+"""World files: YAML with a map, robots, doors, obstacles and packages."""
 
 import math
 from pathlib import Path
@@ -21,13 +21,12 @@ from rosoclingo.robot.simulation.spec import (
     WorldSpec,
 )
 
-# Beyond any robot: m, m/s, rad/s; and what a message can hold in a step of reasonable length.
-MOST, MOST_BEAMS = 1000.0, 100000
-MOST_DELAY = 2.0  # s that a scan may be late
+MOST, MOST_BEAMS = 1000.0, 100000  # limits of lengths and speeds (m, m/s, rad/s), and of the beams of a scan
+MOST_DELAY = 2.0  # s: limit of the delay of scans
 
 
 def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
-    """Read a world file and its map (``map_file``: that one instead). Raises WorldError, which names file and key."""
+    """Load a world file and its map, which ``map_file`` overrides. Raises WorldError, which names file and key."""
     path = Path(path)
     reader = read_yaml(path, "world", WorldError)
     named = reader.at("map").text(map_file or MISSING)
@@ -50,7 +49,7 @@ def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
 
 
 def _map(reader: Reader, path: str) -> OccupancyGrid:
-    """Return the map of a world; an empty one where there is none that can be read."""
+    """Load the map of a world. Report a fault and return an empty map if that fails."""
     try:
         if path:
             return load_map(path)
@@ -61,7 +60,7 @@ def _map(reader: Reader, path: str) -> OccupancyGrid:
 
 def _check_names(reader: Reader, spec: WorldSpec) -> None:
     if not spec.robots:
-        reader.at("robots").fault("a world needs a robot")
+        reader.at("robots").fault("a world needs at least one robot")
     for key, names in (
         ("robots", [r.name for r in spec.robots]),
         ("doors", [d.name for d in spec.doors]),
@@ -69,11 +68,11 @@ def _check_names(reader: Reader, spec: WorldSpec) -> None:
         ("packages", [p.id for p in spec.packages]),
     ):
         for name in sorted({name for name in names if names.count(name) > 1}):
-            reader.at(key).fault(f"{name!r} is there twice")
+            reader.at(key).fault(f"{name!r} is used twice")
 
 
 def _check_points(reader: Reader, spec: WorldSpec) -> None:
-    """Note what lies off the map, and doors that are none."""
+    """Report points off the map, and doors of length 0."""
     points = [(f"robots[{i}].pose", robot.pose[:2]) for i, robot in enumerate(spec.robots)]
     points += [(f"doors[{i}].from", door.start) for i, door in enumerate(spec.doors)]
     points += [(f"doors[{i}].to", door.end) for i, door in enumerate(spec.doors)]
@@ -85,13 +84,13 @@ def _check_points(reader: Reader, spec: WorldSpec) -> None:
             reader.at(key).fault(beyond)
     for i, door in enumerate(spec.doors):
         if door.start == door.end:
-            reader.at(f"doors[{i}]").fault("has the length 0: from and to must be different")
+            reader.at(f"doors[{i}]").fault("has the length 0: from and to must differ")
 
 
 def _robot(reader: Reader, name: str) -> RobotSpec:
     base = RobotSpec()
     footprint = _footprint(reader.at("footprint"))
-    # The circle around the footprint: how far off the robot's outermost corner is.
+    # Radius of the circumscribed circle.
     radius = max((math.hypot(*corner) for corner in footprint), default=base.radius)
     spec = RobotSpec(
         reader.at("name").text(name),
@@ -112,19 +111,19 @@ def _robot(reader: Reader, name: str) -> RobotSpec:
 
 
 def _footprint(reader: Reader) -> Tuple[Point, ...]:
-    """Return the corners of a robot's footprint, none for a disc."""
+    """Return the corners of a footprint; empty for a disc."""
     points = tuple(_point(corner.numbers((2,))) for corner in reader.items("a list of three corners [x, y] or more"))
     if 0 < len(points) < 3:
         reader.fault(f"needs three corners [x, y] or more, not {reader.value!r}")
     elif max((abs(v) for point in points for v in point), default=0.0) > MOST:
-        reader.fault(f"a corner is more than {MOST} m off")
+        reader.fault(f"a corner is more than {MOST} m away")
     elif points and np.linalg.matrix_rank(np.subtract(points, points[0]), tol=1e-3) < 2:
-        reader.fault("its corners lie in a line: a robot has a length and a width")
+        reader.fault("its corners lie on a line: the footprint needs an area")
     return points
 
 
 def _lasers(reader: Reader) -> Tuple[LaserSpec, ...]:
-    """Return the lasers: one by ``laser``, several by ``lasers``, one of defaults without either."""
+    """Return the lasers of ``laser`` or ``lasers``; without either, one with default values."""
     one, several = reader.at("laser"), reader.at("lasers")
     if several.given:
         if one.given:

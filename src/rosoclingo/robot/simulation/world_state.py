@@ -1,4 +1,4 @@
-"""What may change in a simulated world, as plain values: with them another process goes on where one was killed."""
+"""State of a simulated world as plain values, from which a new process can resume after a crash."""
 
 from typing import Any, Dict, List, Tuple
 
@@ -9,10 +9,10 @@ from rosoclingo.robot.simulation.spec import Box, ObstacleSpec, WorldError
 
 
 def world_state(simulation: Simulation) -> Dict[str, Any]:
-    """Return where all is now, in numbers, texts, lists and mappings: m and rad.
+    """Return the present state as numbers, texts, lists and mappings (m, rad).
 
-    ``robots`` have pose and odometry (x, y, yaw each), ``doors`` whether they are open, ``obstacles`` x, y and a
-    radius, or x, y, width, depth and yaw. Time and velocities are no part of it.
+    ``robots`` contains pose and odometry (x, y, yaw each), ``doors`` whether they are open, ``obstacles`` x, y and a
+    radius, or x, y, width, depth and yaw. Time and velocities are not included.
     """
     return {
         "robots": {name: [*map(float, robot.pose + robot.odometry)] for name, robot in simulation.robots.items()},
@@ -22,9 +22,9 @@ def world_state(simulation: Simulation) -> Dict[str, Any]:
 
 
 def resume_world(simulation: Simulation, kept: Reader) -> None:
-    """Put a world that has just begun into a state, robots at rest.
+    """Restore a new world to a state, with robots at rest.
 
-    Raises WorldError where that is none of this world; then the simulation is of no more use.
+    Raises WorldError if the state does not fit this world. The simulation must not be used then.
     """
     robots = {name: _two_poses(item) for name, item in kept.at("robots").entries()}
     doors = {name: item.flag() for name, item in kept.at("doors").entries()}
@@ -32,7 +32,7 @@ def resume_world(simulation: Simulation, kept: Reader) -> None:
     kept.check(WorldError)
     for known, found, what in ((simulation.robots, robots, "robots"), (simulation.doors, doors, "doors")):
         if known.keys() != found.keys():
-            raise WorldError("its {} are {}, not {}".format(what, ", ".join(known), ", ".join(found)))
+            raise WorldError("the {} are {}, not {}".format(what, ", ".join(known), ", ".join(found)))
     simulation.arrange(robots, doors, obstacles)
 
 
@@ -46,5 +46,5 @@ def _obstacle(name: str, item: Reader) -> ObstacleSpec:
 
 
 def _two_poses(item: Reader) -> Tuple[Pose2D, Pose2D]:
-    numbers = item.numbers((6,), wanted="x, y, yaw of the robot, and as odometry has them")
+    numbers = item.numbers((6,), wanted="x, y, yaw of the robot, and x, y, yaw of its odometry")
     return Pose2D(*numbers[:3]), Pose2D(*numbers[3:])

@@ -114,7 +114,7 @@ def test_an_image_too_large_to_be_a_map(tmp_path):
         (INFO.replace("0.65", "1.5"), "occupied_thresh"),
         (INFO.replace("free_thresh: 0.196", ""), "free_thresh"),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0]"), "origin"),
-        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 2.0, 0.5]"), "turned"),
+        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 2.0, 0.5]"), "rotated"),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, .nan, 0]"), "origin: must be .* nan"),
         (INFO + "mode: fancy\n", "mode"),
         ("- a\n- b\n", "keys and values"),

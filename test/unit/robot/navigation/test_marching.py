@@ -10,7 +10,7 @@ from occupied_grids import GRIDS, clearance_of, distance, open_cells
 from scipy.ndimage import label
 
 from rosoclingo.robot.navigation.compiled.clearance import update_open
-from rosoclingo.robot.navigation.compiled.marching import ease, march, thin, way_down
+from rosoclingo.robot.navigation.compiled.marching import descend, ease, march, thin
 
 RADII = st.floats(0.3, 3.0)
 GO_ON = np.zeros(1, dtype=bool)
@@ -55,7 +55,7 @@ def test_a_way_leads_down_wherever_cells_are_joined(occupied, data):
     assert math.isfinite(found[start]) == (parts[start] == parts[goal])
     if not math.isfinite(found[start]):
         return
-    way = way_down(found, *map(float, start), *map(float, goal))
+    way = descend(found, *map(float, start), *map(float, goal))
     assert tuple(way[0]) == start
     assert tuple(way[-1]) == goal
     assert np.hypot(*np.diff(way, axis=0).T).max(initial=0.0) < 1.5
@@ -70,14 +70,14 @@ def test_what_a_way_costs_is_its_length_on_an_empty_grid():
     assert found[20, 30] == pytest.approx(10.0)
     assert (found - away)[away > 5.0].max() < 1.2
     assert (found - away).min() > -1e-9
-    way = way_down(found, 3.3, 36.1, 20.0, 20.0)
+    way = descend(found, 3.3, 36.1, 20.0, 20.0)
     assert np.hypot(*np.diff(way, axis=0).T).sum() == pytest.approx(math.hypot(16.7, 16.1), rel=0.02)
 
 
 def test_dear_cells_are_gone_round_where_that_is_cheaper():
     costs = np.ones((40, 40), dtype=np.float32)
     costs[5:35, 18:22] = 9.0
-    way = way_down(march(costs, 20, 35, 20, 5, GO_ON), 20.0, 5.0, 20.0, 35.0)
+    way = descend(march(costs, 20, 35, 20, 5, GO_ON), 20.0, 5.0, 20.0, 35.0)
     inside = way[(way[:, 1] > 18.0) & (way[:, 1] < 21.5)]
     assert (np.abs(inside[:, 0] - 20.0) > 14.0).all()
 

@@ -15,7 +15,7 @@ from rosoclingo.robot.navigation import (
     PlanOutcome,
     Pose2D,
 )
-from rosoclingo.robot.navigation.planning import Planning, from_here
+from rosoclingo.robot.navigation.planning import Planning, cut_start
 from rosoclingo.robot.simulation import ObstacleSpec
 
 WALLS = ((3.0, 0.0, 3.1, 2.4), (3.0, 3.3, 3.1, 6.0))
@@ -129,10 +129,10 @@ def test_a_way_that_does_not_come_for_long_costs_no_patience():
 )
 def test_what_is_left_of_a_path(pose, moved, first):
     points = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2)], dtype=float)
-    left = from_here(points, Pose2D(*pose), moved)
+    left = cut_start(points, Pose2D(*pose), moved)
     assert tuple(left[0]) == first
     assert tuple(left[-1]) == (2.0, 2.0)
-    assert len(from_here(points[:2], Pose2D(1.0, 0.0), 5.0)) == 2
+    assert len(cut_start(points[:2], Pose2D(1.0, 0.0), 5.0)) == 2
 
 
 def test_a_snapshot_stays_as_the_costmap_was():
@@ -157,7 +157,7 @@ def test_planning_over_a_big_map_is_given_up_when_nobody_waits():
         cells[:, at : at + 12] = cells[at : at + 12] = 0
     costmap = Costmap(OccupancyGrid(cells, 0.05), CostmapLimits(inflation_radius=0.3))
     planner, ends = GridPlanner(), (Pose2D(1.8, 1.8), Pose2D(196.8, 196.8))
-    planner.dropped[0] = True
-    assert planner.plan(costmap, *ends).outcome is PlanOutcome.GIVEN_UP
-    planner.dropped[0] = False
+    planner.cancelled[0] = True
+    assert planner.plan(costmap, *ends).outcome is PlanOutcome.CANCELLED
+    planner.cancelled[0] = False
     assert planner.plan(costmap, ends[0], Pose2D(20.0, 20.0)).outcome is PlanOutcome.FOUND

@@ -11,7 +11,7 @@ from occupied_grids import GRIDS, clearance_of
 
 from rosoclingo.robot.navigation import Costmap, GridPlanner, NavigationOutcome, PlanOutcome, Pose2D
 from rosoclingo.robot.navigation.body import Body
-from rosoclingo.robot.navigation.compiled.footprints import PARTS, around, body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import PARTS, body_clearance, nearby_obstacles
 
 BODIES = [Body(2.3), Body(0.0, ((3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (3.0, -2.0)))]
 
@@ -64,7 +64,7 @@ def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body,
     height, width = occupied.shape
     pose = (min(pose[0], width - 0.1), min(pose[1], height - 0.1), pose[2])
     there = tuple(a + b for a, b in zip(pose, step))
-    near = around(clearance_of(occupied, 9.0), occupied, body.discs(1.0), *pose)
+    near = nearby_obstacles(clearance_of(occupied, 9.0), occupied, body.discs(1.0), *pose)
     before, after = (distances(body, occupied, *at) for at in (pose, there))
     inside = (before >= 1e-6) & (near.occupied[np.nonzero(occupied)] == 0)  # the edge is to pass them freely
     if body_clearance(near, body.discs(1.0), *there, 0.0) >= 0.0:
@@ -88,7 +88,7 @@ def test_discs_cover_the_edge_of_a_footprint_and_little_more():
 def test_where_nothing_is_touched_the_body_is_tried_against_the_map_itself():
     occupied = np.zeros((20, 20), dtype=np.uint8)
     occupied[3, 3] = 1
-    near = around(clearance_of(occupied), occupied, BODIES[0].discs(1.0), 12.0, 12.0, 0.0)
+    near = nearby_obstacles(clearance_of(occupied), occupied, BODIES[0].discs(1.0), 12.0, 12.0, 0.0)
     assert near.occupied is occupied
     assert not len(near.touched)
 

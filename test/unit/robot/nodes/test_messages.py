@@ -44,7 +44,7 @@ def change(path, value):
         ("info.resolution", 0.0, "resolution"),
         ("info.resolution", float("nan"), "resolution"),
         ("info.origin.position.x", float("inf"), "origin must be finite"),
-        ("info.origin.orientation.z", 0.5, "turned"),
+        ("info.origin.orientation.z", 0.5, "rotated"),
     ],
 )
 def test_a_broken_message_is_refused(path, value, words):

@@ -36,8 +36,8 @@ class Gated(GlobalPlanner):
         self.seen.append(goal)
         self.costmaps.append(costmap)
         while not self.gate.wait(0.005):
-            if not self.wanted():
-                return GlobalPlan(PlanOutcome.GIVEN_UP, np.empty((0, 2)))
+            if self.is_cancelled():
+                return GlobalPlan(PlanOutcome.CANCELLED, np.empty((0, 2)))
         if self.fails:
             raise {"value": ValueError, "exit": SystemExit}[self.fails]("lost")
         return GlobalPlan(PlanOutcome.FOUND, np.array([start[:2], goal[:2]]))
@@ -68,14 +68,14 @@ def test_the_asker_goes_on_while_it_is_planned(parts):
     assert planning.answer() is None
 
 
-def test_what_is_dropped_is_given_up(parts):
+def test_what_is_dropped_is_cancelled(parts):
     planner, costmap, planning = parts
     planning.ask(costmap, START, GOAL)
     wait_until(lambda: planner.seen == [GOAL])
     planning.ask(costmap, START, START)
     wait_until(lambda: planner.seen == [GOAL, START])
     planning.drop()
-    other = planning.also(costmap, START, GOAL, 0.0)
+    other = planning.submit(costmap, START, GOAL, 0.0)
     planner.gate.set()
     assert other.result(PATIENCE).outcome is PlanOutcome.FOUND
     assert planning.answer() is None
@@ -83,12 +83,12 @@ def test_what_is_dropped_is_given_up(parts):
 
 def test_what_is_dropped_before_it_begins_is_never_planned(parts):
     planner, costmap, planning = parts
-    other = planning.also(costmap, START, START, 0.0)
+    other = planning.submit(costmap, START, START, 0.0)
     planning.ask(costmap, START, GOAL)
     planning.drop()
     planner.gate.set()
     assert other.result(PATIENCE).outcome is PlanOutcome.FOUND
-    assert planning.also(costmap, START, START, 0.0).result(PATIENCE).outcome is PlanOutcome.FOUND
+    assert planning.submit(costmap, START, START, 0.0).result(PATIENCE).outcome is PlanOutcome.FOUND
     assert planner.seen == [START, START]
 
 
@@ -130,7 +130,7 @@ def test_a_plan_that_takes_long_is_logged(parts, monkeypatch):
         planning._running.begun = time.monotonic() - seconds
         planning.log_delays()
         assert len(logged) == times
-    assert "planning takes long: the robot's way is looked for since" in logged[0]
+    assert "planning takes long: planning the robot's path for" in logged[0]
 
 
 # ---- commands that do not come -----------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ def test_a_robot_without_its_next_command_is_stopped_once(watched, speed, wall, 
     watch.command(twist(speed))
     clock[0] += wall
     clock[1] += ros
-    assert [watch.look(*clock), watch.look(*clock)] == [stops, False]
+    assert [watch.check(*clock), watch.check(*clock)] == [stops, False]
     assert [message.linear.x for message in sent] == [speed] + [0.0] * stops
     watch.command(twist(speed))
-    assert not watch.look(*clock)
+    assert not watch.check(*clock)

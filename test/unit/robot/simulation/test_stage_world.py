@@ -62,7 +62,7 @@ def test_the_map_is_where_it_is_occupied():
 
 
 def test_a_map_without_a_wall_is_refused():
-    with pytest.raises(WorldError, match=r"w\.yaml: map: nothing in it is occupied"):
+    with pytest.raises(WorldError, match=r"w\.yaml: map: no cell is occupied"):
         stage_world(WorldSpec(grid_of(["..", ".."]), (RobotSpec(),)), "w.yaml", "m.pgm", "own.pgm")
 
 

@@ -86,7 +86,7 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
     [
         ({"map": None}, "map: is missing"),
         ({"map": "nowhere.yaml"}, "nowhere.yaml"),
-        ({"robots": []}, "needs a robot"),
+        ({"robots": []}, "needs at least one robot"),
         ({"robots": 3}, "robots: must be a list, not 3"),
         ({"robots": [3]}, r"robots\[0\]: must be a mapping with the keys footprint, name"),
         ({"robots": [{}]}, r"robots\[0\].pose: is missing"),
@@ -99,7 +99,7 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 0]]}]}, "three corners"),
         ({"robots": [{"pose": [1, 1], "laser": {"angle": 400}}]}, r"robots\[0\].laser.angle"),
         ({"robots": [{"pose": [1, 1], "laser": {"beams": 1.5}}]}, "whole"),
-        ({"robots": [{"pose": [1, 1], "name": "a"}, {"pose": [2, 2], "name": "a"}]}, "robots: 'a' is there twice"),
+        ({"robots": [{"pose": [1, 1], "name": "a"}, {"pose": [2, 2], "name": "a"}]}, "robots: 'a' is used twice"),
         ({"doors": [{"name": "d", "from": [0, 0], "to": [1, 0], "open": "yes"}]}, r"doors\[0\].open: must be true"),
         ({"doors": [{"name": "", "from": [0, 0], "to": [1, 0]}]}, r"doors\[0\].name: must be a text"),
         ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
@@ -119,7 +119,7 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
             {"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], 2]}]},
             r"robots\[0\].footprint\[2\]: must be 2 finite numbers",
         ),
-        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint: .* in a line"),
+        ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint:.* on a line"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [1e9, 2]]}]}, r"robots\[0\].footprint: a corner"),
         (
             {"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]},
@@ -180,7 +180,7 @@ def test_a_robot_that_cannot_stand_where_it_starts(world, tmp_path, changes, wor
     pixels[:, -2:] = 0
     Image.fromarray(pixels).save(str(tmp_path / "walled.pgm"))
     (tmp_path / "walled.yaml").write_text((tmp_path / "map.yaml").read_text().replace("map.pgm", "walled.pgm"))
-    with pytest.raises(WorldError, match=f"world.yaml: robots: robot {words}.*change its pose"):
+    with pytest.raises(WorldError, match=f"world.yaml: robots: robot {words}.*change the pose"):
         load_simulation(str(world(**changes)))
 
 

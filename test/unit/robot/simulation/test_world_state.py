@@ -69,8 +69,8 @@ def test_the_state_is_made_of_what_a_parameter_may_hold():
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"robots": {"first": [1.0, 1.0, 0.0, 1.0, 1.0, 0.0]}}, "its robots are first, second, not first"),
-        ({"doors": {}}, "its doors are door, not "),
+        ({"robots": {"first": [1.0, 1.0, 0.0, 1.0, 1.0, 0.0]}}, "the robots are first, second, not first"),
+        ({"doors": {}}, "the doors are door, not "),
         ({"doors": {"door": 1}}, "doors.door: must be true or false"),
         ({"obstacles": {"bin": [1.0]}}, "obstacles.bin: must be x, y and a radius"),
         ({"obstacles": {"bin": [1.0, 1.0, 0.3]}}, "robot 'first' would stand in an obstacle"),

@@ -1,1 +1,1 @@
-"""Loops that numba compiles."""
+"""Numerical loops of navigation, compiled by numba."""

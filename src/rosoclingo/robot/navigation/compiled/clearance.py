@@ -1,6 +1,6 @@
-"""Loops over grid cells that numba compiles: clearance, distances, ray casting, what costmaps show.
+"""Clearance, distances, ray casting and costs on grids, compiled by numba.
 
-All arrays are C-contiguous. Lengths are in *cells* unless said otherwise: x = (metres - origin) / resolution; cell
+All arrays are C-contiguous. Lengths are in *cells* unless noted otherwise: x = (metres - origin) / resolution. Cell
 (row, column) is the square [column, column + 1] x [row, row + 1].
 """
 
@@ -15,10 +15,10 @@ HALF_DIAGONAL = math.sqrt(0.5)
 
 @jit
 def update_clearance(occupied, reach, row0, row1, column0, column1, out) -> None:
-    """Write into ``out[row0:row1, column0:column1]`` each cell centre's distance to the nearest occupied square.
+    """Write the clearance of each cell into ``out[row0:row1, column0:column1]``.
 
-    ``occupied``: uint8 (H, W), non-zero is occupied; ``reach``: distances are cut off there; ``out``: float32
-    (H, W). Exact up to ``reach``; an occupied cell has -0.5.
+    The clearance is the distance from the cell's centre to the nearest occupied square, at most ``reach``; -0.5 for an
+    occupied cell. ``occupied``: uint8 (H, W), non-zero is occupied; ``out``: float32 (H, W).
     """
     height, _width = occupied.shape
     span = math.ceil(reach) + 1
@@ -47,7 +47,7 @@ def update_clearance(occupied, reach, row0, row1, column0, column1, out) -> None
 
 @jit
 def _row_gaps(row, reach, span, column0, column1, out) -> None:
-    """Write the squared gaps, within one row, between cell centres and the nearest occupied cell's edge."""
+    """Write the squared distances of cell centres to the nearest occupied cell within one row."""
     width = row.shape[0]
     limit = reach * reach
     last = -1000000
@@ -68,10 +68,10 @@ def _row_gaps(row, reach, span, column0, column1, out) -> None:
 
 @jit
 def ray_length(occupied, x, y, dx, dy, reach):
-    """Return how far a ray from (x, y) in a direction (of length 1) runs before it enters an occupied cell.
+    """Return the length of a ray from (x, y) to the first occupied cell, at most ``reach``.
 
-    One that meets nothing, or leaves the grid for good, has ``reach``; one that starts in an occupied cell has 0.
-    Walks every cell that the ray crosses (Amanatides and Woo 1987), so the length is exact.
+    The direction (dx, dy) has length 1. A ray that starts in an occupied cell has length 0, one that leaves the grid
+    has length ``reach``. The walk visits every crossed cell (Amanatides and Woo 1987), so the length is exact.
     """
     height, width = occupied.shape
     column, row = math.floor(x), math.floor(y)
@@ -96,13 +96,13 @@ def ray_length(occupied, x, y, dx, dy, reach):
 
 @jit
 def _leaves(index, step, size):
-    """Return whether a walk at ``index`` with this ``step`` is outside of 0 .. size - 1 and will not come back."""
+    """Return whether a walk is outside of 0 .. size - 1 and moves away from it."""
     return (index < 0 and step < 0) or (index >= size and step > 0)
 
 
 @jit
 def square_distance(occupied, x, y, reach):
-    """Return the distance (cells) of a point from the nearest occupied square, ``reach`` if none is nearer."""
+    """Return the distance of a point to the nearest occupied square, at most ``reach``."""
     height, width = occupied.shape
     best = reach * reach
     for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
@@ -116,10 +116,10 @@ def square_distance(occupied, x, y, reach):
 
 @jit
 def update_open(clearance, occupied, closed, radius, row0, row1, column0, column1, out) -> None:
-    """Write into ``out[row0:row1, column0:column1]`` (uint8 H, W) whether a disc of ``radius`` can be in each cell.
+    """Write into ``out[row0:row1, column0:column1]`` (uint8 H, W) whether a disc of ``radius`` fits into each cell.
 
-    It can where its middle, a corner or the middle of an edge is so far from what is ``occupied``: the narrowest place
-    of a gap is one of these. Not in cells that are ``closed`` (bool H, W).
+    It fits if the centre, a corner or the middle of an edge has that distance from ``occupied`` cells: the narrowest
+    point of a gap is one of these. Cells that are ``closed`` (bool H, W) are never open.
     """
     for row in range(row0, row1):
         for column in range(column0, column1):
@@ -134,10 +134,10 @@ def update_open(clearance, occupied, closed, radius, row0, row1, column0, column
 
 @jit
 def inflate(clearance, occupied, closed, x, y, yaw, radius, reach, factor, out) -> None:
-    """Write into ``out`` (int8 H, W) occupancy as costmap_2d shows it: 100 lethal, 99 inscribed, .. 0 free, -1.
+    """Write the costs of costmap_2d's topics into ``out`` (int8): 100 lethal, 99 inscribed .. 0 free, -1 unknown.
 
-    The first cell of ``out`` is centred at (x, y), its rows along ``yaw`` (rad). ``closed``: bool, what is unknown; off
-    the grid everything is. From ``radius`` to ``reach`` costs go down by exp(-``factor``), per cell.
+    The first cell of ``out`` is centred at (x, y), its rows have the direction ``yaw`` (rad). Cells off the grid and
+    ``closed`` cells (bool) are unknown. Between ``radius`` and ``reach`` costs decay by exp(-``factor``) per cell.
     """
     height, width = clearance.shape
     c, s = math.cos(yaw), math.sin(yaw)

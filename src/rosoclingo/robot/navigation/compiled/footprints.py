@@ -1,9 +1,9 @@
-"""The compiled look at the robot's body: how far it is from things, and what it touches already.
+"""Clearance of the robot's body, compiled by numba.
 
-Lengths are in cells, as in ``clearance``. A body is a float64 array (n, 5) of discs (x, y, radius; in the robot's
-frame): one that the whole robot is in and then, unless that is the robot itself, those that cover its edge, in order.
-Each of these has the vector (x, y) from its middle to where the edge leaves it: close to things, PARTS smaller discs
-along that stand for it.
+Lengths are in cells, as in ``clearance``. A body is a float64 array (n, 5) of discs (x, y, radius, in the robot's
+frame). The first disc contains the whole robot. Unless the robot is a disc, further discs cover its edge, in order. The
+last two columns of a disc are the vector from its centre to the point where the edge leaves it. Close to obstacles,
+PARTS smaller discs along this vector replace the disc.
 """
 
 import math
@@ -15,16 +15,16 @@ from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-NEAR = 0.75  # cells: the interpolation between cells can be that wrong
+NEAR = 0.75  # cells: maximum error of the interpolation between cells
 PARTS = 16
 
 
-class Around(NamedTuple):
-    """What a body is tried against.
+class NearbyObstacles(NamedTuple):
+    """Obstacles around a body, without those that it touches already.
 
-    ``clearance``: float32 (H, W), a lower bound where the body is; ``occupied``: uint8 (H, W), without the squares that
-    the body touches or has in it. The former are in ``touched``: float64 (n, 3) of column, row and the body's distance
-    from the square, which is less than 0. A body must go no deeper into these, and touch nothing else.
+    ``clearance``: float32 (H, W), a lower bound at the body. ``occupied``: uint8 (H, W), without the squares that the
+    body touches or contains. ``touched``: float64 (n, 3), the column and row of each square that it touches, and its
+    distance from the square, which is negative. The body must not move deeper into these squares.
     """
 
     clearance: np.ndarray
@@ -33,12 +33,12 @@ class Around(NamedTuple):
 
 
 @jit
-def around(clearance, occupied, body, x, y, yaw):
-    """Return the :class:`Around` of a body at a pose."""
+def nearby_obstacles(clearance, occupied, body, x, y, yaw):
+    """Return the :class:`NearbyObstacles` of a body at a pose."""
     height, width = occupied.shape
     touched = np.empty((0, 3))
     if point_clearance(clearance, x, y) - body[0, 2] > NEAR:
-        return Around(clearance, occupied, touched)
+        return NearbyObstacles(clearance, occupied, touched)
     others, reach = occupied, body[0, 2] + 1.0
     for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
         for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
@@ -51,15 +51,16 @@ def around(clearance, occupied, body, x, y, yaw):
                 if others is occupied:
                     others = occupied.copy()
                 others[row, column] = 0
-    return Around(clearance, others, touched)
+    return NearbyObstacles(clearance, others, touched)
 
 
 @jit
 def body_clearance(near, body, x, y, yaw, enough):
-    """Return how far a body at a pose is from the nearest thing; less than 0 where it is in that.
+    """Return the distance of a body at a pose from the nearest obstacle; negative in collision.
 
-    ``near``: :class:`Around`; from a square that it touches there a body is as far as it has come away from it. The
-    discs of the edge are left out where more than ``enough`` is certain. Exact where it is tight, else a lower bound.
+    ``near``: :class:`NearbyObstacles`. For a square that the body touches already, the result is by how much the
+    distance has grown. Discs of the edge are skipped if the clearance certainly exceeds ``enough``. The result is exact
+    in tight places, elsewhere a lower bound.
     """
     first = min(1, body.shape[0] - 1)
     if first:
@@ -83,14 +84,14 @@ def body_clearance(near, body, x, y, yaw, enough):
 
 @jit
 def _placed(disc, x, y, c, s, part):
-    """Return where a ``part`` (-1 .. 1) of a disc's vector ends."""
+    """Return the point at a fraction ``part`` (-1 .. 1) of a disc's vector, on the grid."""
     dx, dy = disc[0] + part * disc[3], disc[1] + part * disc[4]
     return x + c * dx - s * dy, y + s * dx + c * dy
 
 
 @jit
 def _disc_gap(occupied, disc, x, y, c, s):
-    """Return how far a disc is from the nearest occupied square, or the PARTS for which it stands; NEAR at most."""
+    """Return the distance of a disc, or of its PARTS, from the nearest occupied square, at most NEAR."""
     px, py = _placed(disc, x, y, c, s, 0.0)
     gap = square_distance(occupied, px, py, disc[2] + NEAR) - disc[2]
     if gap < disc[2] and (disc[3] != 0.0 or disc[4] != 0.0):
@@ -103,7 +104,7 @@ def _disc_gap(occupied, disc, x, y, c, s):
 
 @jit
 def _square_gap(body, x, y, yaw, column, row):
-    """Return how far the edge of a body at a pose, by its PARTS, is from the square of a cell; less than 0 inside."""
+    """Return the distance of a body's edge at a pose from the square of a cell; negative inside."""
     c, s = math.cos(yaw), math.sin(yaw)
     least = np.inf
     for i in range(min(1, body.shape[0] - 1), body.shape[0]):
@@ -126,7 +127,7 @@ def _point_gap(x, y, column, row):
 
 @jit
 def _is_inside(body, x, y, yaw, px, py):
-    """Return whether a point is within the polygon whose edge the discs of a body cover."""
+    """Return whether a point is inside the polygon of a body's edge."""
     c, s = math.cos(yaw), math.sin(yaw)
     dx, dy = px - x, py - y
     px, py = c * dx + s * dy, c * dy - s * dx

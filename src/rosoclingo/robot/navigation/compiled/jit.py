@@ -1,4 +1,4 @@
-"""How the loops over cells and beams are compiled, and where the compiled code is kept."""
+"""Compilation of numerical loops, and the cache of the compiled code."""
 
 import hashlib
 import os
@@ -9,14 +9,14 @@ from typing import Any, Callable
 
 import numba
 
-SOURCES = Path(os.path.abspath(__file__)).parents[2]  # as numba knows it, with its links
-BUILT = Path("share", "rosoclingo", "numba")  # what the build has compiled, in the devel or install space
+SOURCES = Path(os.path.abspath(__file__)).parents[2]  # with symbolic links, as in numba's index
+BUILT = Path("share", "rosoclingo", "numba")  # code compiled by the build, in the devel or install space
 
 
 def cache_folder(sources: Path) -> str:
-    """Return where compiled code is kept: one folder for each place and content of the modules in ``compiled`` folders.
+    """Return the cache folder for the present path and content of all modules in ``compiled`` folders.
 
-    numba itself looks at the file of a function alone, not at those of the functions that it calls. The folder is in
+    numba itself only checks the file of a function, not the files of the functions that it calls. The folder is inside
     numba's own (``NUMBA_CACHE_DIR``), else in the user's cache folder.
     """
     content = [f"{sources} {platform.python_version()}".encode()]
@@ -27,7 +27,7 @@ def cache_folder(sources: Path) -> str:
 
 
 def _prepared(folder: str) -> bool:
-    """Fill the folder with what the build has compiled unless it exists; return whether it can be written."""
+    """Create the cache folder from the code compiled by the build. Return whether the folder is writable."""
     prefixes = [*SOURCES.parents, *map(Path, filter(None, os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)))]
     built = [prefix / BUILT / os.path.basename(folder) for prefix in prefixes]
     copy = f"{folder}.{os.getpid()}"
@@ -38,17 +38,17 @@ def _prepared(folder: str) -> bool:
                 shutil.copytree(str(found), copy)
                 os.rename(copy, folder)
         os.makedirs(folder, exist_ok=True)
-    except OSError:  # no place for it, or another process was faster
+    except OSError:  # not writable, or another process was faster
         shutil.rmtree(copy, ignore_errors=True)
     return os.access(folder, os.W_OK)
 
 
 FOLDER = cache_folder(SOURCES)
-CACHES = _prepared(FOLDER)  # else each process compiles again
+CACHES = _prepared(FOLDER)  # otherwise each process compiles its own code
 
 
 def jit(function: Callable) -> Any:
-    """Have numba compile a function at its first call, to run without holding the interpreter's lock."""
+    """Compile a function with numba at its first call; it runs without the interpreter lock."""
     others, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
     try:
         return numba.njit(cache=CACHES, nogil=True)(function)

@@ -1,7 +1,7 @@
-"""The compiled fast marching method: what the cheapest way from each cell of a map to one of them costs.
+"""Fast marching method: the costs of the cheapest paths from all cells to a goal, compiled by numba.
 
-After J. A. Sethian, "A fast marching level set method for monotonically advancing fronts" (1996); navfn does the same.
-Lengths are in cells; cell (row, column) has its middle there.
+See J. A. Sethian, "A fast marching level set method for monotonically advancing fronts" (1996). navfn uses the same
+method. Lengths are in cells, and cell (row, column) has its centre at these coordinates.
 """
 
 import heapq
@@ -12,8 +12,8 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-STEP = 0.5  # of a way down, in cells
-TURNS = 6  # steps within one cell before the way goes on to the lowest cell next to it
+STEP = 0.5  # cells: length of a step of the descent
+TURNS = 6  # steps within one cell after which the descent moves to the lowest neighbour
 STEEP = 1e-9
 NUDGE = 1e-3
 AROUND = ((1, 0), (-1, 0), (0, 1), (0, -1))
@@ -22,11 +22,11 @@ DIAGONALS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
 @jit
 def march(costs, row, column, to_row, to_column, stop):
-    """Return what the cheapest way from each cell to one of them costs (float64 H, W), inf where there is none.
+    """Return the cost of the cheapest path from each cell to (row, column) (float64 H, W), inf if there is none.
 
-    ``costs``: float32 (H, W), of a way of the length of a cell, 1 or more; inf where there is none. The search goes
-    towards (to_row, to_column) and ends there: values of other cells can be missing. Where ``to_row`` is -1 it goes
-    everywhere. It ends early once ``stop`` (bool, one item) is set.
+    ``costs``: float32 (H, W), at least 1 per cell length; inf for obstacles. The search is directed towards (to_row,
+    to_column) and ends there, so that other cells can have no value; with ``to_row`` -1 it covers all cells. It is
+    cancelled by setting ``stop`` (bool, one item).
     """
     height, width = costs.shape
     found = np.full((height, width), np.inf)
@@ -53,7 +53,7 @@ def march(costs, row, column, to_row, to_column, stop):
 
 @jit
 def _cost_at(found, row, column, cost):
-    """Return the cost of a cell by those of its neighbours, where a straight front goes over it."""
+    """Return the cost of a cell from those of its neighbours, for a straight front."""
     height, width = found.shape
     a = min(found[row - 1, column] if row > 0 else np.inf, found[row + 1, column] if row + 1 < height else np.inf)
     b = min(found[row, column - 1] if column > 0 else np.inf, found[row, column + 1] if column + 1 < width else np.inf)
@@ -64,10 +64,11 @@ def _cost_at(found, row, column, cost):
 
 
 @jit
-def way_down(found, row, column, last_row, last_column):
-    """Return the way (float64 n, 2; row, column) from a point down to where ``found`` is 0; it begins with the point.
+def descend(found, row, column, last_row, last_column):
+    """Return the path (float64 n, 2; row, column) of steepest descent from a point to the cell with value 0.
 
-    It follows the slope. Where that leads up or nowhere, it goes on to the lowest cell next to it, so that it ends.
+    If the gradient leads upwards or vanishes, the path continues in the lowest neighbouring cell, so that it
+    terminates.
     """
     points = [(row, column)]
     turns = 0
@@ -94,7 +95,7 @@ def way_down(found, row, column, last_row, last_column):
 
 @jit
 def _lowest(found, row, column):
-    """Return the lowest of a cell and those around it; a diagonal step keeps off cells in which nobody can be."""
+    """Return the lowest of a cell and its neighbours. Diagonal steps do not cut the corners of obstacles."""
     height, width = found.shape
     best_row, best_column = row, column
     for dr, dc in AROUND + DIAGONALS:
@@ -108,7 +109,7 @@ def _lowest(found, row, column):
 
 @jit
 def _slope(found, row, column):
-    """Return the direction in which ``found`` grows at a point, between those of the four cells around it."""
+    """Return the direction of ascent at a point, interpolated between the four cells around it."""
     height, width = found.shape
     top, left = int(math.floor(row)), int(math.floor(column))
     down = right = 0.0
@@ -129,7 +130,7 @@ def _slope(found, row, column):
 
 @jit
 def _growth(before, here, after):
-    """Return how values grow along three cells; one in which nobody can be is higher than any other."""
+    """Return the gradient along three cells; inf is higher than any other value."""
     if here == np.inf:
         return (1.0 if before < np.inf else 0.0) - (1.0 if after < np.inf else 0.0)
     return (here - before if before < np.inf else 0.0) + (after - here if after < np.inf else 0.0)
@@ -137,9 +138,9 @@ def _growth(before, here, after):
 
 @jit
 def ease(points, occupied, enough) -> None:
-    """Move points (float64 n, 2; x, y) of a way off what is nearer than ``enough``, by half a cell at most.
+    """Move points (float64 n, 2; x, y) closer than ``enough`` to obstacles away from them, by at most half a cell.
 
-    A march knows only the middles of cells; the middle of a narrow gap can lie between two of them.
+    Fast marching only uses the centres of cells, and the middle of a narrow gap can lie between two of them.
     """
     for i in range(1, points.shape[0] - 1):
         x, y = points[i, 0], points[i, 1]
@@ -158,9 +159,9 @@ def ease(points, occupied, enough) -> None:
 
 @jit
 def thin(points, spacing, tolerance):
-    """Return the points (float64 n, 2) of a way that are left, at most ``spacing`` apart.
+    """Remove redundant points of a path (float64 n, 2), keeping them at most ``spacing`` apart.
 
-    Those left out are no further than ``tolerance`` from the line between their neighbours.
+    Removed points are within ``tolerance`` of the line between their neighbours.
     """
     kept = [0]
     last = points.shape[0] - 1

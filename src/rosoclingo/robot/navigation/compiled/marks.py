@@ -1,4 +1,4 @@
-"""The compiled evidence of scans: which cells they mark and clear.
+"""Marking and clearing of cells by laser scans, compiled by numba.
 
 Lengths are in cells, as in :mod:`rosoclingo.robot.navigation.compiled.clearance`.
 """
@@ -10,19 +10,19 @@ import numpy as np
 from rosoclingo.robot.navigation.compiled.clearance import square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
-# A scan shows something in a cell in which one of so many of its rays ends; in one that is marked, fewer are enough.
+# A scan hits a cell if one in PART of the rays in it ends there; one in PART_MARKED for a cell that is marked already.
 PART, PART_MARKED = 4, 10
-# It counts for GAIN, one that looks through the cell for -1. From SURE on the cell is marked, at 0 it is cleared.
+# A hit adds GAIN to the count of a cell, a pass subtracts 1. The cell is marked at SURE and cleared at 0.
 GAIN, SURE, LIMIT = 2, 4, 6
 
 
 @jit
 def count_scan(counts, marks, mapped, clearance, x, y, angles, lengths, hits, known):
-    """Count what the rays of a scan from (x, y) crossed and hit (bool n), and mark and clear cells by that.
+    """Count the hits and passes of a scan from (x, y), and mark and clear cells accordingly.
 
-    ``counts``, ``marks``: uint8 (H, W). Rays that end no further than ``known`` from an occupied cell of ``mapped``
-    (uint8 H, W; ``clearance``: float32, the distance from these) hit nothing new.
-    Returns the window (row0, row1, column0, column1; half-open) of the marks changed, (0, 0, 0, 0) where none was.
+    ``counts``, ``marks``: uint8 (H, W). ``hits``: bool (n). Rays that end within ``known`` of an occupied cell of
+    ``mapped`` (uint8 H, W; ``clearance``: float32, its distance field) do not count as hits.
+    Returns the window (row0, row1, column0, column1; half-open) of changed marks, (0, 0, 0, 0) if there are none.
     """
     height, width = marks.shape
     reach = lengths.max() + 1.0 if lengths.shape[0] else 0.0
@@ -47,7 +47,7 @@ def count_scan(counts, marks, mapped, clearance, x, y, angles, lengths, hits, kn
 
 @jit
 def _pass(passed, x, y, dx, dy, length):
-    """Count a ray in the cells that it crosses before the one in which it ends."""
+    """Count a ray in all cells that it crosses, except the last."""
     height, width = passed.shape
     column, row = int(math.floor(x)), int(math.floor(y))
     last_c, last_r = int(math.floor(x + dx * length)), int(math.floor(y + dy * length))
@@ -67,7 +67,7 @@ def _pass(passed, x, y, dx, dy, length):
 
 @jit
 def _is_changed(counts, marks, row, column, ended, passed):
-    """Count a scan in a cell; tell whether that marks or clears it."""
+    """Update the count of a cell. Return whether this marks or clears the cell."""
     count, marked = int(counts[row, column]), marks[row, column] > 0
     if ended * (PART_MARKED if marked else PART) >= ended + passed:
         count = min(LIMIT, count + GAIN)
@@ -82,7 +82,7 @@ def _is_changed(counts, marks, row, column, ended, passed):
 
 @jit
 def _is_next(occupied, clearance, x, y, reach):
-    """Tell whether a point on the grid is no further than ``reach`` from what is mapped."""
+    """Return whether a point on the grid is within ``reach`` of an occupied cell."""
     if clearance[int(y), int(x)] > reach + 0.75:
         return False
     return square_distance(occupied, x, y, reach + 1.0) <= reach
@@ -90,9 +90,10 @@ def _is_next(occupied, clearance, x, y, reach):
 
 @jit
 def hits_apart(occupied, clearance, x, y, angles, ranges, hits, near, apart):
-    """Return the points (float64 n, 2) that rays from (x, y) ``hit``, more than ``apart`` from what is ``occupied``.
+    """Return the end points (float64 n, 2) of rays more than ``apart`` from ``occupied`` cells.
 
-    Only those closer than ``near``, on the grid, and with such a point on either side: one alone is noise.
+    Rays start at (x, y). Points must be closer than ``near``, on the grid, and have such a point on both sides:
+    isolated points are noise.
     """
     height, width = occupied.shape
     count = angles.shape[0]

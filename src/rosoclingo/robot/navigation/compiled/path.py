@@ -1,4 +1,4 @@
-"""The compiled look at a path: where the robot is on it, and whether it is clear."""
+"""Position of the robot on a path, and clearance of the path, compiled by numba."""
 
 import math
 
@@ -9,7 +9,7 @@ from rosoclingo.robot.navigation.compiled.jit import jit
 
 @jit
 def point_clearance(clearance, x, y):
-    """Return the clearance at a point (cells), between the four nearest cell centres; -1 off the grid."""
+    """Return the clearance at a point, interpolated between the four nearest cell centres; -1 off the grid."""
     height, width = clearance.shape
     fx, fy = x - 0.5, y - 0.5
     column, row = math.floor(fx), math.floor(fy)
@@ -23,7 +23,7 @@ def point_clearance(clearance, x, y):
 
 @jit
 def least_along(clearance, x0, y0, x1, y1):
-    """Return the least clearance (cells) along a segment, looked at every third of a cell."""
+    """Return the minimum clearance along a segment, sampled every third of a cell."""
     count = int(3.0 * math.hypot(x1 - x0, y1 - y0)) + 1
     least = np.inf
     for i in range(count + 1):
@@ -34,10 +34,10 @@ def least_along(clearance, x0, y0, x1, y1):
 
 @jit
 def first_block(clearance, closed, points, x, y, radius):
-    """Return where (x, y) points (float64 n, 2; cells) come nearer to something than ``radius``, NaN for nowhere.
+    """Return the first point (x, y) of a path (float64 n, 2) with less clearance than ``radius``, or NaN.
 
-    Or into a cell that is ``closed`` (bool H, W). What is behind the robot at (x, y) does not matter, and near to it a
-    way may be as tight as it is there.
+    Cells that are ``closed`` (bool H, W) block as well. The part behind the robot at (x, y) is ignored. Near the robot,
+    its present clearance is enough.
     """
     best, start = np.inf, 0
     for i in range(points.shape[0]):
@@ -55,9 +55,10 @@ def first_block(clearance, closed, points, x, y, radius):
 
 @jit
 def place_on(points, along, start, reach, x, y):
-    """Return (index, place, distance) of the path's place nearest to (x, y): its segment, how far along the path it is.
+    """Return (index, place, distance) of the point on a path nearest to (x, y).
 
-    Looks from ``points[start]`` (float64 n, 2; at ``along``) to ``reach`` further on.
+    ``index`` is its segment, ``place`` its distance along the path. The search covers the distance ``reach`` from
+    ``points[start]`` (float64 n, 2; at the distance ``along[start]``).
     """
     best, best_i, best_place = (points[start, 0] - x) ** 2 + (points[start, 1] - y) ** 2, start, along[start]
     for i in range(start, points.shape[0] - 1):

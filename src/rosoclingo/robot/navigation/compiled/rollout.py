@@ -1,29 +1,29 @@
-"""The compiled trial of movements: which of them stay clear, and which leads best to a point."""
+"""Simulation of movements: which of them are safe, and which leads best to a point; compiled by numba."""
 
 import math
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import Around, body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import NearbyObstacles, body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
 STEPS = 12  # poses checked along a command
-ANGLE, NEARNESS = 0.25, 0.6  # m by which a rad off the point, and a m that lacks to the comfort, make a command worse
-FINE = 0.1  # cells: the shortest step along an arc
-GAIN = 0.05  # part of the room by which an arc that leads to less of it has to gain
+ANGLE, NEARNESS = 0.25, 0.6  # weights of the heading error (m/rad) and of missing comfort clearance (m/m) in the score
+FINE = 0.1  # cells: minimum step along an arc
+GAIN = 0.05  # minimum gain in clearance of an arc that does not reach the required room, as a fraction of it
 
 
 @jit
 def _arc(v, w, time):
-    """Return half the turn (rad) of an arc, and the length of its chord, whose direction that is."""
+    """Return half the turn (rad) of an arc, which is the direction of its chord, and the length of the chord."""
     half = 0.5 * w * time
     return half, v * time * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
 
 
 @jit
 def _spare_after(near, body, pose, v, w, horizon, steps, least, enough):
-    """Return the least body clearance along an arc of ``horizon`` s; stops where that is below ``least``."""
+    """Return the minimum clearance of the body along an arc of ``horizon`` s. Stops once it is below ``least``."""
     dt = horizon / steps
     x, y, yaw = pose[0], pose[1], pose[2]
     found = np.inf
@@ -40,11 +40,12 @@ def _spare_after(near, body, pose, v, w, horizon, steps, least, enough):
 
 @jit
 def can_turn(clearance, occupied, touched, body, pose, angle, close):
-    """Return whether a body keeps ``close``, or what it has now if that is less, while it turns by ``angle`` rad.
+    """Return whether a body keeps a clearance of ``close`` while it turns by ``angle`` rad.
 
-    Here and below the first three are those of :class:`Around`.
+    If its present clearance is smaller, it must keep that. The first three arguments, here and below, are the fields of
+    :class:`NearbyObstacles`.
     """
-    near = Around(clearance, occupied, touched)
+    near = NearbyObstacles(clearance, occupied, touched)
     least = min(close, body_clearance(near, body, pose[0], pose[1], pose[2], close) - 1e-3)
     steps = int(abs(angle) / 0.05) + 1
     return _spare_after(near, body, pose, 0.0, angle, 1.0, steps, least, max(0.0, least)) >= least
@@ -52,26 +53,28 @@ def can_turn(clearance, occupied, touched, body, pose, angle, close):
 
 @jit
 def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns, carrot, comfort, horizon, resolution):
-    """Return (index of speed, index of turn) of the best command, -1 where none is safe.
+    """Return (index of speed, index of turn) of the best safe command, -1 if none is safe.
 
-    ``pose`` (x, y, yaw; cells, rad), ``speeds`` (cells/s), ``turns`` (rad/s), ``carrot`` (x, y; cells), ``resolution``
-    (m). A command is safe when the body keeps what its speed needs (``needs``, cells) for the ``horizon`` (s) or, where
-    that is negative and its amount is not there now, does not come closer. Clearance up to ``comfort`` counts.
+    ``pose``: x, y (cells), yaw (rad). ``speeds``: cells/s. ``turns``: rad/s. ``carrot``: the target x, y (cells).
+    ``comfort``: the clearance up to which more is better. ``horizon``: s. ``resolution``: m.
+
+    ``needs`` (cells) is the clearance that each speed requires during the horizon. If it is negative and its absolute
+    value is not available now, the clearance must not decrease.
     """
-    near = Around(clearance, occupied, touched)
+    near = NearbyObstacles(clearance, occupied, touched)
     now = body_clearance(near, body, pose[0], pose[1], pose[2], comfort)
     best, best_i, best_j = np.inf, -1, -1
     for i in range(speeds.shape[0]):
         least = needs[i] if needs[i] > 0.0 else min(-needs[i], now - 1e-6)
         for j in range(turns.shape[0]):
             if abs(speeds[i]) < 1e-6 and abs(turns[j]) < 0.05:
-                continue  # to stand still is the caller's last resort
+                continue  # standing still is left to the caller
             half, chord = _arc(speeds[i], turns[j], horizon)
             x, y = pose[0] + chord * math.cos(pose[2] + half), pose[1] + chord * math.sin(pose[2] + half)
             away = math.hypot(carrot[0] - x, carrot[1] - y)
             bearing = math.atan2(carrot[1] - y, carrot[0] - x) - pose[2] - 2.0 * half
             angle = abs(math.atan2(math.sin(bearing), math.cos(bearing)))
-            # Next to the carrot its direction says little.
+            # Close to the target its direction hardly matters.
             score = resolution * away + ANGLE * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
@@ -84,13 +87,13 @@ def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns,
 
 @jit
 def best_arc(clearance, occupied, touched, body, pose, curvatures, longest, room, least):
-    """Return (index of curvature, signed length) of the arc that leads soonest to where ``room`` is clear.
+    """Return (index of curvature, signed length) of the shortest arc to a pose with clearance ``room``.
 
-    ``pose``: x, y (cells), yaw; ``curvatures`` (1/cell); ``longest`` (cells). The body keeps ``least`` (cells) on it,
-    or what it has now if that is less. Where no arc leads to so much room: the one to where there is most; the length
-    is 0.0 where none leads to more than there is.
+    ``pose``: x, y (cells), yaw. ``curvatures``: 1/cell. ``longest``: cells. Along the arc the body keeps the clearance
+    ``least`` (cells), or its present clearance if that is smaller. If no arc reaches ``room``, the result is the arc to
+    the largest clearance; its length is 0.0 if no arc improves the clearance.
     """
-    near = Around(clearance, occupied, touched)
+    near = NearbyObstacles(clearance, occupied, touched)
     now = body_clearance(near, body, pose[0], pose[1], pose[2], 2.0)
     least = min(least, now - 1e-3)
     shortest, most = np.inf, point_clearance(near.clearance, pose[0], pose[1]) + GAIN * room

@@ -1,1 +1,1 @@
-"""Navigation as a node, as move_base."""
+"""The navigation node, with the interface of move_base."""

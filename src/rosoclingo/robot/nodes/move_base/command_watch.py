@@ -1,4 +1,4 @@
-"""Stops a robot whose next command does not come in time, as whatever gives it is held up."""
+"""Watchdog that stops the robot if its next command is late."""
 
 import threading
 import time
@@ -7,25 +7,25 @@ from typing import Callable
 import rospy
 from geometry_msgs.msg import Twist
 
-LEAST, PERIODS = 0.5, 4.0  # s, and periods of control, that a command may be late
-WALL, EVERY = 0.3, 0.1  # s of wall time: late by less is not late, however fast simulated time runs; between two looks
+LEAST, PERIODS = 0.5, 4.0  # timeout in s and in control periods; the longer one applies
+WALL, EVERY = 0.3, 0.1  # s of wall time: minimum timeout, for fast simulations; time between two checks
 
 
 class CommandWatch:
-    """Publishes commands, and a stop where none follows one that moves the robot; ``period`` (s) is that of control.
+    """Publishes commands, and a stop if a command that moves the robot is not followed by another one in time.
 
-    Robots have watchdogs of their own, or not; Stage's is off by default.
+    ``period`` (s) is the control period. Robots do not always have a watchdog of their own; Stage's is off by default.
     """
 
     def __init__(self, publish: Callable[[Twist], None], period: float) -> None:
         self._publish, self._limit = publish, max(LEAST, PERIODS * period)
         self._lock = threading.Lock()
         self._moving = False
-        self._since = (0.0, 0.0)  # of the last command: wall time and ROS time
+        self._since = (0.0, 0.0)  # wall time and ROS time of the last command
         self._ended = threading.Event()
 
     def start(self) -> None:
-        """Begin to look, in a thread of its own: the worker is what may be held up."""
+        """Start checking, in a separate thread: the worker can be blocked."""
         threading.Thread(target=self._run, name="command watch", daemon=True).start()
 
     def command(self, message: Twist) -> None:
@@ -36,12 +36,12 @@ class CommandWatch:
             self._publish(message)
 
     def end(self) -> None:
-        """Stop the robot for good."""
+        """Stop the robot, and stop checking."""
         self._ended.set()
         self.command(Twist())
 
-    def look(self, wall: float, now: float) -> bool:
-        """Stop the robot if its next command is late at a wall time and a ROS time (s); tell whether it was."""
+    def check(self, wall: float, now: float) -> bool:
+        """Stop the robot if its next command is late at a wall time and a ROS time (s). Return whether it was."""
         with self._lock:
             late = self._moving and wall - self._since[0] > WALL and now - self._since[1] > self._limit
             if late:
@@ -51,5 +51,5 @@ class CommandWatch:
 
     def _run(self) -> None:
         while not self._ended.wait(EVERY):
-            if self.look(time.monotonic(), rospy.get_time()):
-                rospy.logwarn("no command for %.1f s: the robot is stopped", self._limit)
+            if self.check(time.monotonic(), rospy.get_time()):
+                rospy.logwarn("no command for %.1f s: stopping the robot", self._limit)

@@ -1,4 +1,4 @@
-"""The topics of one costmap, as costmap_2d publishes them: the whole, what has changed, the robot's footprint."""
+"""Topics of a costmap as in costmap_2d: the full costmap, its updates, and the robot's footprint."""
 
 import math
 from typing import Any, Callable, NamedTuple, Optional, Tuple
@@ -18,7 +18,10 @@ from rosoclingo.robot.nodes.messages import GRID_MESSAGE, grid_message, sendable
 
 
 class CostmapView(NamedTuple):
-    """A costmap in a frame, whose pose in the map is given; with the robot's pose in the map, None if unknown."""
+    """A costmap, the frame in which it is published, and the poses of that frame and of the robot in the map.
+
+    The robot's pose is None if unknown.
+    """
 
     costmap: Costmap
     frame: str
@@ -27,7 +30,7 @@ class CostmapView(NamedTuple):
 
     @property
     def in_frame(self) -> Pose2D:
-        """The robot's pose in the frame."""
+        """Pose of the robot in the frame of the view."""
         assert self.pose is not None
         return self.frame_in_map.inverse().compose(self.pose)
 
@@ -35,7 +38,7 @@ class CostmapView(NamedTuple):
 def costs(view: CostmapView, size: Optional[Tuple[float, float]]) -> OccupancyGrid:
     """Return the costs of a costmap, or of a window (width, height in m) around the robot; -1 off the map.
 
-    A window has the axes of the frame. Its corner moves by whole cells only.
+    A window is aligned with the axes of the frame, and moves by whole cells.
     """
     costmap, scale = view.costmap, view.costmap.resolution
     if size is None:
@@ -47,11 +50,13 @@ def costs(view: CostmapView, size: Optional[Tuple[float, float]]) -> OccupancyGr
 
 
 class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
-    """Publishes a costmap in the node's private namespace; nothing is built that nobody subscribes to.
+    """Publishes a costmap in the node's private namespace. Messages are only built for subscribers.
 
-    A new subscriber gets the whole costmap at once. Afterwards the whole is published where its place has changed or
-    ``send_full`` is set, else only the rectangle that has changed. ``periods`` (s): of the costmap, of the footprint;
-    ``size`` (m) of the window, None for the whole map.
+    A new subscriber receives the full costmap at once. After that, the topics carry the changed rectangle, or the full
+    costmap if its position has changed or ``send_full`` is set.
+
+    ``periods``: publishing periods (s) of the costmap and of the footprint. ``size``: size (m) of the window, None for
+    the whole map.
 
     Publishes:
         ~NAME/costmap (nav_msgs/OccupancyGrid), ~NAME/costmap_updates (map_msgs/OccupancyGridUpdate)
@@ -68,17 +73,17 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
         self._view: Optional[CostmapView] = None
         self._last: Optional[OccupancyGrid] = None
         self._last_frame = ""
-        self._shown = [-math.inf, -math.inf]  # when costmap and footprint were published last (s)
+        self._shown = [-math.inf, -math.inf]  # times (s) of the last costmap and footprint
         self._whole = prompt_publisher(f"~{name}/costmap", GRID_MESSAGE, 2, subscriber_listener=self)
         self._updates = prompt_publisher(f"~{name}/costmap_updates", numpy_msg(OccupancyGridUpdate), 2)
         self._outline = prompt_publisher(f"~{name}/footprint", PolygonStamped, 2)
 
-    def see(self, view: Optional[CostmapView]) -> None:
-        """Take what there is to show from now on."""
+    def update(self, view: Optional[CostmapView]) -> None:
+        """Set the view to publish."""
         self._view = view
 
-    def show(self, now: float) -> None:
-        """Publish what is due at a time (s)."""
+    def publish_due(self, now: float) -> None:
+        """Publish the costmap and the footprint if they are due at a time (s)."""
         if self._view is None or self._view.pose is None:
             return
         if now < max(self._shown):
@@ -93,7 +98,7 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
                 publish()
 
     def publish_costs(self) -> None:
-        """Publish the costmap, or the rectangle that has changed."""
+        """Publish the changed rectangle, or the full costmap where necessary."""
         assert self._view is not None
         grid, last, frame = costs(self._view, self._size), self._last, self._view.frame
         same_place = last is not None and (grid.shape, *grid[1:], frame) == (last.shape, *last[1:], self._last_frame)
@@ -119,7 +124,7 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
         self._outline.publish(message)
 
     def peer_subscribe(self, _name: str, _publish: Any, peer_publish: Callable[[Any], None]) -> None:
-        """Called by rospy, in any thread, for each new subscriber: it gets the whole costmap."""
+        """Send the full costmap to a new subscriber. Called by rospy, in any thread."""
         self._worker.put(lambda: self._greet(peer_publish))
 
     def _greet(self, send: Callable[[Any], None]) -> None:

@@ -1,4 +1,4 @@
-"""What the move_base node shows: goals, plans, costmaps, footprints, recoveries."""
+"""Visualisation topics of the move_base node: goals, plans, costmaps, footprints and recoveries."""
 
 import math
 from typing import Any, Callable, Optional
@@ -22,9 +22,9 @@ HERE = Pose2D(0.0, 0.0)
 
 
 class Display:
-    """The publishers of goals, plans, costmaps and footprints; nothing large is built that nobody subscribes to.
+    """Publishes goals, plans, costmaps and footprints. Large messages are only built for subscribers.
 
-    The local planner's paths and the local costmap are shown in the local frame, odometry's, all else in the map's.
+    Paths of the local planner and the local costmap are in the local frame (odometry), the others in the map frame.
 
     Publishes:
         ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
@@ -50,42 +50,42 @@ class Display:
         self._local_view: Optional[CostmapView] = None
 
     def goal(self, pose: Pose2D) -> None:
-        """Show the goal (m; in the map) that is driven to."""
+        """Publish the present goal (m, in the map frame)."""
         self._goal.publish(stamped_pose(pose, self._frame))
 
     def recovery(self, behavior: Any, number: int, total: int, pose: Pose2D) -> None:
-        """Show that a recovery behaviour begins, the ``number``-th of ``total`` from 0 on, the robot at a pose."""
+        """Publish the start of a recovery behaviour: its index, the number of behaviours, and the robot's pose."""
         self._recovery.publish(RecoveryStatus(stamped_pose(pose, self._frame), number, total, behavior.name))
 
     def plan(self, points: np.ndarray, final_yaw: float) -> None:
-        """Show a new path (m; in the map)."""
+        """Publish a new path (m, in the map frame)."""
         if self._plan.get_num_connections():
             self._plan.publish(path_message(points, self._frame, final_yaw))
         if self._global_plan.get_num_connections():
             self._global_plan.publish(self._in_local_frame(points, final_yaw))
 
     def trajectory(self, points: Callable[[], np.ndarray]) -> None:
-        """Show where the present command leads (m; in the map)."""
+        """Publish the trajectory of the present command (m, in the map frame)."""
         if self._local_plan.get_num_connections():
             self._local_plan.publish(self._in_local_frame(points(), 0.0))
 
     def new_map(self, costmap: Costmap) -> None:
-        """Show a costmap as soon as there is a map, even if the robot's pose is unknown."""
+        """Publish the costmap of a new map, even if the pose of the robot is unknown."""
         self._local_view = None
-        self._local.see(None)
-        self._global.see(CostmapView(costmap, self._frame, HERE, None))
+        self._local.update(None)
+        self._global.update(CostmapView(costmap, self._frame, HERE, None))
         self._global.publish_costs()
 
-    def see(self, costmap: Costmap, pose: Pose2D, local_frame: str, local_in_map: Pose2D) -> None:
-        """Take what there is to show from now on: the robot's pose, and the local frame's, in the map."""
+    def update(self, costmap: Costmap, pose: Pose2D, local_frame: str, local_in_map: Pose2D) -> None:
+        """Set the costmap to publish, and the poses of the robot and of the local frame in the map."""
         self._local_view = CostmapView(costmap, local_frame, local_in_map, pose)
-        self._local.see(self._local_view)
-        self._global.see(CostmapView(costmap, self._frame, HERE, pose))
+        self._local.update(self._local_view)
+        self._global.update(CostmapView(costmap, self._frame, HERE, pose))
 
     def costmaps(self, now: float) -> None:
-        """Show the costmaps and footprints that are due at a time (s)."""
-        self._global.show(now)
-        self._local.show(now)
+        """Publish the costmaps and footprints that are due at a time (s)."""
+        self._global.publish_due(now)
+        self._local.publish_due(now)
 
     def _in_local_frame(self, points: np.ndarray, final_yaw: float) -> Path:
         if self._local_view is None:

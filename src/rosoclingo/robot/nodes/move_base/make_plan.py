@@ -1,4 +1,4 @@
-"""The service of the move_base node that plans without driving."""
+"""Planning services of the move_base node, which do not move the robot."""
 
 import traceback
 from concurrent import futures
@@ -19,13 +19,12 @@ from rosoclingo.robot.nodes.move_base.sensing import Sensing
 
 
 class PlanService:
-    """Has plans made beside all else; the answer is an empty path where there is none.
+    """Serves plans, computed in the planning thread. The response is an empty path if there is none.
 
-    ``place`` returns the costmap and the robot's pose, None for what is not known.
+    ``place`` returns the costmap and the pose of the robot, None if unknown.
 
-    Services:
-        ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): from a start, or where the robot is if the start names no
-            frame, to a goal.
+    Services:     ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): a path from a start to a goal. If the frame of the
+    start is empty, the path starts at the robot.
     """
 
     def __init__(
@@ -42,20 +41,20 @@ class PlanService:
         )
 
     def _answer(self, request: Any) -> GetPlanResponse:
-        """Answer when the plan is there, in the thread of the call."""
+        """Wait for the plan, in the thread of the call."""
         response = GetPlanResponse()
         response.plan.header.frame_id = self._sensing.map_frame
         asked = self._worker.ask(lambda: self._ask(request))
         if asked is None:
-            rospy.logerr("make_plan: no map yet, or start or goal is in a frame that tf does not know")
+            rospy.logerr("make_plan: there is no map yet, or tf does not know the frame of start or goal")
             return response
         future, yaw = asked
         while not futures.wait([future], 0.5).done:
             if ending():
-                raise rospy.ServiceException(f"{rospy.get_name()} does not answer: it ends")
+                raise rospy.ServiceException(f"{rospy.get_name()} is shutting down")
         try:
             plan = future.result()
-        except Exception:  # noqa: BLE001 a user's planner may raise anything
+        except Exception:  # noqa: BLE001 a user's planner can raise any exception
             rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
             return response
         if plan.outcome is PlanOutcome.FOUND:
@@ -64,16 +63,19 @@ class PlanService:
         return response
 
     def _ask(self, request: Any) -> Optional[Tuple[futures.Future, float]]:
-        """Ask for a plan, in the worker's thread; return it and its final yaw, None without a map, start or goal."""
+        """Request a plan, in the thread of the worker.
+
+        Return its future and its final yaw, or None if the map or a pose is unknown.
+        """
         costmap, pose = self._place()
         goal = self._in_map(request.goal)
         start = self._in_map(request.start) if request.start.header.frame_id else pose
         if costmap is None or goal is None or start is None:
             return None
-        return self._planning.also(costmap, start, goal, request.tolerance), goal.yaw
+        return self._planning.submit(costmap, start, goal, request.tolerance), goal.yaw
 
     def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
-        """Return a pose in the map; a missing orientation is fine, only a position is asked for."""
+        """Return a pose in the map frame. The orientation is optional, since planning only needs the position."""
         position = message.pose.position
         pose = to_pose2d(message.pose) or Pose2D(position.x, position.y, 0.0)
         frame = self._sensing.to_map(message.header.frame_id, message.header.stamp)

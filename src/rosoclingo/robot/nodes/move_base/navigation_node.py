@@ -1,4 +1,4 @@
-"""Navigation as a ROS node, with move_base's action, topics, services and parameters."""
+"""Navigation node, with the action, topics, services and parameters of move_base."""
 
 import math
 import traceback
@@ -37,16 +37,17 @@ from rosoclingo.robot.nodes.move_base.make_plan import PlanService
 from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, recoveries
-from rosoclingo.robot.nodes.move_base.sensing import Located, Sensing
+from rosoclingo.robot.nodes.move_base.sensing import LocatedRobot, Sensing
 
 INVALID_QUATERNION = "Aborting on goal because it was sent with an invalid quaternion"
 
 
 class MoveBaseNode:
-    """Drives the robot to poses: a stand-in for the package move_base.
+    """Drives the robot to poses: a replacement for the package move_base.
 
-    The action server appears when there are a map and the robot's pose, and all is compiled; its status topic is
-    there before. Parameters have move_base's and costmap_2d's names; doc/simulator_and_navigation.md says what differs.
+    The action server starts once there are a map and a pose of the robot, and all loops are compiled; its status topic
+    exists before that. Parameters have the names of move_base and costmap_2d. doc/simulator_and_navigation.md lists
+    the differences.
 
     Parameters
     ----------
@@ -54,70 +55,74 @@ class MoveBaseNode:
             GlobalPlanner.
         ~base_local_planner (str, default "rosoclingo.robot.navigation.follower.RolloutFollower"): that of a
             LocalPlanner.
-        ~recovery_behaviors (list, optional): mappings with name and type, the class path of a RecoveryBehavior;
-            without, move_base's own four.
-        ~controller_frequency (float, default 20.0): commands in a second.
-        ~planner_frequency (float, default 1.0): plans in a second; 0: for a new goal and when the way is blocked only.
+        ~recovery_behaviors (list, optional): mappings with name and type, the class path of a RecoveryBehavior.
+            Default: the four of move_base.
+        ~controller_frequency (float, default 20.0): commands per second.
+        ~planner_frequency (float, default 1.0): plans per second; 0: plan only for a new goal and when the path is
+            blocked.
         ~planner_patience (float, default 5.0), ~controller_patience (float, default 15.0): seconds without a plan, or a
-            command, before the recovery behaviors.
-        ~max_planning_retries (int, default -1): -1: as many as the patience allows.
-        ~oscillation_timeout (float, default 0.0), ~oscillation_distance (float, default 0.5): seconds, 0 for no limit,
-            in which the robot has to come so many metres away.
-        ~progress_timeout (float, default 60.0): seconds in which the way left has to become shorter; 0 for no limit.
-        ~recovery_behavior_enabled (bool, default true), ~clearing_rotation_allowed (bool, default true): whether there
-            are recovery behaviors, and those that turn the robot.
-        ~conservative_reset_dist (float, default 3.0), ~aggressive_reset/reset_distance (float, default 1.84): metres
-            from the robot beyond which the costmap is cleared; the latter is four times ~local_costmap/robot_radius.
-        ~shutdown_costmaps (bool, default false): read no scans without a goal.
-        ~footprint (list, optional), ~global_costmap/footprint (list, default []): corners [x, y] in metres; the latter
-            where both are given; empty: a disc.
-        ~global_costmap/robot_radius (float, default 0.18), ~local_costmap/robot_radius (float, default 0.46): metres;
-            the latter for ~aggressive_reset/reset_distance alone.
+            command, before a recovery behavior starts.
+        ~max_planning_retries (int, default -1): -1: limited only by ~planner_patience.
+        ~oscillation_timeout (float, default 0.0), ~oscillation_distance (float, default 0.5): seconds in which the
+            robot must move by that distance in metres; 0: no limit.
+        ~progress_timeout (float, default 60.0): seconds in which the remaining path must become shorter; 0: no limit.
+        ~recovery_behavior_enabled (bool, default true), ~clearing_rotation_allowed (bool, default true): enable
+            recovery behaviors, and those that rotate the robot.
+        ~conservative_reset_dist (float, default 3.0), ~aggressive_reset/reset_distance (float, default 1.84): metres;
+            edge of the square around the robot outside which the costmap is cleared. The default of the latter is four
+            times ~local_costmap/robot_radius.
+        ~shutdown_costmaps (bool, default false): read scans only while there is a goal.
+        ~footprint (list, optional), ~global_costmap/footprint (list, default []): corners [x, y] in metres. The latter
+            takes precedence; empty: a disc.
+        ~global_costmap/robot_radius (float, default 0.18), ~local_costmap/robot_radius (float, default 0.46): metres.
+            The latter is only used for the default of ~aggressive_reset/reset_distance.
         ~global_costmap/global_frame (str, default "map"), ~global_costmap/robot_base_frame (str, default "base_link")
-        ~global_costmap/transform_tolerance (float, default 0.5): seconds after which a transform is too old.
-        ~local_costmap/global_frame (str, default ""): empty: that of the odometry.
+        ~global_costmap/transform_tolerance (float, default 0.5): maximum age of a transform in seconds.
+        ~local_costmap/global_frame (str, default ""): empty: the frame of the odometry.
         ~local_costmap/width, ~local_costmap/height (float, default 6.0): metres.
         ~global_costmap/publish_frequency (float, default 0.0), ~local_costmap/publish_frequency (float, default 2.0):
-            in a second; 0: only where something subscribes anew.
-        ~global_costmap/update_frequency, ~local_costmap/update_frequency (float, default 5.0): of the footprint, in a
-            second.
+            Hz; 0: publish only to new subscribers.
+        ~global_costmap/update_frequency, ~local_costmap/update_frequency (float, default 5.0): rate of the footprint
+            in Hz.
         ~global_costmap/always_send_full_costmap, ~local_costmap/always_send_full_costmap (bool, default false)
-        ~global_costmap/plugins (list, default []): mappings with name and type, which tell the names of the layers
+        ~global_costmap/plugins (list, default []): mappings with name and type, which define the names of the layers
             below.
         ~global_costmap/static_layer/map_topic (str, default "map")
-        ~global_costmap/static_layer/lethal_cost_threshold (int, default 100): from it on a cell is occupied.
+        ~global_costmap/static_layer/lethal_cost_threshold (int, default 100): minimum occupancy of an occupied cell.
         ~global_costmap/inflation_layer/inflation_radius (float, default 0.55): metres.
         ~global_costmap/inflation_layer/cost_scaling_factor (float, default 10.0)
         ~global_costmap/obstacle_layer/enabled (bool, default true)
         ~global_costmap/obstacle_layer/observation_sources (str, default "base_scan"): the name of a laser, SOURCE
             below.
-        ~global_costmap/obstacle_layer/SOURCE/topic (str, default "base_scan"): without, the source's name.
+        ~global_costmap/obstacle_layer/SOURCE/topic (str, default "base_scan"): defaults to the source's name.
         ~global_costmap/obstacle_layer/SOURCE/data_type (str, default "LaserScan")
-        ~global_costmap/obstacle_layer/SOURCE/expected_update_rate (float, default 1.0): seconds after which a scan is
-            too old to drive on; 0: never.
+        ~global_costmap/obstacle_layer/SOURCE/expected_update_rate (float, default 1.0): maximum age of a scan in
+            seconds; the robot stops if the scan is older. 0: no limit.
         ~global_costmap/obstacle_layer/obstacle_range (float, default 5.0),
-            ~global_costmap/obstacle_layer/raytrace_range (float, default 6.0): metres up to which a hit marks, and a
-            ray clears.
+            ~global_costmap/obstacle_layer/raytrace_range (float, default 6.0): maximum ranges in metres for marking and
+            for clearing.
         ~global_costmap/obstacle_layer/static_tolerance (float, default 0.04),
-            ~global_costmap/obstacle_layer/most_tolerance (float, default 0.1): metres to something on the map within
-            which a hit is that thing; the latter is added at most while the robot turns.
+            ~global_costmap/obstacle_layer/most_tolerance (float, default 0.1): metres. A hit within the first distance
+            of a mapped obstacle belongs to it; the second is the maximum addition while the robot turns.
         ~GridPlanner/allow_unknown (bool, default false): plan through unknown cells.
-        ~GridPlanner/default_tolerance (float, default 0.0): metres from a goal that cannot be reached.
+        ~GridPlanner/default_tolerance (float, default 0.0): maximum distance in metres between an unreachable goal and
+            the end of the path.
         ~GridPlanner/comfort_weight (float, default 0.15), ~GridPlanner/comfort_distance (float, default 0.45): a path
             next to a wall costs up to (1 + weight) times one that keeps the distance (m).
-        ~GridPlanner/escape_distance (float, default 0.5): metres to a place with clearance from which it sets off.
+        ~GridPlanner/escape_distance (float, default 0.5): maximum distance in metres from the robot to the nearest free
+            space at the start.
         ~GridPlanner/spacing (float, default 0.25): metres between the points of a path.
         ~RolloutFollower/max_vel_x (float, default 0.65), ~RolloutFollower/max_vel_theta (float, default 1.2),
             ~RolloutFollower/acc_lim_x (float, default 1.0), ~RolloutFollower/acc_lim_theta (float, default 3.2): m/s,
             rad/s, m/s^2, rad/s^2.
         ~RolloutFollower/xy_goal_tolerance, ~RolloutFollower/yaw_goal_tolerance (float, default 0.1): m, rad.
-        ~RolloutFollower/sim_time (float, default 1.2): seconds that a rollout looks ahead.
+        ~RolloutFollower/sim_time (float, default 1.2): duration of a rollout in seconds.
         ~RolloutFollower/vx_samples (int, default 7), ~RolloutFollower/vtheta_samples (int, default 21)
-        ~RolloutFollower/lookahead (float, default 0.7): metres ahead on the path that it aims at.
-        ~RolloutFollower/margin (float, default 0.02), ~RolloutFollower/creep_vel_x (float, default 0.15): metres kept
-            free beside the robot; m/s where there is less.
-        ~RolloutFollower/comfort (float, default 0.15): metres up to which more room counts as better.
-        ~RolloutFollower/turn_gain (float, default 1.8): 1/s, by which it turns slower towards the end of a turn.
+        ~RolloutFollower/lookahead (float, default 0.7): distance in metres along the path to the point it aims at.
+        ~RolloutFollower/margin (float, default 0.02), ~RolloutFollower/creep_vel_x (float, default 0.15): clearance in
+            metres; maximum speed in m/s with less clearance.
+        ~RolloutFollower/comfort (float, default 0.15): clearance in metres up to which more room gives a better score.
+        ~RolloutFollower/turn_gain (float, default 1.8): 1/s; slows a turn towards its end.
         ~rotate_recovery/max_vel_theta (float, default 1.0), ~rotate_recovery/patience (float, default 20.0): rad/s, s.
     Subscribes:
         map (nav_msgs/OccupancyGrid), base_scan (sensor_msgs/LaserScan), odom (nav_msgs/Odometry)
@@ -125,12 +130,12 @@ class MoveBaseNode:
         move_base_simple/goal (geometry_msgs/PoseStamped): a goal without an action client.
     Publishes:
         cmd_vel (geometry_msgs/Twist)
-        move_base/goal (move_base_msgs/MoveBaseActionGoal): what comes by move_base_simple/goal.
+        move_base/goal (move_base_msgs/MoveBaseActionGoal): goals from move_base_simple/goal.
         ~current_goal (geometry_msgs/PoseStamped), ~recovery_status (move_base_msgs/RecoveryStatus)
         ~GridPlanner/plan, ~RolloutFollower/global_plan, ~RolloutFollower/local_plan (nav_msgs/Path)
-        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid): the whole, to each new subscriber.
-        ~global_costmap/costmap_updates, ~local_costmap/costmap_updates (map_msgs/OccupancyGridUpdate): the rectangle
-            that has changed.
+        ~global_costmap/costmap, ~local_costmap/costmap (nav_msgs/OccupancyGrid): the full costmap, for new subscribers.
+        ~global_costmap/costmap_updates, ~local_costmap/costmap_updates (map_msgs/OccupancyGridUpdate): changed
+            rectangles.
         ~global_costmap/footprint, ~local_costmap/footprint (geometry_msgs/PolygonStamped)
     Services:
         ~make_plan, ~GridPlanner/make_plan (nav_msgs/GetPlan), ~clear_costmaps (std_srvs/Empty)
@@ -160,7 +165,7 @@ class MoveBaseNode:
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
         self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
-        announce_server(self._server.action_server)  # clients wait while all is compiled
+        announce_server(self._server.action_server)  # clients wait during compilation
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._subscribers = (
             rospy.Subscriber(self._settings.map_topic, numpy_msg(OccupancyGridMessage), self._on_map, queue_size=1),
@@ -200,7 +205,7 @@ class MoveBaseNode:
         try:
             grid = grid_from_message(message)
         except MapError as error:
-            rospy.logerr("the map is not taken: %s", error)
+            rospy.logerr("map ignored: %s", error)
             return
         costmap = Costmap(grid, self._settings.costmap)
         if self._navigator is None:
@@ -216,19 +221,19 @@ class MoveBaseNode:
         self._display.new_map(costmap)
 
     def _settle(self) -> None:
-        """Tick when a control period has passed."""
+        """Run a control period if one is due."""
         now = self._sensing.now()
         if self._navigator is None or now <= 0.0:
             return
         self._planning.log_delays()
-        self._look(self._navigator)
+        self._observe(self._navigator)
         if now < self._last_tick:
             self._sensing.time_went_back(now)
             forget_goal_times(self._server)
         elif now - self._last_tick < self._settings.controller_period - 1e-6:
             return
         self._last_tick = now
-        self._patience.see(now)
+        self._patience.update(now)
         located = self._sensing.locate(now)
         if located.pose is not None:
             self._pose = located.pose
@@ -237,25 +242,25 @@ class MoveBaseNode:
                 start_server(self._server.action_server)
             if self._watchful(self._navigator):
                 frame = self._sensing.local_frame(self._settings.local_frame)
-                self._display.see(self._navigator.costmap, located.pose, *frame)
+                self._display.update(self._navigator.costmap, located.pose, *frame)
         if self._navigator.active:
             try:
                 self._control(now, located)
-            except Exception as error:  # noqa: BLE001 a plugin may raise anything, and costs its goal only
+            except Exception as error:  # noqa: BLE001 a plugin can raise any exception, which only aborts the goal
                 rospy.logerr("a plugin failed:\n%s", traceback.format_exc())
                 self._abort(f"A planner or recovery plugin failed: {error!r}")
-        self._display.costmaps(now)  # last, as the command is what others wait for
+        self._display.costmaps(now)  # after the command, which other nodes wait for
 
     def _watchful(self, navigator: Navigator) -> bool:
         return navigator.active or not self._settings.rest_when_idle
 
-    def _look(self, navigator: Navigator) -> None:
-        """Enter a scan as soon as it is there, before the next control period needs it."""
+    def _observe(self, navigator: Navigator) -> None:
+        """Enter a new scan into the costmap before the next control period needs it."""
         if self._watchful(navigator) and self._sensing.observe(navigator.costmap):
             navigator.obstacles_changed()
 
-    def _control(self, now: float, located: Located) -> None:
-        """Give the command of this control period, and the goal's end when it has come."""
+    def _control(self, now: float, located: LocatedRobot) -> None:
+        """Publish the command of a control period, and end the goal if it is done."""
         navigator = self._navigator
         assert navigator is not None
         period, patience = self._settings.controller_period, self._patience.now
@@ -293,7 +298,7 @@ class MoveBaseNode:
             self._abort(result.message)
 
     def _take_goal(self) -> None:
-        """Accept the newest goal, which ends the one before."""
+        """Accept the newest goal, which preempts the previous one."""
         if not self._server.is_new_goal_available() or self._navigator is None:
             return
         target = self._server.accept_new_goal().target_pose
@@ -305,7 +310,7 @@ class MoveBaseNode:
             self._abort(fault)
 
     def _abort(self, fault: str) -> None:
-        """Stop, and end the goal."""
+        """Stop the robot and abort the goal."""
         self._navigator.cancel()
         self._drive(Velocity())
         rospy.logerr("%s", fault)
@@ -313,7 +318,7 @@ class MoveBaseNode:
             self._server.set_aborted(MoveBaseResult(), fault)
 
     def _drive_to(self, target: PoseStamped) -> str:
-        """Start to drive to a pose in any frame; return why that is impossible, empty if it is not."""
+        """Start to drive to a pose in any frame. Return an error message, or an empty text."""
         assert self._navigator is not None
         pose = to_pose2d(target.pose)
         if pose is None:
@@ -330,7 +335,7 @@ class MoveBaseNode:
         return ""
 
     def _take_preempt(self) -> None:
-        """End the goal that its client has cancelled; a newer goal ends it by itself."""
+        """End a cancelled goal. A goal that is replaced by a newer one is ended by the action server."""
         if self._server.is_new_goal_available() or not self._server.is_preempt_requested():
             return
         if self._server.is_active() and self._navigator is not None:
@@ -339,7 +344,7 @@ class MoveBaseNode:
             self._server.set_preempted(MoveBaseResult(), "The goal was cancelled.")
 
     def _place(self) -> Tuple[Optional[Costmap], Optional[Pose2D]]:
-        """Return the costmap and the robot's pose, None for what is not known."""
+        """Return the costmap and the robot's pose, None if unknown."""
         return self._navigator and self._navigator.costmap, self._pose
 
     def _clear(self) -> None:

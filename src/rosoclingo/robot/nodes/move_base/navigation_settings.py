@@ -1,4 +1,4 @@
-"""The parameters of the move_base node: read, checked, and turned into planners and settings."""
+"""Settings of the move_base node, read from its parameters."""
 
 import contextlib
 import math
@@ -14,18 +14,18 @@ from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radi
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
 
-# The layers' usual names, and what the type of each ends with where ``plugins`` lists layers of other names.
+# Default names of the layers. If ``plugins`` lists layers with other names, their types end like this.
 LAYERS = {
     "static_layer": ("StaticLayer",),
     "obstacle_layer": ("ObstacleLayer", "VoxelLayer"),
     "inflation_layer": ("InflationLayer",),
 }
 
-READ = "LaserScan"  # the only data type of an observation source
+READ = "LaserScan"  # the only supported data type of an observation source
 
 
 class Frames(NamedTuple):
-    """Names of frames and topics, and how old (s) transforms and scans may be."""
+    """Names of frames and topics, and maximum ages (s) of transforms and scans."""
 
     map: str
     base: str
@@ -35,9 +35,9 @@ class Frames(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """All that the node is told by parameters.
+    """All settings of the node.
 
-    Pairs are for the global and the local costmap. ``local_frame`` is empty for that of odometry.
+    Pairs are for the global and the local costmap. An empty ``local_frame`` stands for the frame of the odometry.
     """
 
     frames: Frames
@@ -56,15 +56,15 @@ class Settings(NamedTuple):
 
 
 def read_settings(given: Parameters) -> Settings:
-    """Read the node's parameters, which have the faults."""
+    """Read the settings; faults are collected in ``given``."""
     radius, footprint = _body(given)
     in_layer = _Layers(given)
     sources = in_layer("obstacle_layer", "observation_sources").text("base_scan", empty=True).split()
     if len(sources) > 1:
-        rospy.logwarn("of the observation sources %s only the first one is read", ", ".join(sources))
+        rospy.logwarn("only the first of the observation sources %s is used", ", ".join(sources))
     source = sources[0] if sources else "base_scan"
     kind = in_layer("obstacle_layer", source + "/data_type")
-    kind.read(f"{READ}, the only type that is read", lambda value: value if value == READ else None, READ)
+    kind.read(f"{READ}, the only supported type", lambda value: value if value == READ else None, READ)
     whole, local = given.group("global_costmap"), given.group("local_costmap")
     return Settings(
         Frames(
@@ -90,9 +90,10 @@ def read_settings(given: Parameters) -> Settings:
 
 
 class _Layers:
-    """Finds a parameter of a layer, whatever ``plugins`` calls the layer.
+    """Finds the parameters of a layer under the name that ``plugins`` gives it.
 
-    What the layer's namespace lacks may be in the costmap's own, where configurations older than layers have it.
+    If the namespace of the layer lacks a parameter, the namespace of the costmap is searched. Configurations from
+    before the introduction of layers have it there.
     """
 
     def __init__(self, given: Parameters) -> None:
@@ -104,7 +105,7 @@ class _Layers:
             self._names.update({usual: name for usual, ends in LAYERS.items() if kind.endswith(ends)})
 
     def __call__(self, usual: str, key: str) -> Reader:
-        """Return the parameter of a layer by the layer's usual name."""
+        """Return a parameter of a layer, by the default name of the layer."""
         in_layer, own = f"global_costmap/{self._names[usual]}/{key}", f"global_costmap/{key}"
         return self._given.at(own if self._given.has(own) and not self._given.has(in_layer) else in_layer)
 
@@ -135,7 +136,7 @@ def _navigator(given: Parameters) -> NavigatorLimits:
 
 
 def _body(given: Parameters) -> Tuple[float, Tuple[Tuple[float, float], ...]]:
-    """Return the radius to plan with and the footprint, empty for a disc."""
+    """Return the planning radius, and the footprint, which is empty for a disc."""
     radius = given.at("global_costmap/robot_radius").number(CostmapLimits().robot_radius, above=0.0)
     whole, usual = given.at("global_costmap/footprint"), given.at("footprint")
     reader = usual if usual.given and not whole.given else whole
@@ -148,11 +149,11 @@ def _body(given: Parameters) -> Tuple[float, Tuple[Tuple[float, float], ...]]:
     if not footprint or len(reader.faults) > faults:
         return radius, ()
     if len(footprint) < 3:
-        reader.fault("needs three corners or more")
+        reader.fault("needs at least three corners")
         return radius, ()
     inscribed = inscribed_radius(radius, footprint)
     if inscribed < 0.01:
-        reader.fault("must have the robot's origin well within it")
+        reader.fault("must contain the robot's origin, at least 0.01 m from its edges")
     return inscribed, footprint
 
 

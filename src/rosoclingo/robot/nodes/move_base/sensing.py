@@ -1,4 +1,4 @@
-"""What the move_base node learns from tf, laser and odometry."""
+"""Inputs of the move_base node: tf, laser and odometry."""
 
 import math
 from typing import Any, NamedTuple, Optional, Tuple
@@ -17,25 +17,25 @@ from rosoclingo.robot.navigation.local_planner import Velocity
 from rosoclingo.robot.nodes.messages import from_transform
 from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
 
-# A time stamp is that much (s) ahead of this node's clock at most; else time has gone back.
+# Maximum lead (s) of time stamps over this node's clock. Beyond it, time has gone back.
 ON_ITS_WAY = 0.3
-# s by which a scan is taken for older than its stamp; it can be as much younger or older: Stage stamps it a step late.
+# Assumed delay (s) of scans against their stamps, with an uncertainty of the same size: Stage stamps them a step late.
 LATE = 0.05
 NEWEST = rospy.Time(0)
 
 
-class Located(NamedTuple):
-    """Where the robot is; ``fault``: why that is not known (``pose`` None), or too old to drive by."""
+class LocatedRobot(NamedTuple):
+    """Pose of the robot. ``fault``: why the pose is unknown (None) or too old to drive."""
 
     pose: Optional[Pose2D]
     fault: str = ""
 
 
 class Sensing:
-    """Keeps the newest scan and odometry, and looks poses up.
+    """Stores the latest scan and odometry, and looks up poses.
 
-    The way map -> base is looked up in two parts, map -> odom (which changes slowly) at its newest and odom -> base at
-    the time that matters, so that a localisation that lags a little does no harm.
+    The transform map -> base is looked up in two parts: the newest map -> odom, which changes slowly, and odom -> base
+    at the requested time. A localisation that lags a little therefore does no harm.
     """
 
     def __init__(self, frames: Frames, worker: Worker, obstacles: bool) -> None:
@@ -45,7 +45,7 @@ class Sensing:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._odom_frame = "odom"
-        self._odom_in_map: Optional[Pose2D] = None  # as of the last look at where the robot is
+        self._odom_in_map: Optional[Pose2D] = None  # as of the last localisation
         self._scan: Optional[Any] = None
         self.velocity = Velocity()
         self.scanned_at = -math.inf
@@ -78,53 +78,53 @@ class Sensing:
         if not (
             math.isfinite(message.angle_min) and math.isfinite(message.angle_increment) and message.range_max > 0.0
         ):
-            rospy.logwarn_throttle(10.0, "a scan is left out: its angles or its range_max are no numbers")
+            rospy.logwarn_throttle(10.0, "scan ignored: its angles or its range_max are invalid")
             return
         self._scan = message
         self.scanned_at = message.header.stamp.to_sec()
 
     def now(self) -> float:
-        """Return the time (s): the newest odometry's where its clock message is still on its way in another thread.
+        """Return the present time (s). The stamp of the odometry is used while its clock message has not arrived yet.
 
-        Without that a free running simulator would wait for a command that waits for the clock.
+        Otherwise a simulator that runs as fast as it can would wait for a command that waits for the clock.
         """
         clock = rospy.get_time()
         return self._stamped if clock < self._stamped < clock + ON_ITS_WAY else clock
 
-    def locate(self, now: float) -> Located:
-        """Return where the robot is in the map, now (s)."""
+    def locate(self, now: float) -> LocatedRobot:
+        """Return the pose of the robot in the map at the present time (s)."""
         pose, late = Pose2D(0.0, 0.0), ""
         for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
             found = self._stamped_lookup(parent, child, NEWEST)
             if found is None:
                 self._odom_in_map = None
-                return Located(None, f"there is no transform from {parent} to {child}")
+                return LocatedRobot(None, f"there is no transform from {parent} to {child}")
             part, stamp = found
             if child == self._odom_frame:
                 self._odom_in_map = part
             pose = pose.compose(part)
             if not late and stamp > 0.0 and now - stamp > self._frames.tolerance:
                 late = f"the transform from {parent} to {child} is {now - stamp:.1f} s old"
-        return Located(pose, late)
+        return LocatedRobot(pose, late)
 
     def laser_age(self, now: float) -> float:
         """Return the age (s) of the newest scan."""
         return now - max(self.scanned_at, self._since)
 
     def time_went_back(self, now: float) -> None:
-        """Forget what is dated in a future that has not come yet."""
+        """Drop messages and transforms with stamps in the future."""
         self._buffer.clear()
         self._scan, self.scanned_at, self._since = None, -math.inf, now
 
     def observe(self, costmap: Costmap) -> bool:
-        """Enter a new scan into the costmap; tell whether that changed it."""
+        """Enter a new scan into the costmap. Return whether that changed it."""
         scan = self._scan
         if scan is None:
             return False
         frame, stamp = scan.header.frame_id.lstrip("/"), scan.header.stamp
         earlier = rospy.Time.from_sec(max(0.0, stamp.to_sec() - LATE))
         newest, pose = self._laser_pose(frame, stamp), self._laser_pose(frame, earlier)
-        if newest is None:  # odometry of that time may still come
+        if newest is None:  # odometry of that time can still arrive
             return False
         self._scan = None
         ranges = np.asarray(scan.ranges, dtype=np.float64)
@@ -135,19 +135,19 @@ class Sensing:
         return costmap.observe(pose, angles, ranges, scan.range_max, smear)
 
     def _laser_pose(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
-        """Return a laser's pose in the map at a time; None where that is not known."""
+        """Return the pose of a laser in the map at a time, or None if unknown."""
         in_odom = self._lookup(self._odom_frame, frame, stamp)
         return self._odom_in_map.compose(in_odom) if self._odom_in_map is not None and in_odom else None
 
     def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
-        """Return the pose of a frame in the map, None where tf does not know it; an empty name is the map itself."""
+        """Return the pose of a frame in the map, or None if unknown. An empty name is the map frame."""
         frame = frame.lstrip("/")
         if frame in ("", self._frames.map):
             return Pose2D(0.0, 0.0, 0.0)
         return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, NEWEST)
 
     def local_frame(self, name: str) -> Tuple[str, Pose2D]:
-        """Return a frame (empty: odometry's) and its pose in the map; the map itself while that is unknown."""
+        """Return a frame (empty: the odometry frame) and its pose in the map; the map frame if that is unknown."""
         frame = name or self._odom_frame
         known = self._odom_in_map if frame == self._odom_frame else None
         pose = known or self._lookup(self._frames.map, frame, NEWEST)
@@ -158,7 +158,7 @@ class Sensing:
         return found and found[0]
 
     def _stamped_lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Tuple[Pose2D, float]]:
-        """Return a transform and its time (s), 0 for one that always holds; for the time 0 the newest."""
+        """Return a transform and its time (s), 0 for a static one. For stamp 0 it is the newest."""
         try:
             found = self._buffer.lookup_transform_core(parent, child, stamp)
         except tf2_ros.TransformException:

@@ -1,1 +1,1 @@
-"""The simulator as a node, as stage_ros."""
+"""The simulator node, with the interface of stage_ros."""

@@ -1,4 +1,4 @@
-"""The real Stage as the simulation's node: stageros, at a pace, with its window on a screen or on a virtual one."""
+"""Runs stageros at a given speed, with its window on a screen or on a virtual screen."""
 
 import os
 import shutil
@@ -17,14 +17,14 @@ VIRTUAL = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24"]
 
 
 class StageError(RuntimeError):
-    """Stage cannot be started; the text says why and what to do."""
+    """Stage cannot be started. The text gives the reason and a remedy."""
 
 
 def stage_command(speed: float, window: bool, switches: Sequence[str]) -> List[str]:
-    """Return the command that runs stageros, but for its world.
+    """Return the command for stageros, without its world file.
 
-    Without a window (its switch -g) Stage goes as fast as it can, whatever its world file says; with one it keeps the
-    world's pace. So it is given one for each pace but 0, on a virtual screen unless it is to be seen.
+    Stage keeps the pace of its world file only if it has a window; without one (switch -g) it runs as fast as it can.
+    For any speed but 0 it therefore gets a window, on a virtual screen unless ``window`` is set.
     """
     if speed <= 0.0 or "-g" in switches:
         return [*STAGEROS, *(["-g"] if "-g" not in switches else []), *switches]
@@ -32,20 +32,20 @@ def stage_command(speed: float, window: bool, switches: Sequence[str]) -> List[s
 
 
 def run_stage(world: str, speed: float, window: bool, switches: Sequence[str], ros: Sequence[str]) -> int:
-    """Run Stage until its end; return its exit code. ``ros``: remappings and private names, as roslaunch gives them.
+    """Run Stage and return its exit code. ``ros``: remappings and private names, as from roslaunch.
 
     Raises StageError, and WorldError for a world file that cannot be read.
     """
     try:
         rospkg.RosPack().get_path("stage_ros")
     except rospkg.ResourceNotFound as error:
-        mend = "source the setup.bash of the workspace that has it, or run ./dev --overlay ITS_FOLDER ..."
-        raise StageError(f"there is no package stage_ros: {mend}") from error
+        remedy = "source the setup.bash of its workspace, or run ./dev --overlay WORKSPACE ..."
+        raise StageError(f"there is no package stage_ros: {remedy}") from error
     command = stage_command(speed, window, switches)
     if command[0] == VIRTUAL[0] and not shutil.which(VIRTUAL[0]):
         raise StageError(
-            "Stage keeps its pace only with a window, and there is no xvfb-run to hide it: install xvfb, or show it "
-            "(stage_window:=true), or let it run free (speed:=0)"
+            "Stage keeps its pace only with a window, and there is no xvfb-run to hide it: install xvfb, show the "
+            "window (stage_window:=true) or run as fast as possible (speed:=0)"
         )
     text = read_stage_world(world)
     with tempfile.TemporaryDirectory(prefix="stage_") as folder:
@@ -56,19 +56,19 @@ def run_stage(world: str, speed: float, window: bool, switches: Sequence[str], r
 
 
 def run_command(command: Sequence[str]) -> int:
-    """Run a command, and hand over what ends this process; return its exit code, as a shell has it."""
+    """Run a command, forwarding SIGINT and SIGTERM to it. Return its exit code as a shell would."""
     processes: List[subprocess.Popen] = []
     early: List[int] = []
 
-    def hand_over(number: int, _frame: object) -> None:
-        """Send a signal on, once there is a process."""
+    def forward(number: int, _frame: object) -> None:
+        """Forward a signal; store it if there is no process yet."""
         for process in processes:
             process.send_signal(number)
         if not processes:
             early.append(number)
 
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, hand_over)  # before there is a process: what ends this one may come at once
+        signal.signal(number, forward)  # before the process starts, so that no signal is lost
     process = subprocess.Popen(list(command))
     processes.append(process)
     for number in early:

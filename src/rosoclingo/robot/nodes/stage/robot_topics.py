@@ -1,4 +1,4 @@
-"""What the simulator publishes for one robot, as stage_ros does."""
+"""Topics of one simulated robot, as in stage_ros."""
 
 import math
 from typing import Callable, List, Sequence, Tuple
@@ -18,15 +18,15 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.messages import fill_pose, fill_transform, sendable
 from rosoclingo.robot.simulation.simulated_robot import Laser, Robot
 
-# stage_ros mounts the laser there; a planar world has no use for it.
+# Mounting height of the laser in stage_ros; only published in tf.
 LASER_HEIGHT = 0.25
 IDENTITY = Pose2D(0.0, 0.0)
 
 
 class RobotTopics:
-    """Publishers and the command subscriber of one robot; messages are built only for those who listen.
+    """Publishers and command subscriber of one robot. Messages are only built for subscribers.
 
-    ``prefix`` is put before topics and frames: empty for the only robot, else ``robot_0/`` and so on.
+    ``prefix`` precedes topics and frames: empty for a single robot, else ``robot_0/`` and so on.
     """
 
     def __init__(self, robot: Robot, prefix: str, on_command: Callable[[float, float], None]) -> None:
@@ -37,7 +37,7 @@ class RobotTopics:
         self._odom_message = Odometry(header=Header(frame_id=odom), child_frame_id=footprint)
         self._truth_message = Odometry(header=Header(frame_id=odom))
         self._frames = [_transform(odom, footprint), _transform(footprint, prefix + "base_link")]
-        # As stage_ros: the topics and frames of several lasers are counted.
+        # As in stage_ros, topics and frames of several lasers are numbered.
         endings = [f"_{i}" for i in range(len(robot.lasers))] if len(robot.lasers) > 1 else [""]
         self._scans = [_ScanTopic(prefix, ending, laser) for ending, laser in zip(endings, robot.lasers)]
         self._frames += [scans.frame for scans in self._scans]
@@ -46,18 +46,18 @@ class RobotTopics:
         )
 
     def frames(self, stamp: rospy.Time) -> List[TransformStamped]:
-        """Return the robot's transforms at a time: odom to base_footprint to base_link to base_laser_link."""
+        """Return the transforms odom -> base_footprint -> base_link -> base_laser_link at a time."""
         fill_transform(self._frames[0].transform, self._robot.odometry)
         for frame in self._frames:
             frame.header.stamp = stamp
         return self._frames
 
     def publish(self, stamp: rospy.Time, now: float, scan: Callable[[int], np.ndarray]) -> None:
-        """Publish odometry, truth and, at each laser's rate, what ``scan`` returns for its number."""
+        """Publish odometry and ground truth, and at each laser's rate the ranges ``scan(number)``."""
         robot = self._robot
         for publisher, message, pose, axes in (
             (self._odom, self._odom_message, robot.odometry, 0.0),
-            (self._truth, self._truth_message, robot.pose, robot.pose.yaw),  # stage_ros: along the world's axes
+            (self._truth, self._truth_message, robot.pose, robot.pose.yaw),  # velocity in world axes, as in stage_ros
         ):
             if publisher.get_num_connections():
                 message.header.stamp = stamp
@@ -72,7 +72,7 @@ class RobotTopics:
 
 
 class _ScanTopic:
-    """One laser's topic and frame."""
+    """Topic and frame of one laser."""
 
     def __init__(self, prefix: str, ending: str, laser: Laser) -> None:
         self._spec = laser.spec
@@ -83,14 +83,14 @@ class _ScanTopic:
         self._next = 0.0
 
     def due(self, now: float) -> bool:
-        """Tell whether a scan is due at a time (s), and anybody listens."""
+        """Return whether a scan is due at a time (s) and has a subscriber."""
         if now < self._next - 1e-6:
             return False
         self._next = max(now, self._next + 1.0 / self._spec.rate)
         return bool(self._publisher.get_num_connections())
 
     def publish(self, stamp: rospy.Time, ranges: np.ndarray) -> None:
-        """Publish a scan; as in Stage its intensities are 1 where a beam has hit something, else 0."""
+        """Publish a scan. As in Stage, the intensity is 1 for a hit and 0 otherwise."""
         self._message.header.stamp = stamp
         self._message.ranges = sendable(ranges)
         self._message.intensities = sendable((ranges < self._spec.range).astype(np.float32))
@@ -115,16 +115,16 @@ def _scan(frame: str, laser: Laser) -> LaserScan:
 
 
 def prefixes(names: Sequence[str], use_names: bool) -> Tuple[str, ...]:
-    """Return what stage_ros puts before the topics of each robot: nothing for one, ``robot_0/`` .. for several.
+    """Return the prefixes of each robot's topics, as in stage_ros: empty for one robot, else ``robot_0/`` ...
 
-    Raises ParameterError for a robot's name that cannot be a topic's.
+    Raises ParameterError for the name of a robot that is not valid in a topic.
     """
     if len(names) == 1 and not use_names:
         return ("",)
     for name in names if use_names else ():
         if not is_legal_name(name + "/odom") or name.startswith(("/", "~")):
             raise ParameterError(
-                f"the robot's name {name!r} cannot begin the names of topics, as ~use_model_names has it: "
-                "only letters, digits, _ and /, beginning with a letter"
+                f"the robot's name {name!r} is not valid in a topic, as ~use_model_names requires: "
+                "use letters, digits, _ and /, beginning with a letter"
             )
     return tuple("{}/".format(name if use_names else f"robot_{i}") for i, name in enumerate(names))

@@ -1,4 +1,4 @@
-"""The simulator as a ROS node, with stage_ros's topics."""
+"""Simulator node, with the topics of stage_ros."""
 
 import functools
 import sys
@@ -38,36 +38,36 @@ from rosoclingo.srv import (
     StepSimulationResponse,
 )
 
-# Behind by more than that (s of wall time), the simulator stops trying to catch up with its pace.
+# Maximum lag (s of wall time) behind the pace that the simulator tries to catch up with.
 LATE = 0.5
-# Free running, a step that would leave a commanded robot to its watchdog waits so long (s of wall time) for a command;
-# commanded is whom the watchdog has stopped no longer than ACTIVE simulated s ago.
+# With speed 0, a step that would trigger the watchdog of a commanded robot waits up to HEED (s of wall time) for a
+# command. A robot counts as commanded until ACTIVE (simulated s) after its watchdog has stopped it.
 HEED, ACTIVE = 0.05, 0.3
-# A call of ~step that asks for more would leave all other services without an answer for too long.
+# Limit for a call of ~step, which blocks all other services.
 MOST_STEPS = 10000
-# So often (s of wall time) the place of robots that move is kept; of those that stand it is at once.
+# Period (s of wall time) for persisting the state while robots move; otherwise it is persisted at once.
 KEEPING = 0.5
 
 
 class SimulatorNode:
-    """Steps a simulated world at a pace and publishes it like stage_ros.
+    """Simulates a world at a given speed, and publishes it as stage_ros does.
 
-    With several robots the topics and frames of each get the prefix ``robot_0/``, ``robot_1/`` ... (or their names).
+    With several robots, topics and frames have the prefix ``robot_0/``, ``robot_1/`` ... or the name of the robot.
 
     Parameters
     ----------
         ~world (str, required): the world file (YAML).
-        ~map (str, default ""): a map file (YAML of map_server) instead of the one that the world file names.
-        ~speed (float, default 1.0): simulated seconds per second; 0: as fast as it goes and those who command can
-            follow.
-        ~base_watchdog_timeout (float, default 0.2): a robot without a command for that long (simulated s) stops; 0:
-            never.
-        ~scan_delay (float, optional): s by which scans are older than they say, in place of what the world file says.
-            Those of Stage are a step late.
+        ~map (str, default ""): a map file (YAML of map_server) that replaces the one of the world file.
+        ~speed (float, default 1.0): simulated seconds per second; 0: as fast as the simulation and its controllers can
+            go.
+        ~base_watchdog_timeout (float, default 0.2): simulated seconds without a command after which a robot stops; 0:
+            no limit.
+        ~scan_delay (float, optional): seconds by which scans are older than their stamps; overrides the world file.
+            Scans of Stage are a step late.
         ~paused (bool, default false): start paused.
-        ~use_model_names (bool, default false): several robots: prefix with their names in the world file.
-        ~kept (map, optional): set by the node, where robots, doors and obstacles are. One that was killed and is
-            started again goes on with it, at time 0, as the world has not ended; a node that ends removes it.
+        ~use_model_names (bool, default false): with several robots, use their names in the world file as prefixes.
+        ~kept (map, optional): persisted state of robots, doors and obstacles, set by the node. A node that restarts
+            after a crash resumes from it, at time 0; a regular shutdown removes it.
     Subscribes:
         cmd_vel (geometry_msgs/Twist): velocity, one for each robot.
     Publishes:
@@ -75,14 +75,14 @@ class SimulatorNode:
         /tf (tf2_msgs/TFMessage): odom -> base_footprint -> base_link -> base_laser_link of each robot.
         odom, base_pose_ground_truth (nav_msgs/Odometry), base_scan (sensor_msgs/LaserScan): for each robot;
             base_scan_0, base_scan_1 ... for one with several lasers.
-        ~collisions (std_msgs/String): which robot ran into what, and where.
+        ~collisions (std_msgs/String): collisions of the robots, with obstacle and position.
     Services:
-        reset_positions (std_srvs/Empty): put the robots back to where they started.
-        ~pause (std_srvs/SetBool), ~step (rosoclingo/StepSimulation): hold on; go on by some steps.
-        ~set_speed (rosoclingo/SetSpeed): change the pace.
+        reset_positions (std_srvs/Empty): move the robots to their initial poses.
+        ~pause (std_srvs/SetBool), ~step (rosoclingo/StepSimulation): pause or resume; advance by some steps.
+        ~set_speed (rosoclingo/SetSpeed): change the speed.
         ~set_door (rosoclingo/SetDoor): open or close a door.
         ~put_obstacle (rosoclingo/PutObstacle), ~remove_obstacle (rosoclingo/RemoveObstacle)
-        ~set_pose (rosoclingo/SetRobotPose): carry a robot to a pose.
+        ~set_pose (rosoclingo/SetRobotPose): move a robot to a pose.
 
     """
 
@@ -99,9 +99,9 @@ class SimulatorNode:
         given.check()
         compile_once("simulation", rospy.loginfo)
         self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog, delay), kept)
-        self._kept = KeptState("~kept", "the world begins anew when this node is killed")
-        self._unkept, self._keep_at = True, 0.0  # whether all is not where it is kept, and the next time for that
-        self._worker = Worker(self._go_on)
+        self._kept = KeptState("~kept", "the world is reset if this node crashes")
+        self._unkept, self._keep_at = True, 0.0  # whether the state has to be persisted, and when next
+        self._worker = Worker(self._advance)
         self._clock = prompt_publisher("/clock", Clock)
         self._tf = prompt_publisher("/tf", TFMessage)
         self._collisions = rospy.Publisher("~collisions", String, queue_size=10)
@@ -112,12 +112,12 @@ class SimulatorNode:
             for name, prefix in zip(names, prefixes(names, use_names))
         }
         self._services = self._serve()
-        self._commanded_at: Dict[str, float] = {}  # each robot's last command, in simulated time
-        self._stepped_at = 0.0  # in wall time
-        self._origin = (0.0, 0.0)  # wall and simulated time from which the pace counts
+        self._commanded_at: Dict[str, float] = {}  # simulated time of each robot's last command
+        self._stepped_at = 0.0  # wall time of the last step
+        self._origin = (0.0, 0.0)  # wall time and simulated time from which the pace is measured
 
     def start(self) -> None:
-        """Begin. Other threads of this process get their turn often, as a step is shorter than Python's usual turn."""
+        """Start the simulation. A short switch interval gives the other threads their turn between two steps."""
         sys.setswitchinterval(0.0005)
         self._restart_pace()
         rospy.on_shutdown(self._end)
@@ -148,7 +148,7 @@ class SimulatorNode:
         )
 
     def _service(self, name: str, kind: Any, response: Any, work: Callable[[Any], None]) -> rospy.Service:
-        """Serve a request by work between two steps; a WorldError is a failure with its text."""
+        """Return a service whose ``work`` runs between two steps; a WorldError makes it fail with that text."""
 
         def answer(request: Any) -> Any:
             fault = self._between_steps(lambda: work(request))
@@ -168,10 +168,10 @@ class SimulatorNode:
         return StepSimulationResponse(success=fault is None, message=fault or "", time=time)
 
     def _between_steps(self, work: Callable[[], None]) -> Optional[str]:
-        """Have the worker do something; return why it could not, None if it could."""
+        """Run ``work`` in the worker. Return the error message, None on success."""
 
         def job() -> Optional[str]:
-            """Do the work; return its fault or None."""
+            """Run ``work``; return its error message or None."""
             self._unkept = True
             try:
                 work()
@@ -183,8 +183,8 @@ class SimulatorNode:
 
     # ---- the worker -----------------------------------------------------------------------------------------------
 
-    def _go_on(self) -> Optional[float]:
-        """Step if that is due; return how long (s of wall time) the next one has to wait."""
+    def _advance(self) -> Optional[float]:
+        """Step if a step is due. Return the time (s of wall time) until the next one, None when paused."""
         self._keep()
         if self._paused:
             return None
@@ -194,7 +194,7 @@ class SimulatorNode:
         return wait
 
     def _keep(self) -> None:
-        """Have a successor know where all is."""
+        """Persist the state for a restart after a crash."""
         moving = any(robot.v or robot.w for robot in self._simulation.robots.values())
         self._unkept |= moving
         if self._unkept and not (moving and time.monotonic() < self._keep_at):
@@ -202,17 +202,17 @@ class SimulatorNode:
             self._kept.keep(world_state(self._simulation))
 
     def _until_next(self) -> float:
-        """Return how long (s of wall time) the next step has to wait."""
+        """Return the time (s of wall time) until the next step."""
         if self._speed <= 0.0:
-            return self._until_heeded()
+            return self._command_wait()
         wall, simulated = self._origin
         wait = wall + (self._simulation.time - simulated) / self._speed - time.monotonic()
         if wait < -LATE:
             self._restart_pace()
         return wait
 
-    def _until_heeded(self) -> float:
-        """Return how long (s of wall time) a free running simulation waits for who commands its robots."""
+    def _command_wait(self) -> float:
+        """Return how long (s of wall time) a simulation with speed 0 waits for commands."""
         ages = (self._simulation.time - at for at in self._commanded_at.values())
         watchdog = self._simulation.watchdog
         starved = watchdog > 0.0 and any(watchdog - 1e-6 < age < watchdog + ACTIVE for age in ages)
@@ -241,7 +241,7 @@ class SimulatorNode:
             self._tf.publish(self._tf_message)
         for name, topics in self._topics.items():
             topics.publish(stamp, now, functools.partial(self._simulation.scan, name))
-        self._clock_message.clock = stamp  # last, as in stage_ros: it wakes every node
+        self._clock_message.clock = stamp  # last, as in stage_ros, since the clock wakes all nodes
         self._clock.publish(self._clock_message)
 
     def _pause(self, paused: bool) -> None:
@@ -250,15 +250,15 @@ class SimulatorNode:
 
     def _steps(self, count: int) -> None:
         if not self._paused:
-            raise WorldError("only a paused simulation can be stepped: call pause with true first")
+            raise WorldError("the simulation is not paused: call ~pause with true first")
         if count > MOST_STEPS:
-            raise WorldError(f"{count} steps are too many for one call: ask for {MOST_STEPS} or less, several times")
+            raise WorldError(f"{count} steps are too many for one call: at most {MOST_STEPS} are allowed")
         for _ in range(count):
             self._step()
 
     def _set_speed(self, speed: float) -> None:
         if not 0.0 <= speed < float("inf"):
-            raise WorldError(f"the speed must be a number from 0 on, not {speed}")
+            raise WorldError(f"the speed must be at least 0, not {speed}")
         self._speed = speed
         self._restart_pace()
 
@@ -271,23 +271,26 @@ class SimulatorNode:
     def _set_pose(self, r: Any) -> None:
         names = list(self._simulation.robots)
         if not r.robot and len(names) > 1:
-            raise WorldError("there are several robots, say which: {}".format(", ".join(names)))
+            raise WorldError("there are several robots; name one of {}".format(", ".join(names)))
         self._simulation.place(r.robot or names[0], Pose2D(r.x, r.y, r.yaw))
 
 
 def _begin(load: Callable[[], Simulation], kept: Reader) -> Simulation:
-    """Return a world as a predecessor that was killed has left it, else as it begins."""
+    """Return the world in its persisted state, if there is one, else in its initial state."""
     simulation = load()
     if kept.given:
         try:
             resume_world(simulation, kept)
         except WorldError as error:
-            rospy.logwarn("what an earlier simulator has left is none of this world, which begins anew: %s", error)
+            rospy.logwarn("the persisted state does not fit this world, which starts from its initial state: %s", error)
             return load()
-        rospy.loginfo("an earlier simulator was killed: the world goes on where it was, at time 0")
+        rospy.loginfo("resuming the world from its persisted state, at time 0")
     return simulation
 
 
 def _ros_time(seconds: float) -> rospy.Time:
-    """Return a time to the nearest ns; rospy's own from_sec cuts off, so that 8.1 s would come short of it."""
+    """Convert a time (s) to ROS time, rounded to ns.
+
+    rospy's from_sec truncates, so that the stamp of a step could precede the step.
+    """
     return rospy.Time(*divmod(round(seconds * 1e9), 10**9))

@@ -1,1 +1,1 @@
-"""Loops that numba compiles."""
+"""Numerical loops of the simulation, compiled by numba."""

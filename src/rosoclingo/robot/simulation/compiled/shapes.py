@@ -1,4 +1,4 @@
-"""Compiled geometry of the simulated world: what a body touches, and what a beam meets.
+"""Geometry of the simulated world, compiled by numba: collisions of bodies, and beams.
 
 Lengths are in cells of the world's grid, as in ``clearance``. A body is a disc (``outline`` empty) or a polygon:
 ``outline``, float64 (k, 2), its corners in the body's frame.
@@ -16,7 +16,7 @@ CLEAR, HIT_WALL, HIT_SEGMENT, HIT_DISC = 0, 1, 2, 3
 
 
 class Surroundings(NamedTuple):
-    """What a robot can hit; Python hands its parts over one by one, as numba is slow to take in a tuple.
+    """Obstacles of a robot. Python passes the fields separately, since numba unpacks tuples slowly.
 
     ``occupied``: uint8 (H, W); ``segments``: float64 (n, 4): x0, y0, x1, y1; ``discs``: float64 (m, 3): x, y, radius.
     """
@@ -52,7 +52,7 @@ def _side(ax, ay, bx, by, px, py):
 
 @jit
 def _segments_meet(ax, ay, bx, by, cx, cy, dx, dy):
-    """Return whether two segments have a point in common (collinear ones: by their ends)."""
+    """Return whether two segments have a common point."""
     across = (_side(ax, ay, bx, by, cx, cy) > 0.0) != (_side(ax, ay, bx, by, dx, dy) > 0.0)
     if across and (_side(cx, cy, dx, dy, ax, ay) > 0.0) != (_side(cx, cy, dx, dy, bx, by) > 0.0):
         return True
@@ -61,7 +61,7 @@ def _segments_meet(ax, ay, bx, by, cx, cy, dx, dy):
 
 @jit
 def inside(outline, px, py):
-    """Return whether a point is inside of a polygon, both in the same frame."""
+    """Return whether a point is inside a polygon; both are in the same frame."""
     within = False
     j = outline.shape[0] - 1
     for i in range(outline.shape[0]):
@@ -74,49 +74,49 @@ def inside(outline, px, py):
 
 
 @jit
-def _disc_hits(around, x, y, radius):
-    """Return what a disc overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC."""
-    if square_distance(around.occupied, x, y, radius) < radius:
+def _disc_hits(surroundings, x, y, radius):
+    """Return which kind of obstacle a disc overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC."""
+    if square_distance(surroundings.occupied, x, y, radius) < radius:
         return HIT_WALL
-    for k in range(around.segments.shape[0]):
-        x0, y0, x1, y1 = _four(around.segments[k])
+    for k in range(surroundings.segments.shape[0]):
+        x0, y0, x1, y1 = _four(surroundings.segments[k])
         if _point_segment(x, y, x0, y0, x1, y1) < radius:
             return HIT_SEGMENT
-    for k in range(around.discs.shape[0]):
-        px, py, size = _three(around.discs[k])
+    for k in range(surroundings.discs.shape[0]):
+        px, py, size = _three(surroundings.discs[k])
         if math.hypot(px - x, py - y) < size + radius:
             return HIT_DISC
     return CLEAR
 
 
 @jit
-def _edge_hits(around, ax, ay, bx, by):
-    """Return what an edge of a polygon overlaps, as :func:`_disc_hits` does."""
+def _edge_hits(surroundings, ax, ay, bx, by):
+    """Return which kind of obstacle an edge of a polygon overlaps; see :func:`_disc_hits`."""
     length = math.hypot(bx - ax, by - ay)
     dx, dy = (bx - ax) / max(length, 1e-12), (by - ay) / max(length, 1e-12)
-    if ray_length(around.occupied, ax, ay, dx, dy, length) < length:
+    if ray_length(surroundings.occupied, ax, ay, dx, dy, length) < length:
         return HIT_WALL
-    for k in range(around.segments.shape[0]):
-        x0, y0, x1, y1 = _four(around.segments[k])
+    for k in range(surroundings.segments.shape[0]):
+        x0, y0, x1, y1 = _four(surroundings.segments[k])
         if _segments_meet(ax, ay, bx, by, x0, y0, x1, y1):
             return HIT_SEGMENT
-    for k in range(around.discs.shape[0]):
-        px, py, size = _three(around.discs[k])
+    for k in range(surroundings.discs.shape[0]):
+        px, py, size = _three(surroundings.discs[k])
         if _point_segment(px, py, ax, ay, bx, by) < size:
             return HIT_DISC
     return CLEAR
 
 
 @jit
-def _holds(around, outline, x, y, yaw):
-    """Return what lies within a polygon, as :func:`_disc_hits` does: by a point of each thing."""
+def _holds(surroundings, outline, x, y, yaw):
+    """Return which kind of obstacle lies inside a polygon, by one point of each; see :func:`_disc_hits`."""
     c, s = math.cos(yaw), math.sin(yaw)
-    for k in range(around.segments.shape[0]):
-        x0, y0, _x1, _y1 = _four(around.segments[k])
+    for k in range(surroundings.segments.shape[0]):
+        x0, y0, _x1, _y1 = _four(surroundings.segments[k])
         if inside(outline, c * (x0 - x) + s * (y0 - y), c * (y0 - y) - s * (x0 - x)):
             return HIT_SEGMENT
-    for k in range(around.discs.shape[0]):
-        px, py, _size = _three(around.discs[k])
+    for k in range(surroundings.discs.shape[0]):
+        px, py, _size = _three(surroundings.discs[k])
         if inside(outline, c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)):
             return HIT_DISC
     return CLEAR
@@ -146,10 +146,10 @@ def body_hits(occupied, segments, discs, outline, radius, x, y, yaw):
 
 
 @jit
-def _body_hits(around, outline, radius, x, y, yaw):
+def _body_hits(surroundings, outline, radius, x, y, yaw):
     count = outline.shape[0]
     if count == 0:
-        return _disc_hits(around, x, y, radius)
+        return _disc_hits(surroundings, x, y, radius)
     c, s = math.cos(yaw), math.sin(yaw)
     for i in range(count):
         a, b = outline[i], outline[(i + 1) % count]
@@ -159,28 +159,28 @@ def _body_hits(around, outline, radius, x, y, yaw):
             x + c * b[0] - s * b[1],
             y + s * b[0] + c * b[1],
         )
-        hit = _edge_hits(around, ax, ay, bx, by)
+        hit = _edge_hits(surroundings, ax, ay, bx, by)
         if hit != CLEAR:
             return hit
-    return _holds(around, outline, x, y, yaw)
+    return _holds(surroundings, outline, x, y, yaw)
 
 
 @jit
 def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt, grain):
-    """Return (part, hit): how much of an arc (0 .. 1) a body can go before it overlaps something, and what.
+    """Return (part, hit): the fraction (0 .. 1) of an arc before the first collision, and its kind.
 
-    Looks every ``grain`` cells, which must be less than the body's width and a cell's, or it could leap over a door
-    or a wall; v in cells/s. The body stops at the last place where it was clear.
+    ``v`` is in cells/s. The arc is tested every ``grain`` cells. This must be less than the body's width and less than
+    a cell, otherwise the body could jump over a door or a wall. The body stops at the last collision-free pose.
     """
     if outline.shape[0] == 0 and v == 0.0:
         return 1.0, CLEAR
-    around = Surroundings(occupied, segments, discs)
+    surroundings = Surroundings(occupied, segments, discs)
     count = max(1, math.ceil((abs(v) + abs(w) * (radius if outline.shape[0] else 0.0)) * dt / grain))
     for k in range(1, count + 1):
         half = 0.5 * w * dt * k / count
         chord = v * dt * k / count * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
         px, py = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
-        hit = _body_hits(around, outline, radius, px, py, yaw + 2.0 * half)
+        hit = _body_hits(surroundings, outline, radius, px, py, yaw + 2.0 * half)
         if hit != CLEAR:
             return (k - 1) / count, hit
     return 1.0, CLEAR
@@ -188,22 +188,22 @@ def sweep(occupied, segments, discs, outline, radius, x, y, yaw, v, w, dt, grain
 
 @jit
 def cast_rays(occupied, segments, discs, x, y, angles, reach, out) -> None:
-    """Write into ``out`` (float64 n) how far rays from (x, y) at ``angles`` (rad) run before they meet something.
+    """Write the lengths of rays from (x, y) at ``angles`` (rad) into ``out`` (float64 n).
 
-    A ray that meets nothing, or leaves the grid for good, has ``reach``; one that starts in something has 0.
+    A ray ends at the first obstacle, at most at ``reach``. A ray that starts inside an obstacle has length 0.
     """
-    around = Surroundings(occupied, segments, discs)
+    surroundings = Surroundings(occupied, segments, discs)
     for i in range(angles.shape[0]):
         dx, dy = math.cos(angles[i]), math.sin(angles[i])
-        best = ray_length(around.occupied, x, y, dx, dy, reach)
-        for k in range(around.segments.shape[0]):
-            x0, y0, x1, y1 = _four(around.segments[k])
+        best = ray_length(surroundings.occupied, x, y, dx, dy, reach)
+        for k in range(surroundings.segments.shape[0]):
+            x0, y0, x1, y1 = _four(surroundings.segments[k])
             ex, ey, fx, fy = x1 - x0, y1 - y0, x0 - x, y0 - y
             cross = dx * ey - dy * ex
             if cross != 0.0 and 0.0 <= (fx * dy - fy * dx) / cross <= 1.0 and 0.0 <= (fx * ey - fy * ex) / cross:
                 best = min(best, (fx * ey - fy * ex) / cross)
-        for k in range(around.discs.shape[0]):
-            px, py, size = _three(around.discs[k])
+        for k in range(surroundings.discs.shape[0]):
+            px, py, size = _three(surroundings.discs[k])
             fx, fy = px - x, py - y
             along = fx * dx + fy * dy
             square = size * size - (fx * fx + fy * fy - along * along)
