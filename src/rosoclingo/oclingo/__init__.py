@@ -1,7 +1,7 @@
-"""The reactive ASP solver: oClingo's language and behaviour on today's clingo.
+"""The reactive ASP solver: oClingo's language and behaviour on a current clingo.
 
-A :class:`ReactiveProgram` is loaded once; a :class:`ReactiveSolver` takes :class:`StreamUpdate` after
-:class:`StreamUpdate` and answers each. Pure Python on clingo; no ROS, no threads.
+A :class:`ReactiveProgram` is loaded once. A :class:`ReactiveSolver` accepts a sequence of :class:`StreamUpdate` and
+answers each. The package is pure Python on clingo, without ROS and without threads.
 """
 
 from rosoclingo.oclingo.errors import (

@@ -1,4 +1,4 @@
-"""Typed errors of the reactive solver; their texts name the place and, if there is one, the mend."""
+"""Errors of the reactive solver; their texts contain the place and, if known, the fix."""
 
 from dataclasses import dataclass
 from typing import Sequence, Tuple
@@ -10,7 +10,17 @@ class OclingoError(Exception):
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of a program: place, message, mend and kind (checking/lint/kinds.py)."""
+    """A fault in a program.
+
+    Attributes:
+        file: name of the file.
+        line: line from 1; 0 if the fault has no place in the file.
+        column: column from 1.
+        message: the description of the fault.
+        mend: how to fix the fault; empty if unknown.
+        kind: the kind of the finding, see checking/lint/kinds.py.
+
+    """
 
     file: str
     line: int
@@ -25,7 +35,7 @@ class Fault:
 
 
 class ProgramError(OclingoError):
-    """A reactive logic program cannot be used; :attr:`faults` lists the faults in order of place."""
+    """A reactive logic program has faults, listed in :attr:`faults` in the order of their places."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults: Tuple[Fault, ...] = tuple(faults)
@@ -33,7 +43,7 @@ class ProgramError(OclingoError):
 
 
 class ProgressionError(OclingoError):
-    """A text is no term, atom or online progression; lines and columns count from 1."""
+    """A text is not a term, atom or online progression; lines and columns count from 1."""
 
     def __init__(self, line: int, column: int, message: str) -> None:
         self.line, self.column, self.message = line, column, message
@@ -41,12 +51,12 @@ class ProgressionError(OclingoError):
 
 
 class SolverError(OclingoError):
-    """An update was refused as a whole; the state of the solver is unchanged."""
+    """The solver refused an update; its state is unchanged."""
 
 
 class DroppedError(SolverError):
-    """A request was dropped, since the solver was killed or died; its state is unchanged."""
+    """A request was dropped because the solver was stopped, killed or crashed; its state is unchanged."""
 
 
 class NotReadyError(DroppedError):
-    """A stop came while a new process was reading the history; it goes on, and the request can be repeated."""
+    """A request was stopped while a new solver process was still loading; the request can be repeated."""

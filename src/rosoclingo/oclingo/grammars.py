@@ -1,4 +1,4 @@
-"""Parsers made by lark from grammars: trees whose nodes know their places, and errors that list the accepted tokens."""
+"""Parsers from lark grammars, with places in the syntax tree and errors that list the accepted tokens."""
 
 import os
 import re
@@ -14,19 +14,19 @@ try:
     from lark.common import LexerConf
     from lark.lexer import Lexer, LexerState
 except ModuleNotFoundError as error:
-    message = "is not installed, which control programs and programs in gringo 3's language need"
+    message = "not installed; it is required for Golog programs and for programs in the language of gringo 3"
     raise ProgramError([Fault("lark", 0, 0, message, "python3 -m pip install 'lark>=1.1.5'")]) from error
 
 __all__ = ["DEEPEST", "Grammar", "MisfitError", "SyntaxNode", "Token"]
 
 DEEPEST = 250
-"""Limit of the unfinished rules around a token: deeper nesting would exhaust Python's stack later."""
+"""Greatest nesting depth of a text; deeper syntax trees would exhaust Python's stack."""
 
 
 class SyntaxNode(Tree[Token]):
-    """What a rule of a grammar matched: ``data`` is the rule's name."""
+    """The part of a text that matches one rule of the grammar."""
 
-    children: List[Union["SyntaxNode", Token]]  # type: ignore[assignment]  # all are made as nodes
+    children: List[Union["SyntaxNode", Token]]  # type: ignore[assignment]  # lark creates only this class
 
     @property
     def kind(self) -> str:
@@ -35,28 +35,28 @@ class SyntaxNode(Tree[Token]):
 
     @property
     def parts(self) -> List["SyntaxNode"]:
-        """What the rules within it matched."""
+        """The child nodes, without tokens."""
         return [one for one in self.children if isinstance(one, SyntaxNode)]
 
     @property
     def tokens(self) -> List[Token]:
-        """The tokens that the grammar names in this rule."""
+        """The child tokens, without nodes."""
         return [one for one in self.children if isinstance(one, Token)]
 
     @property
     def text(self) -> str:
-        """The first of these tokens."""
+        """The text of the first child token."""
         return str(self.tokens[0])
 
     @property
     def first(self) -> Token:
-        """The first token in it."""
+        """The first token of the node and its descendants."""
         child = self.children[0]
         return child.first if isinstance(child, SyntaxNode) else child
 
     @property
     def span(self) -> Tuple[int, int]:
-        """The positions where its first token begins and its last one ends."""
+        """The start of the first token and the end of the last token, as positions in the text."""
         last = self.children[-1]
         while isinstance(last, SyntaxNode):
             last = last.children[-1]
@@ -64,23 +64,23 @@ class SyntaxNode(Tree[Token]):
 
     @property
     def line(self) -> int:
-        """The line where it begins, from 1."""
+        """The first line of the node, from 1."""
         return self.meta.line if hasattr(self.meta, "line") else self.first.line or 1
 
     @property
     def column(self) -> int:
-        """The column where it begins, from 1."""
+        """The column of the first token, from 1."""
         return self.meta.column if hasattr(self.meta, "column") else self.first.column or 1
 
     def walk(self) -> Iterator["SyntaxNode"]:
-        """Yield the node and all nodes within it, in the order of the text."""
+        """Yield the node and all its descendants, in the order of the text."""
         yield self
         for part in self.parts:
             yield from part.walk()
 
 
 class _NoLexer(Lexer):
-    """Stands for the lexer of a grammar whose tokens are given."""
+    """Placeholder for the lexer of a grammar that parses a list of tokens."""
 
     def __init__(self, lexer_conf: LexerConf) -> None:
         pass
@@ -91,9 +91,12 @@ class _NoLexer(Lexer):
 
 
 class MisfitError(Exception):
-    """A token that no rule accepts where it stands; ``accepted`` are the types of those that would fit.
+    """A token does not fit the grammar.
 
-    None are listed if the nesting is too deep.
+    Attributes:
+        token: the token.
+        accepted: the types of the tokens that would fit; empty if the nesting is too deep.
+
     """
 
     def __init__(self, token: Token, accepted: AbstractSet[str]) -> None:
@@ -102,7 +105,7 @@ class MisfitError(Exception):
 
 
 def _cache_of(text: str) -> str:
-    """Return the file in which lark keeps the parser of a grammar; making one takes longer than all the rest."""
+    """Return the cache file for the parser of a grammar; generating a parser is slow."""
     folder = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "rosoclingo", "grammars")
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -110,13 +113,18 @@ def _cache_of(text: str) -> str:
 
 
 class Grammar:
-    """A grammar with its parser; ``starts`` are the rules that a text can be parsed by.
-
-    Where texts are not ``lexed`` by the grammar, but their tokens given, trees have all of these. The parser is kept in
-    the user's cache folder, ``~/.cache/rosoclingo/grammars``, if that can be written.
-    """
+    """A grammar and its parser, which is cached in ``~/.cache/rosoclingo/grammars`` if this folder is writable."""
 
     def __init__(self, text: str, starts: Sequence[str], lexed: bool = True) -> None:
+        """Build the parser for the grammar ``text``.
+
+        Args:
+            text: the grammar in lark's language.
+            starts: the start rules.
+            lexed: whether the grammar also defines the lexer. Otherwise the caller provides the tokens, and syntax
+                trees contain all of them.
+
+        """
         self._starts = list(starts)
         self._lark = Lark(
             text,
@@ -133,19 +141,19 @@ class Grammar:
         self._types: Dict[str, str] = {}
 
     def type_of(self, word: str) -> str:
-        """Return the type of the token that is this word, "" where the grammar has none."""
+        """Return the type of the token ``word``; empty if the grammar has no such token."""
         if word not in self._types:
             found = (name for name, pattern in self._patterns.items() if pattern.fullmatch(word))
             self._types[word] = next(found, "")
         return self._types[word]
 
     def tokens(self, text: str) -> List[Token]:
-        """Return the tokens of a text; the grammar has to have one for any character."""
+        """Return the tokens of ``text``; the grammar must accept every character."""
         parser = self._lark.parse_interactive(text, self._starts[0])  # Lark.lex() makes a lexer each time
         return list(parser.lexer_thread.lex(parser.parser_state))
 
     def parse(self, tokens: Iterable[Token], end: Token, start: str) -> SyntaxNode:
-        """Parse tokens, the last of which is followed by ``end``; raises MisfitError."""
+        """Parse ``tokens`` by the rule ``start``; raises MisfitError, with the token ``end`` at the end of the text."""
         parser = self._lark.parse_interactive("", start)
         token = end
         try:

@@ -1,4 +1,4 @@
-"""Commands whose reader goes before the end of their output, as in ``golog FILE | head``."""
+"""Handles a closed pipe at the output of a command, as in ``golog FILE | head``."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ Main = TypeVar("Main", bound=Callable[..., int])
 
 
 def ends_unread(main: Main) -> Main:
-    """Return a command that ends with exit code 1, without a message, when its reader has gone."""
+    """Decorate the ``main`` function of a command: it ends with exit code 1 and no message if its output is closed."""
 
     @wraps(main)
     def run(*arguments: Any, **named: Any) -> int:
@@ -18,7 +18,7 @@ def ends_unread(main: Main) -> Main:
             code = main(*arguments, **named)
             sys.stdout.flush()
             return code
-        except BrokenPipeError:  # else Python flushes the rest when it ends
+        except BrokenPipeError:  # Python flushes the rest at exit, which must not fail again
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 1
 

@@ -1,1 +1,1 @@
-"""The planner of the core: a history of updates is folded to a snapshot, grounded, and asked questions."""
+"""The planner of the core: it folds a history of updates into a snapshot, grounds it and asks questions about plans."""

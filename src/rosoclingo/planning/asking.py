@@ -33,7 +33,7 @@ class Asking:
     def __init__(
         self, program: ReactiveProgram, snapshot: Snapshot, build: Build, block: int, limit: Optional[int] = None
     ) -> None:
-        """Ground the program up to the horizon of ``snapshot``; no step after ``limit`` is ever ground."""
+        """Ground the program up to the horizon of ``snapshot``; steps after ``limit`` are never grounded."""
         self.program, self.snapshot, self.block = program, snapshot, block
         self._build, self._limit = build, limit
         self.grounding = build(snapshot, snapshot.horizon)
@@ -70,16 +70,16 @@ class Asking:
 
     @property
     def horizon(self) -> int:
-        """The last step that is ground."""
+        """The last grounded step."""
         return self.grounding.horizon
 
     def may_grow(self, horizon: int) -> bool:
         """Return whether bound and limit allow a step after ``horizon``."""
         return self.last(horizon + 1) > horizon
 
-    def last(self, most: Optional[int] = None) -> int:
-        """Return the least of bound, limit and ``most``; the current horizon if all are None."""
-        ends = [end for end in (self.snapshot.bound, self._limit, most) if end is not None]
+    def last(self, maximum: Optional[int] = None) -> int:
+        """Return the least of bound, limit and ``maximum``; the current horizon if all are None."""
+        ends = [end for end in (self.snapshot.bound, self._limit, maximum) if end is not None]
         return min(ends, default=self.horizon)
 
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:

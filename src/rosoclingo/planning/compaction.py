@@ -1,7 +1,7 @@
-"""Compaction: later groundings get decided steps as facts, so that a long stream costs no more than a short one.
+"""Compaction: later groundings contain decided steps as facts, so that a long stream costs no more than a short one.
 
-Let R be the ground rules of the first steps. Each atom of R has to be fixed: true in all answers or in none, whatever
-updates follow. No statement with a body may define an atom of R. R is dropped, and the rest of the program gets
+Let R be the ground rules of the first steps. Each atom of R must be fixed: true in all answers or in none, for all
+possible updates. No statement with a body may define an atom of R. R is dropped, and the rest of the program gets
 
 * a fact for each true atom that R or a fact of the stream defines, and
 * a constraint with the value of each other atom of R that base defines, since a constraint of R may have decided it.
@@ -28,16 +28,16 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.snapshot import Past, Snapshot
 
 LEAST_STEPS = 16
-"""Compaction is tried for at least this number of steps."""
+"""Least number of steps to compact."""
 
 SHOWN_STEPS = 10
 """Number of compacted steps whose shown atoms answers still contain."""
 
 
 def compacted(grounding: Grounding, snapshot: Snapshot) -> Optional[Snapshot]:
-    """Return the ``snapshot`` of a search without its decided steps; None if there are none.
+    """Return the ``snapshot`` of a search without its decided steps; None if no step is decided.
 
-    Undefined externals of past steps become false. Nothing is decided while a statement can lapse.
+    Undefined externals of past steps become false. No step is decided while a statement can lapse.
     """
     start, end = grounding.past.first, end_of_past(grounding.program, snapshot)
     if end <= start or grounding.shown is None or grounding.is_cyclic or any(snapshot.lapsing):
@@ -75,7 +75,7 @@ def end_of_past(program: ReactiveProgram, snapshot: Snapshot) -> int:
 def _without_fixed_steps(
     grounding: Grounding, snapshot: Snapshot, fixed: FixedAtoms, facts: Set[clingo.Symbol]
 ) -> Snapshot:
-    """Return the snapshot that begins with the first undecided step; ``facts`` are those of the stream."""
+    """Return the snapshot that begins with the first undecided step; ``facts`` are the facts of the stream."""
     program, first, old = grounding.program, fixed.first, grounding.past
     true = facts | (fixed.true & fixed.defined) | old.facts
     left = list(_simplified(grounding, fixed, true))
@@ -93,16 +93,16 @@ def _without_fixed_steps(
     kept = set(filter(matters, true))
     opened = set(filter(program.is_open_signature, kept & facts))  # base has to declare these
     false = frozenset(filter(matters, grounding.closed_externals))
-    # the last cycle can still get returns; actions of earlier cycles are kept as long as later steps can define more
+    # The last cycle can still get returns. Actions of earlier cycles are needed while later steps can define more.
     closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.may_act(c, first)}
     recent = tuple((step, atom) for atom, step in shown.items() if step >= first - SHOWN_STEPS)
-    told: List[StateItem] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
-    told += [ClosedHeads(false)] if false else []
-    return replace(snapshot, items=tuple(told), closed=closed, past=Past(first, frozenset(kept - opened), recent))
+    items: List[StateItem] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
+    items += [ClosedHeads(false)] if false else []
+    return replace(snapshot, items=tuple(items), closed=closed, past=Past(first, frozenset(kept - opened), recent))
 
 
 def _simplified(grounding: Grounding, fixed: FixedAtoms, true: Set[clingo.Symbol]) -> Iterator[TimedStatement]:
-    """Yield the statements that no decided atom satisfies, in order, and the constraints on atoms of base."""
+    """Yield the statements that the decided atoms do not satisfy, in order, and the constraints on atoms of base."""
     decided = fixed.steps.keys() - fixed.base | true
     ties = {Statement(None, (Literal(atom, atom not in fixed.true),)) for atom in fixed.steps.keys() - decided}
     known = {*grounding.statements, *grounding.deferred}

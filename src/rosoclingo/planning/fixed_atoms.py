@@ -1,6 +1,6 @@
-"""The atoms of the first steps' ground rules, and the last step up to which all of them are fixed.
+"""The atoms in the ground rules of the first steps, and the last step up to which all of them are fixed.
 
-The rules are grounded a second time: observing them in the first place would delay each search.
+The rules are grounded a second time, because an observer would slow down each search.
 """
 
 from typing import AbstractSet, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -13,7 +13,7 @@ from rosoclingo.planning.grounding import PAST, Grounding
 
 
 class FixedAtoms(NamedTuple):
-    """The atoms of the steps before ``first``: each is true in all answers or in none, whatever updates follow.
+    """The atoms of the steps before ``first``: each is true in all answers or in none, for all possible updates.
 
     A block is a range of steps that were grounded in one call.
 
@@ -22,7 +22,7 @@ class FixedAtoms(NamedTuple):
         steps: atom of the steps before ``first`` -> the first step of the block that first mentions it.
         defined: the atoms that are heads of these steps' rules.
         base: the atoms of the base part.
-        true: the atoms, of all these, that are true in all answers.
+        true: the fixed atoms that are true in all answers.
 
     """
 
@@ -85,7 +85,7 @@ class _Values(Propagator):
         self.values: Dict[clingo.Symbol, bool] = {}
 
     def init(self, init: PropagateInit) -> None:
-        """Read the values; only the first call has an effect, but clingo calls this before each search."""
+        """Read the values; clingo calls this before each search, but only the first call has an effect."""
         init.check_mode = PropagatorCheckMode.Off
         atoms, self._atoms = self._atoms, frozenset()
         for atom in atoms if init.propagate() else ():
@@ -98,11 +98,11 @@ class _Values(Propagator):
 
 
 _Block = Tuple[range, FrozenSet[clingo.Symbol], FrozenSet[clingo.Symbol]]
-"""The steps of a block, the atoms of their heads, and all atoms of their rules."""
+"""The steps of a block, the atoms in heads of its rules, and all atoms in its rules."""
 
 
 def _reground(grounding: Grounding, end: int) -> Tuple[_Rules, List[_Block]]:
-    """Return the rules, and base and the blocks that end before step ``end``."""
+    """Ground the program again; return its rules, and base followed by the blocks that end before step ``end``."""
     rules, found = _Rules(), []  # type: _Rules, List[Tuple[range, Set[int], Set[int]]]
     control = clingo.Control(grounding.program.arguments(), logger=lambda code, text: None)
     control.register_observer(rules, replace=True)

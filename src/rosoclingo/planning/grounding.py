@@ -48,13 +48,13 @@ PIECE = 64
 """Number of steps that are grounded in one call of clingo."""
 
 CLOSED_PIECE = 16
-"""The same for steps whose cycles are closed."""
+"""Number of steps with closed cycles that are grounded in one call of clingo."""
 
 BASE = range(-(2**31), 1 - 2**31)
 """Stands for the base part in :attr:`Grounding.ground_parts`."""
 
 FIRST = range(1, 2)
-"""The step for which externals of the base part count."""
+"""The step that externals of the base part belong to."""
 
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """Name and parameters of the program part with the facts of compacted steps."""
@@ -77,8 +77,9 @@ class Grounding:
         warnings: warnings about ignored statements of the snapshot's last update.
         messages: messages of clingo.
         past: the compacted steps.
-        ground_parts: the parts in the order in which they were grounded, with their steps; :data:`BASE` or none.
-        shown: the shown atoms of the last answer, None before the first.
+        ground_parts: the parts in the order in which they were grounded, each with its steps; :data:`BASE` for the
+            base part, an empty range for other parts without a step.
+        shown: the shown atoms of the last answer, None before the first answer.
         definitions: the statements that define their heads.
         statements: the statements that were added.
         deferred: statements whose heads are declared by later steps.
@@ -100,9 +101,21 @@ class Grounding:
     ) -> None:
         """Ground ``program`` up to ``horizon``, in pieces or as a ``whole``.
 
-        clingo accepts rules of several steps that define the same atom only if they are grounded as a whole. A question
-        can disable ``assumable`` facts. If it ``predicts``, replies contain predicted returns. Raises DroppedError if
-        ``dropped``, which is called between pieces, returns true, and SolverError if clingo rejects the program.
+        clingo accepts rules of several steps that define the same atom only if they are grounded as a whole.
+
+        Args:
+            program: the reactive logic program.
+            snapshot: the snapshot of the history.
+            horizon: the last step to ground.
+            assumable: the facts that a question can disable.
+            dropped: called between pieces; if it returns true, DroppedError is raised.
+            predicts: whether replies contain predicted returns.
+            whole: whether to ground all steps in one call.
+
+        Raises:
+            DroppedError: if ``dropped`` returned true.
+            SolverError: if clingo rejects the program.
+
         """
         self.program, self.snapshot, self.messages = program, snapshot, Messages()
         self.is_cyclic = snapshot.closes_loops(program)
@@ -173,7 +186,7 @@ class Grounding:
             self._add(TimedStatement(Statement(atom), FOREVER, 0))
 
     def _ground(self, parts: Parts, steps: range = range(0), noted: Optional[range] = None) -> None:
-        """Ground ``parts``, those of ``steps``; their externals are noted for the steps ``noted`` if they differ."""
+        """Ground the ``parts`` of ``steps``; their externals are registered for the steps ``noted`` if these differ."""
         self._session.close()
         with refusing(self.messages, self.program):
             self._control.ground(parts)
@@ -185,9 +198,9 @@ class Grounding:
             self._hidden.update(one.symbol for one in self._control.symbolic_atoms.by_signature(*signature))
 
     def _ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` in one call, which is much faster than one by one."""
+        """Ground the steps up to ``last`` in one call, which is much faster than a call for each step."""
         if self._dropped():
-            raise DroppedError("stopped while the program was grounded again; the request was discarded")
+            raise DroppedError("stopped while regrounding the program; the request was discarded")
         steps = range(self.horizon + 1, last + 1)
         self.horizon = last
         self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
@@ -275,7 +288,7 @@ class Grounding:
             self.warnings.append(text)
 
     def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
-        """Return whether the program does not mention ``atom``, so that any update can define it."""
+        """Return whether the program does not mention ``atom``; then any update can define it."""
         signature, program = signature_of(atom), self.program
         is_mentioned = signature in program.signatures or signature in program.open_signatures
         return not is_mentioned and not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
@@ -314,9 +327,9 @@ class Grounding:
         return [atom for atom in found if self.definitions.is_undefined(atom) and atom.name != GUARD]
 
     def claimed_steps(self) -> int:
-        """Return the lower bound that the program states for the steps of a plan, 0 for none.
+        """Return the lower bound that the program claims for the length of a plan; 0 for no claim.
 
-        Only facts count; each search can derive more of them.
+        Only facts count; each search can turn more claims into facts.
         """
         self._session.close()
         self._control.cleanup()
@@ -352,7 +365,7 @@ class Grounding:
 
     @property
     def _is_complete(self) -> bool:
-        """Whether further steps cannot change the grounded steps: if these are unsatisfiable, no horizon helps."""
+        """Whether further steps cannot change the grounded steps: if these are unsatisfiable, every horizon is."""
         defined = self.program.defines_externals and not self.program.steps_apart
         return not (self.definitions.absent or self._ends.coming or defined)
 
@@ -370,7 +383,7 @@ class Grounding:
         blameable += kept.values()
         horizon = self._ends.range(question.first, question.last)
         self._session.close()
-        assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first for cores
+        assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first ones in cores
         blames = bool(blameable) and question.blames
         limits = SearchLimits(question.models, question.conflicts, question.best, question.advised)
         answers: List[Reply] = []
@@ -392,9 +405,8 @@ class Grounding:
             shown, read = tuple(one.answers[0] for one in counted), tuple(one.read[0] for one in counted)
             return answers[-1]._replace(answers=shown, read=read)
         if self.is_conflicting:
-            lasts = all(
-                one.lifetime == FOREVER for one in self.snapshot.timed_statements
-            )  # otherwise a statement that lapses can end the conflict
+            # A statement that lapses could end the conflict.
+            lasts = all(one.lifetime == FOREVER for one in self.snapshot.timed_statements)
             return Reply(False, hopeless=True, permanent=lasts)
         if not blames:
             return Reply(False)

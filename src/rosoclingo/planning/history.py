@@ -1,7 +1,7 @@
-"""The history of a stream: accepted updates, adopted plans and checkpoints, as a list of plain values.
+"""The history of a stream: a list of accepted updates, adopted plans and checkpoints.
 
-The history is the only state of a solver. To undo is to continue from a shorter history; workers, the journal and
-replay read the same list as lines of JSON.
+The history is the only state of a solver. A solver undoes an update by continuing from a shorter history. Workers, the
+journal and replay read the same list as lines of JSON.
 """
 
 import hashlib
@@ -57,19 +57,19 @@ class Plan(NamedTuple):
         return self._replace(actions=frozenset(one for one in self.actions if cycle_of(one) >= cycle))
 
     def delayed(self) -> "Plan":
-        """Return the plan delayed by one cycle, for instance to repeat a failed action."""
+        """Return the plan delayed by one cycle, for example to repeat a failed action."""
         actions = (
             clingo.Function(one.name, [*one.arguments[:2], clingo.Number(cycle_of(one) + 1)]) for one in self.actions
         )
         return Plan(frozenset(actions), self.horizon + 1)
 
     def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
-        """Return the assumptions that, of ``actions``, exactly those of the plan are executed."""
+        """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
         return [(action, action in self.actions) for action in actions]
 
     @property
     def last_cycle(self) -> int:
-        """The cycle of the last action; a very small number if there are no actions."""
+        """The cycle of the last action; a very small number if the plan is empty."""
         return max(map(cycle_of, self.actions), default=-(2**31))
 
 
@@ -84,8 +84,8 @@ class AcceptedUpdate:
 
     Attributes:
         update: the update, None for a search without one.
-        horizon: the last ground step after the search.
-        predicted: whether the previous answer was predicted to stay valid, so that there was no search.
+        horizon: the last grounded step after the search.
+        predicted: whether the update needed no search, because the previous answer stays valid.
 
     """
 
@@ -96,14 +96,14 @@ class AcceptedUpdate:
 
 @dataclass(frozen=True)
 class AdoptedPlan:
-    """``plan`` was adopted: later searches start from it. It does not change the snapshot."""
+    """An adopted plan, from which later searches start. It does not change the snapshot."""
 
     plan: Plan
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The snapshot of all earlier entries as a plain value for JSON; it makes these entries unnecessary."""
+    """The snapshot of all earlier entries as a plain value for JSON; it replaces these entries."""
 
     message: Message
 
@@ -112,15 +112,15 @@ Entry = Union[AcceptedUpdate, AdoptedPlan, Checkpoint]
 
 
 class History:
-    """An immutable list of entries, linked from its last entry to the earlier ones.
+    """An immutable linked list of entries, from the last one to the earlier ones.
 
     Attributes:
         entry: the last entry; None for the empty history.
-        before: the history without it; None for the empty history, or if it was released.
+        before: the history without the last entry; None for the empty history, or if it was released.
         length: the number of updates since the last checkpoint.
         step: k, the step of the last update.
-        horizon: N, the last ground step.
-        keep_from: steps before it are over.
+        horizon: N, the last grounded step.
+        keep_from: the first step that is not over.
         plan: the plan in force, None for none.
 
     """
@@ -157,7 +157,7 @@ class History:
     # ---- Contents ----------------------------------------------------------------------------------------------------
 
     def snapshot(self, program: ReactiveProgram) -> Snapshot:
-        """Return the snapshot of this history; it is cached in each history on the way."""
+        """Return the snapshot of this history; this and all earlier histories cache theirs."""
         snapshot = Snapshot.initial(program)
         for history in self._path(lambda one: one._snapshot is not None):
             if history._snapshot is None:
@@ -167,7 +167,7 @@ class History:
 
     @property
     def entries(self) -> List[Entry]:
-        """The last checkpoint, if there is one, and all later entries: they determine the snapshot and the plan."""
+        """The last checkpoint, if any, and all later entries; they determine the snapshot and the plan."""
         return [history.entry for history in self._path() if history.entry is not None]
 
     def entries_after(self, other: "History") -> Optional[List[Entry]]:
@@ -183,7 +183,7 @@ class History:
 
     @property
     def key(self) -> bytes:
-        """A hash of the entries that determine the snapshot, that is without adopted plans."""
+        """A hash of the entries that determine the snapshot: all except adopted plans."""
         key = b""
         for history in self._path(lambda one: one._key is not None):
             if history._key is None:
@@ -212,7 +212,7 @@ class History:
         return cls().with_entries(*(entry_from_message(json.loads(line)) for line in text.splitlines()))
 
     def _path(self, is_start: Callable[["History"], bool] = lambda one: False) -> List["History"]:
-        """Return the histories from the last checkpoint, or the last one that ``is_start``, up to this one."""
+        """Return the histories from the last checkpoint, or the last one for which ``is_start`` holds, to this one."""
         path = [self]
         while path[-1].before is not None and not isinstance(path[-1].entry, Checkpoint) and not is_start(path[-1]):
             path.append(path[-1].before)
@@ -258,16 +258,16 @@ class History:
         return history
 
     def withdraw(self, facts: FrozenSet[clingo.Symbol]) -> "History":
-        """Return the history with an update that withdraws ``facts``; a withdrawn action was not executed."""
+        """Return the history with an update that withdraws ``facts``; withdrawn actions count as not executed."""
         update = StreamUpdate(items=tuple(map(Withdraw, sorted(facts))))
         return self.with_entries(AcceptedUpdate(update, self.horizon)) if facts else self
 
     def adopt(self, plan: Optional[Plan]) -> "History":
-        """Return the history with ``plan`` in force; the same history if that changes nothing or there is no plan."""
+        """Return the history with ``plan`` in force; the same history if ``plan`` is in force already or None."""
         return self if plan is None or plan == self.plan else self.with_entries(AdoptedPlan(plan))
 
     def checkpoint(self, snapshot: Snapshot) -> "History":
-        """Return the history with a checkpoint of its ``snapshot``, or an equivalent one; the plan stays in force."""
+        """Return the history with a checkpoint of its ``snapshot`` or an equivalent one; the plan stays in force."""
         history = self.with_entries(Checkpoint(snapshot_to_message(snapshot)))
         history._snapshot = snapshot
         return (history if self.plan is None else history.with_entries(AdoptedPlan(self.plan))).cut()
@@ -284,7 +284,7 @@ class History:
         return self
 
     def is_longer(self, limit: int, snapshot: Snapshot) -> bool:
-        """Return whether there are more than ``limit`` updates to fold, relative to the size of its ``snapshot``."""
+        """Return whether there are more than ``limit`` updates to fold; a larger ``snapshot`` raises the limit."""
         return self.length > max(limit, snapshot.size // 100)
 
 

@@ -1,8 +1,8 @@
 """The horizon of an answer as literals, so that one grounding can be solved for any horizon or range of horizons.
 
-``beyond(T)`` means that step T lies after the horizon. It is a choice, but implies ``beyond(T+1)``; so the horizon is H
-iff ``not beyond(H), beyond(H+1)``. An instance of ``#volatile t : w.`` at step S holds while S <= H <= S+w-1, that is
-under ``not beyond(S), beyond(S+w)``.
+``beyond(T)`` means that step T lies after the horizon. It is a choice that implies ``beyond(T+1)``. So the horizon is H
+iff ``not beyond(H), beyond(H+1)``. An instance of ``#volatile t : w.`` at step S holds if S <= H <= S+w-1, that is, if
+``not beyond(S), beyond(S+w)``.
 """
 
 from typing import Dict, List
@@ -18,8 +18,8 @@ class HorizonLiterals:
     """The literals ``beyond(T)`` of one control, created on demand, and the atoms by which rules refer to them.
 
     Attributes:
-        coming: the steps that rules refer to and that are not ground yet, with the literals of these atoms. Until they
-            are ground they lie beyond the horizon.
+        coming: step -> the literal of its atom, for steps that rules refer to and that are not grounded yet. These
+            steps lie beyond the horizon.
 
     """
 
@@ -34,11 +34,11 @@ class HorizonLiterals:
         self.coming: Dict[int, int] = {}
 
     def expire(self) -> None:
-        """Note that grounding can have added atoms."""
+        """Read the atoms again at the next use, because clingo can have grounded more of them."""
         self._index.expire()
 
     def beyond(self, step: int) -> int:
-        """Return the literal ``beyond(step)``; create it and all earlier ones if necessary."""
+        """Return the literal ``beyond(step)``; create it and the literals of earlier steps if necessary."""
         while self._last < step:
             self._last += 1
             backend = self._session.backend  # opened only if needed: clasp has to prepare the program again
@@ -54,7 +54,7 @@ class HorizonLiterals:
         self._session.backend.add_rule([guard], [end, -self.beyond(step)])
 
     def link(self, last: int) -> None:
-        """Link the atoms in rules to the literals; ``last`` is the last ground step, all later ones lie beyond."""
+        """Link the atoms in rules to the literals; all steps after ``last``, the last grounded step, lie beyond."""
         for atom, literal in self._index.fresh():
             cycle = atom.arguments[0]
             if cycle.type is clingo.SymbolType.Number and cycle.number > self._settled:
@@ -70,11 +70,11 @@ class HorizonLiterals:
                 self._session.backend.add_external(self.coming[step], HOLDS)
 
     def settle(self, step: int) -> None:
-        """Exclude all horizons before ``step`` for good, so that clingo can simplify."""
+        """Exclude all horizons before ``step`` permanently, so that clingo can simplify the program."""
         for settled in range(self._settled + 1, step + 1):
             self._session.backend.add_rule([], [self.beyond(settled)])
             if settled in self._linked:
-                # clingo drops the rule, as its body is false now; without a rule the atom would be open
+                # clingo drops the rule, whose body is false now. Without a rule the atom would be undefined.
                 self._session.backend.add_rule([], [self._linked.pop(settled)])
         self._settled = max(self._settled, step)
 

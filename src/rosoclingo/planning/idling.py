@@ -1,4 +1,4 @@
-"""Test whether the answers of a program stay valid when further steps are ground."""
+"""Tests whether the answers of a program stay valid when further steps are grounded."""
 
 from typing import Optional
 from weakref import WeakKeyDictionary
@@ -14,9 +14,9 @@ _RESULTS: "WeakKeyDictionary[ReactiveProgram, bool]" = WeakKeyDictionary()
 
 
 def may_idle(program: ReactiveProgram, stopped: Stop) -> bool:
-    """Return whether the first answer stays valid when further steps are ground; cached by program.
+    """Return whether the first answer stays valid when further steps are grounded; cached by program.
 
-    Returns False if ``stopped`` ended the test; the next call repeats it.
+    A stopped test returns False; the next call repeats it.
     """
     if program not in _RESULTS:
         result = _test(program, stopped)

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class UndecidedError(Exception):
-    """An oracle could not decide before it was stopped."""
+    """An oracle was stopped before it decided."""
 
 
 @dataclass(frozen=True)  # a generic NamedTuple needs Python 3.11
@@ -41,12 +41,12 @@ class Mus(Generic[T]):
 
 
 def yes_or_no(test: Callable[[FrozenSet[T]], bool]) -> Oracle[T]:
-    """Return the oracle for a ``test`` that returns whether a set is satisfiable."""
+    """Return an oracle that uses ``test``, which returns whether a set is satisfiable."""
     return lambda items: Witness(test(items), items)
 
 
 def remember(oracle: Oracle[T], known: List[Witness[T]]) -> Oracle[T]:
-    """Return an oracle that asks another only if the ``known`` replies don't decide a set; it extends them."""
+    """Return a caching ``oracle``: it answers from the ``known`` replies if they decide a set, and adds new replies."""
 
     def ask(items: FrozenSet[T]) -> Witness[T]:
         """Return a known reply or a new one."""
@@ -62,13 +62,13 @@ def remember(oracle: Oracle[T], known: List[Witness[T]]) -> Oracle[T]:
 def find_mus(items: Sequence[T], oracle: Oracle[T]) -> Mus[T]:
     """Return a MUS of ``items``, which are unsatisfiable.
 
-    MUSes of early items are preferred: the last item of the MUS is as early as possible, then the last but one, and so
-    on, as in QuickXplain (Junker 2004). Cores take precedence over this order. Without cores, each item of the MUS is
-    the last of a shortest unsatisfiable prefix, found by doubling and bisection. Cores are nearly minimal: after the
-    first core, the search is deletion-based. If the oracle raises UndecidedError, the set need not be minimal.
+    MUSes of early items are preferred, as in QuickXplain (Junker 2004): the last item of the MUS is as early as
+    possible, then the last but one, and so on. Cores take precedence over this order. Without cores, each item of the
+    MUS is the last of a shortest unsatisfiable prefix, found by doubling and bisection. Cores are nearly minimal, so
+    the search is deletion-based after the first core. If the oracle raises UndecidedError, the set need not be minimal.
     """
-    needed: List[T] = []  # in every MUS of these and the rest
-    rest, low = list(items), -1  # the needed items with the first ``low`` of the rest are satisfiable
+    needed: List[T] = []  # contained in every MUS of the needed items and the rest
+    rest, low = list(items), -1  # the needed items and the first ``low`` items of the rest are satisfiable
     try:
         core = oracle(frozenset(items)).items
         rest = [one for one in items if one in core]
@@ -92,16 +92,17 @@ def find_mus(items: Sequence[T], oracle: Oracle[T]) -> Mus[T]:
 
 
 def find_smallest_mus(items: Sequence[T], oracle: Oracle[T]) -> Mus[T]:
-    """Return the smallest MUS of ``items``, which are unsatisfiable; of several the lexicographically first.
+    """Return the smallest MUS of ``items``, which are unsatisfiable; of several, the lexicographically first.
 
-    By implicit hitting sets (Ignatiev et al. 2015): a MUS intersects the complement of every satisfiable set.
+    The method is implicit hitting sets (Ignatiev et al. 2015): a MUS intersects the complement of every satisfiable
+    set.
     """
     found = find_mus(items, oracle)
     if not found.minimal:
         return found
 
     def complement(few: Tuple[T, ...]) -> Optional[FrozenSet[T]]:
-        """Return the complement of a maximal satisfiable superset, None if there is none."""
+        """Return the complement of a maximal satisfiable superset of ``few``, None if there is none."""
         reply = oracle(frozenset(few))
         if not reply.satisfiable:
             return None
@@ -125,10 +126,11 @@ def grow(satisfiable: FrozenSet[T], items: Iterable[T], oracle: Oracle[T]) -> Fr
 
 
 def find_diagnosis(items: Sequence[T], oracle: Oracle[T]) -> Optional[Dict[T, Mus[T]]]:
-    """Return a minimum diagnosis of ``items``: the fewest whose removal makes the rest satisfiable.
+    """Return a minimum diagnosis of ``items``: the fewest items whose removal makes the rest satisfiable.
 
-    Of several, the lexicographically first. Each item is mapped to a MUS without the other ones. None if the empty set
-    is unsatisfiable. Raises UndecidedError. By implicit hitting sets (Reiter 1987): a diagnosis intersects every MUS.
+    Of several diagnoses, the lexicographically first is returned. It maps each item to a MUS that contains no other
+    item of the diagnosis. None means that the empty set is unsatisfiable. Raises UndecidedError. The method is implicit
+    hitting sets (Reiter 1987): a diagnosis intersects every MUS.
     """
     if not oracle(frozenset()).satisfiable:
         return None

@@ -13,7 +13,7 @@ from rosoclingo.planning.prediction import is_predicted
 from rosoclingo.planning.question import Reply, Stop, never
 
 LONG_PREDICTED = 20
-"""Number of updates after which a checkpoint is worthwhile even without a search: every reader has to fold them."""
+"""Number of predicted updates after which a checkpoint is worthwhile, because every reader has to fold them."""
 
 
 class PlanningSolver(ABC):
@@ -31,7 +31,7 @@ class PlanningSolver(ABC):
     def __init__(self) -> None:
         self.log = History()
         self._answer: Optional[Tuple[History, SolveResult]] = None  # the last answer and its history
-        self._under_way: Callable[[], int] = lambda: 0  # the last step that the running search has ground
+        self._under_way: Callable[[], int] = lambda: 0  # the last step that the running search has grounded
 
     @property
     def horizon(self) -> int:
@@ -40,7 +40,7 @@ class PlanningSolver(ABC):
 
     @property
     def reached(self) -> int:
-        """The last step that is ground, also during a search."""
+        """The last grounded step, also during a search."""
         return max(self.horizon, self._under_way())
 
     @property
@@ -57,10 +57,10 @@ class PlanningSolver(ABC):
         return self._search(None, stopped or never)
 
     def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
-        """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
+        """Accept ``update`` and search for answers; extend the horizon until there is one or the bound is reached.
 
-        A predicted update is answered without a search. A search ended by ``stopped`` leaves the update accepted.
-        Raises SolverError if the update is refused, and DroppedError if it is dropped: the history is unchanged then.
+        A predicted update is answered without a search. If ``stopped`` ends the search, the update stays accepted.
+        Raises SolverError if the update is refused and DroppedError if it is dropped; the history is unchanged then.
         """
         return self._accept_predicted(update) or self._search(update, stopped or never)
 
@@ -84,7 +84,7 @@ class PlanningSolver(ABC):
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
     ) -> Reply:
-        """Return whether ``update`` would have an answer without the facts ``disabled``, or else the unsat core."""
+        """Return whether ``update`` has an answer if the ``disabled`` facts do not hold, otherwise the unsat core."""
 
     def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
         """Prefetch the answer to ``update``, in case it follows the updates ``before``; return whether this started.

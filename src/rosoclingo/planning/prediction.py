@@ -1,12 +1,12 @@
 """Prediction: an answer stays valid if its actions succeed and no rule that could change it depends on their returns.
 
 Let M be an answer, and R the success returns of some actions of M. Suppose that each ground rule with an atom of R in
-its body, negated or not, also has a literal that is no return and is false in M. Then M together with R is an answer of
-the program with R as facts: the rules whose bodies M satisfies are the same in both reducts. No search is needed; M
-itself says whether the condition holds, see :mod:`~rosoclingo.planning.return_rules`.
+its body, negated or not, also has a literal that is false in M and is not a return. Then M together with R is an answer
+of the program with R as facts: the rules whose bodies M satisfies are the same in both reducts. No search is needed.
+Auxiliary atoms in M show whether the condition holds, see :mod:`~rosoclingo.planning.return_rules`.
 
 Shorter answers can appear if the condition fails for another answer. They cannot if there are no such ground rules, or
-if a false literal is about actions of the same cycle: all answers agree on the actions executed in it.
+if the false literal is an action of the same cycle: all answers agree on the actions executed in that cycle.
 """
 
 from functools import lru_cache
@@ -24,8 +24,8 @@ class Predicted(NamedTuple):
     """Success returns that need no search.
 
     Attributes:
-        returns: those that leave the answer valid.
-        certain: those of ``returns`` that do not allow any new answer either.
+        returns: returns that leave the answer valid.
+        certain: the subset of ``returns`` that also allows no new answer.
 
     """
 
@@ -52,11 +52,11 @@ def predict(
     certain: Set[clingo.Symbol] = set()
     for action in actions:
         success = success_of(action)
-        asking = {number: is_true(_auxiliary(ASKS, number, action)) for number in range(rules.number)}
-        if is_open(success) and not any(asking.values()):
+        asks = {number: is_true(_auxiliary(ASKS, number, action)) for number in range(rules.number)}
+        if is_open(success) and not any(asks.values()):
             returns.add(success)
-            ground = [number for number, asks in asking.items() if asks is not None]
-            if all(number in rules.acting and not is_true(_auxiliary(ACTS, number, action)) for number in ground):
+            ground = [number for number, holds in asks.items() if holds is not None]
+            if all(number in rules.with_actions and not is_true(_auxiliary(ACTS, number, action)) for number in ground):
                 certain.add(success)
     return Predicted(frozenset(returns), frozenset(certain))
 

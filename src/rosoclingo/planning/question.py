@@ -10,11 +10,11 @@ Given = Sequence[Tuple[clingo.Symbol, bool]]
 """Atoms with assumed truth values."""
 
 Stop = Callable[[], bool]
-"""Returns whether to end the search."""
+"""A stop function: it returns whether to end the search."""
 
 
 def never() -> bool:
-    """Return False: the stop of a search that is not stopped."""
+    """Return False; the stop function of a search without a limit."""
     return False
 
 
@@ -31,18 +31,18 @@ class Question(NamedTuple):
         given: assumed truth values of atoms.
         lacking: at least one of these atoms has to be false.
         kept: these atoms have to be true; the reply blames some of them if there is no answer.
-        disabled: the assumable facts that do not hold; all others hold.
+        disabled: the assumable facts that do not hold; all other facts hold.
         believes: trust the program if it claims that there is no plan.
         models: the number of answers to compute, 0 for all.
         conflicts: the limit of conflicts, None for no limit.
         best: compute only optimal answers, if the program optimizes.
-        proven: require a proof of optimality; otherwise the best answer found before the stop is accepted.
+        proven: require a proof of optimality; otherwise accept the best answer found before the stop.
         advised: use the ``#heuristic`` statements.
         until: an additional stop for this question.
-        blames: compute the assumable facts and the atoms of ``kept`` that leave no answer.
+        blames: compute the unsat core: assumable facts and atoms of ``kept`` that have no answer together.
         brief: solve without a thread, which is faster. No stop is polled then, so ``conflicts`` has to be small.
         shows: compute the shown atoms of each answer.
-        differ: any two answers differ in one of these atoms.
+        differ: any two answers differ in at least one of these atoms.
         reads: functions to apply to the model of each answer.
 
     """

@@ -1,12 +1,12 @@
-"""What returns bear on: for each atom ``_return(A,V,T)`` in a rule, whether the rest of the rule holds.
+"""Auxiliary rules by which an answer shows which returns can change it.
 
-With a rule ``p(t) :- _return(A,V,t), q(V,t).`` it matters whether such a return is told where ``q(V,t)`` holds, and
-only there. That is said, for the returns of success of what is done, by a rule that is ground beside it,
+In a rule ``p(t) :- _return(A,V,t), q(V,t).`` the return matters only if ``q(V,t)`` holds. For the success returns of
+executed actions, an auxiliary rule derives this condition:
 
     __oclingo_asks(0,A,V,t) :- _action_lib(A,V,t); q(V,t).
 
-so that an answer itself tells it. Where the rest is about actions of the same cycle, ``__oclingo_acts(0,A,V,t)`` holds
-where these are, or are not, done as the rule has it.
+If the body also contains actions of the same cycle, ``__oclingo_acts(0,A,V,t)`` holds if these literals hold.
+See :mod:`~rosoclingo.planning.prediction` for the use of both.
 """
 
 from functools import lru_cache
@@ -33,37 +33,38 @@ _SIMPLE = (ASTType.Variable, ASTType.SymbolicTerm, ASTType.Function, ASTType.Una
 
 
 class ReturnRules(NamedTuple):
-    """The rules that tell what returns bear on.
+    """The auxiliary rules of a program.
 
     Attributes:
-        texts: rules, each with the name of the part that they are for and its parameters.
-        number: for so many atoms ``_return(A,V,T)``, which are numbered from 0.
-        acting: the numbers of those whose rules are about other actions of the same cycle.
+        texts: the name of a program part, its parameters, and the auxiliary rules to add to it.
+        number: the number of rules that contain a return; they are numbered from 0.
+        with_actions: the numbers of those that also contain actions of the same cycle.
 
     """
 
     texts: Tuple[Tuple[str, List[str], str], ...]
     number: int
-    acting: FrozenSet[int]
+    with_actions: FrozenSet[int]
 
 
 def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo.Symbol]) -> bool:
-    """Tell whether the body of some rule, at any step, can have one of ``atoms``; False is certain."""
-    wanted = list(atoms)
+    """Return whether a rule body can contain one of ``atoms`` at some step; False is certain."""
+    candidates = list(atoms)
     return any(
         atom.match(one.signature.name, one.signature.arity)
         and Pattern(one.term, part.parameter, statement, dict(constants)).may_match(atom, -FAR, FAR)
         for part in parts
         for statement, one in part.atoms
         if not one.head
-        for atom in wanted
+        for atom in candidates
     )
 
 
-def tells_plainly(program: ReactiveProgram) -> bool:
-    """Return whether an answer tells its actions, no returns, and by rules of its own what returns bear on.
+def is_predictable(program: ReactiveProgram) -> bool:
+    """Return whether answers of ``program`` show which returns can change them.
 
-    Answers are one plan then, and neither the best nor some of many.
+    An answer must show its actions but no returns, and the program must not optimize: a return could then allow a
+    better answer.
     """
     shows = ACTION in program.shows and RETURN not in program.shows
     return shows and not program.optimizes and return_rules(program) is not None
@@ -71,30 +72,30 @@ def tells_plainly(program: ReactiveProgram) -> bool:
 
 @lru_cache(maxsize=8)
 def return_rules(program: ReactiveProgram) -> Optional[ReturnRules]:
-    """Return the rules for a program; None if more than single atoms in the bodies of its rules may ask for returns."""
+    """Return the auxiliary rules of a program; None if it uses returns in other ways than as single body literals."""
     parts, constants = program.parts, program.values
-    if not _acts_at_its_step(parts, constants):
+    if not _actions_are_timely(parts, constants):
         return None
     texts: List[Tuple[str, List[str], str]] = []
-    acting: Set[int] = set()
+    with_actions: Set[int] = set()
     for part in parts:
         for statement, found in part.found:
-            if _reaches_further(statement):
+            if _is_opaque(statement):
                 return None
             returns = [one for one in found if one.signature == RETURN]
-            if not _asks(statement, returns):
+            if not _depends_on_returns(statement, returns):
                 continue
-            place = _place(statement, returns, part.parameter, constants)
-            if place is None:
+            position = _position_of_return(statement, returns, part.parameter, constants)
+            if position is None:
                 return None
-            asking = _Asking.of(len(texts), statement, place)
-            acting.update([asking.number] if asking.acts else [])
-            texts.append((part.name, [part.parameter], asking.asks + asking.acts))
-    return ReturnRules(tuple(texts), len(texts), frozenset(acting))
+            rule = _ReturnRule.of(len(texts), statement, position)
+            with_actions.update([rule.number] if rule.acts else [])
+            texts.append((part.name, [part.parameter], rule.asks + rule.acts))
+    return ReturnRules(tuple(texts), len(texts), frozenset(with_actions))
 
 
-def _acts_at_its_step(parts: Sequence[Part], constants: Constants) -> bool:
-    """Whether each step has its own actions and those alone."""
+def _actions_are_timely(parts: Sequence[Part], constants: Constants) -> bool:
+    """Return whether each step derives only actions of its own cycle."""
     for part in parts:
         for _, one in part.atoms:
             if one.head and one.signature == ACTION and _offset(one.term, part.parameter, constants) != 0:
@@ -103,33 +104,35 @@ def _acts_at_its_step(parts: Sequence[Part], constants: Constants) -> bool:
 
 
 def _offset(term: Node, parameter: str, constants: Constants) -> Optional[int]:
-    """Return c where the last argument is the step plus c, None where it is not."""
+    """Return c if the last argument of ``term`` is the step plus c, otherwise None."""
     return time_offset(term.arguments[-1], parameter, dict(constants)) if parameter else None
 
 
-def _reaches_further(statement: Node) -> bool:
-    """Whether a statement may make something of returns that no rule shows: by a theory, or edges of a graph."""
+def _is_opaque(statement: Node) -> bool:
+    """Return whether the meaning of ``statement`` is not in its rules: it has theory atoms or edges of a graph."""
     atoms = [literal.atom for literal in _body(statement) if literal.ast_type == ASTType.Literal]
     heads = [statement.head] if statement.ast_type == ASTType.Rule else []
     theory = any(one.ast_type == ASTType.TheoryAtom for one in (*atoms, *heads))
     return theory or statement.ast_type == ASTType.Edge
 
 
-def _asks(statement: Node, returns: Sequence[Occurrence]) -> bool:
-    """Whether a statement that bears on answers has returns, but to declare them."""
+def _depends_on_returns(statement: Node, returns: Sequence[Occurrence]) -> bool:
+    """Return whether answers can depend on ``returns`` in ``statement``; declarations and heuristics are ignored."""
     declares = statement.ast_type == ASTType.External and all(one.head for one in returns)
     return bool(returns) and not declares and statement.ast_type != ASTType.Heuristic
 
 
-def _place(statement: Node, returns: Sequence[Occurrence], parameter: str, constants: Constants) -> Optional[int]:
-    """Return which literal of a rule's body is its only atom with a return, None where that is not all there is."""
-    places = [place for place, literal in enumerate(_body(statement)) if _is_atom(literal, RETURN)]
-    if statement.ast_type != ASTType.Rule or not len(places) == len(returns) == 1:
+def _position_of_return(
+    statement: Node, returns: Sequence[Occurrence], parameter: str, constants: Constants
+) -> Optional[int]:
+    """Return the index of the return in a rule's body; None if the rule contains returns in any other way."""
+    positions = [index for index, literal in enumerate(_body(statement)) if _is_atom(literal, RETURN)]
+    if statement.ast_type != ASTType.Rule or not len(positions) == len(returns) == 1:
         return None
     arguments = returns[0].term.arguments
     simple = all(_is_simple(one) or str(one) == "_" for one in arguments)
     offset = _offset(returns[0].term, parameter, constants)
-    return places[0] if simple and offset is not None and offset <= 0 else None
+    return positions[0] if simple and offset is not None and offset <= 0 else None
 
 
 def _is_simple(term: Node) -> bool:
@@ -141,21 +144,21 @@ def _body(statement: Node) -> Sequence[Node]:
 
 
 def _is_atom(literal: Node, signature: Signature) -> bool:
-    """Whether a body literal is an atom of that signature, under ``not`` or not."""
+    """Return whether a body literal is an atom with ``signature``, negated or not."""
     plain = literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom
     return (
         plain and literal.atom.symbol.ast_type == ASTType.Function and term_signature(literal.atom.symbol) == signature
     )
 
 
-class _Asking(NamedTuple):
-    """A rule that has a return.
+class _ReturnRule(NamedTuple):
+    """A rule with a return in its body.
 
     Attributes:
-        number: its number.
-        cycle: the return's cycle, as text.
-        arguments: all its arguments, as text.
-        names: the variables in them.
+        number: the number of the rule.
+        cycle: the cycle of the return, as text.
+        arguments: all arguments of the return, as text.
+        names: the variables in the arguments.
         rest: the other literals of the body.
 
     """
@@ -167,22 +170,22 @@ class _Asking(NamedTuple):
     rest: List[Node]
 
     @classmethod
-    def of(cls, number: int, statement: Node, place: int) -> "_Asking":
-        """Take the rule apart whose return is the literal at ``place``; ``_`` gets a name, as a head must have one."""
+    def of(cls, number: int, statement: Node, position: int) -> "_ReturnRule":
+        """Split a rule whose return is at ``position`` in its body; ``_`` gets a name, so that heads can contain it."""
         body = list(_body(statement))
-        told = body.pop(place).atom.symbol
-        texts = [str(one) for one in told.arguments]
-        named = [f"Any{position}__" if text == "_" else text for position, text in enumerate(texts)]
-        return cls(number, texts[-1], ",".join(named), set(names_in(told)), body)
+        atom = body.pop(position).atom.symbol
+        texts = [str(one) for one in atom.arguments]
+        named = [f"Any{index}__" if text == "_" else text for index, text in enumerate(texts)]
+        return cls(number, texts[-1], ",".join(named), set(names_in(atom)), body)
 
     @property
     def asks(self) -> str:
-        """The rule that says where the rest holds."""
+        """The auxiliary rule for all other literals of the body."""
         return self._rule(ASKS, self.rest)
 
     @property
     def acts(self) -> str:
-        """The rule that says the same of other actions of the same cycle alone; empty where there are none."""
+        """The auxiliary rule for the actions of the same cycle in the body; empty if there are none."""
         actions = [
             one for one in self.rest if _is_atom(one, ACTION) and str(one.atom.symbol.arguments[-1]) == self.cycle
         ]

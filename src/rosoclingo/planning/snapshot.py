@@ -19,10 +19,10 @@ _NUMBER = clingo.SymbolType.Number
 
 @dataclass(frozen=True)
 class Past:
-    """The compacted steps of a stream, which are no longer ground (see :mod:`~rosoclingo.planning.compaction`).
+    """The compacted steps of a stream, which are no longer grounded (see :mod:`~rosoclingo.planning.compaction`).
 
     Attributes:
-        first: the first step that is still ground.
+        first: the first step that is still grounded.
         facts: the true atoms of compacted steps that later steps can depend on.
         shown: the shown atoms of compacted steps, each with its step.
 
@@ -61,14 +61,14 @@ class Snapshot(StreamState):
         return frozenset({max(self.closed), max(done, default=max(self.closed))}) if self.closed else frozenset()
 
     def closed_until(self, first: int) -> int:
-        """Return the last step such that all cycles from ``first`` on are closed; ``first - 1`` if there is none."""
+        """Return the last step up to which all cycles from ``first`` on are closed; ``first - 1`` for none."""
         last = first - 1
         while last + 1 in self.closed:
             last += 1
         return last
 
     def is_too_late(self, program: ReactiveProgram, atom: clingo.Symbol) -> bool:
-        """Return whether only compacted steps could have depended on ``atom``, which was not asserted so far."""
+        """Return whether only compacted steps can depend on ``atom``, which was not asserted so far."""
         if self.past is None:
             return False
         last = self.past.first - 1

@@ -22,7 +22,7 @@ from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
-from rosoclingo.planning.return_rules import tells_plainly
+from rosoclingo.planning.return_rules import is_predictable
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
@@ -43,7 +43,7 @@ _OUTCOMES = {
 
 
 class _Cached(NamedTuple):
-    """The grounding of an earlier question, with the values that it was built from as its key."""
+    """The grounding of an earlier question; the key contains the values from which it was built."""
 
     key: object
     asking: Asking
@@ -52,8 +52,8 @@ class _Cached(NamedTuple):
 class PlanSolver(PlanningSolver):
     """Solves a reactive logic program under a stream of updates; answers are plans, without actions after the horizon.
 
-    Not thread-safe. The ``stopped`` callables are polled every few milliseconds of wall time while clingo searches, and
-    between the pieces in which steps are ground. A stopped search has the outcome INTERRUPTED.
+    Not thread-safe. The ``stopped`` functions are polled every few milliseconds of wall time while clingo searches, and
+    before each piece of steps is grounded. A stopped search has the outcome INTERRUPTED.
     """
 
     def __init__(
@@ -73,9 +73,9 @@ class PlanSolver(PlanningSolver):
             models: the number of answers to compute for an update, 0 for all.
             horizon_limit: the last step to ground.
             log_limit: the number of updates after which a checkpoint follows a search; higher for large snapshots.
-            plan_time: the time limit for shortest plans, in seconds of processor time; after it the best plan so far,
-                or the first one that is found, is the answer. None for no limit.
-            idles: whether further steps leave answers valid; None to test it.
+            plan_time: the time limit for shortest plans, in seconds of processor time. After it, the answer is the best
+                plan so far, or else the first plan found. None for no limit.
+            idles: whether answers stay valid when further steps are grounded; None to test it.
             dropped: polled while the program is grounded; if it returns true, DroppedError is raised.
 
         """
@@ -84,13 +84,13 @@ class PlanSolver(PlanningSolver):
         self.models = models
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
         self._plan_time = plan_time
-        self._predicts = models == 1 and tells_plainly(program)
-        self._hint, self._idles = 0, idles  # a likely horizon: that of the last answer
-        self._searched: Optional[_Cached] = None  # the last search, by the key of its history
+        self._predicts = models == 1 and is_predictable(program)
+        self._hint, self._idles = 0, idles  # the hint is a likely horizon: the horizon of the last answer
+        self._searched: Optional[_Cached] = None  # the last search; its key is that of the history
         self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts
         self._improvement: Optional[Improvement] = None
-        self._checked_until = 0  # steps before it were checked for compaction
-        self._remarks = set(program.warnings)  # of clingo, each of which is reported once
+        self._checked_until = 0  # earlier steps were checked for compaction
+        self._remarks = set(program.warnings)  # clingo's remarks, each of which is reported once
 
     @property
     def snapshot(self) -> Snapshot:
@@ -179,11 +179,11 @@ class PlanSolver(PlanningSolver):
                 yield str(one)
 
     def recent(self, answer: Answer) -> Answer:
-        """Return ``answer`` without atoms of cycles that are long over."""
+        """Return ``answer`` without the atoms of old cycles."""
         return recent_atoms(answer, self.step, self.program)
 
     def _predicted(self, asking: Asking, reply: Reply, proven: bool) -> FrozenSet[clingo.Symbol]:
-        """Return the predicted returns; a plan that is ``proven`` shortest has to remain shortest."""
+        """Return the predicted returns; a plan that is ``proven`` shortest must remain shortest."""
         if not asking.snapshot.is_steady or asking.grounding.is_cyclic:
             return frozenset()
         return reply.predicted.certain if proven else reply.predicted.returns
@@ -193,9 +193,9 @@ class PlanSolver(PlanningSolver):
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a better plan with the same actions up to the present step, and adopt it.
 
-        A plan is better if it is shorter or, if the program optimizes, as short and costs less. Returns the first one
-        as another answer to the last update; further calls can find a still better one. Returns None after a stop, or
-        if nothing is left to try before the next update. Only for solvers of one answer.
+        A better plan is shorter or, if the program optimizes, equally short and cheaper. The first better plan is
+        returned as another answer to the last update; further calls can find still better plans. Returns None after a
+        stop, if the search is exhausted until the next update, or if the solver computes several answers.
         """
         plan = self.log.plan
         if plan is None or plan.shortest or self.models != 1:
@@ -222,7 +222,7 @@ class PlanSolver(PlanningSolver):
         return result
 
     def _last_search(self, halt: Stop) -> Tuple[Asking, FrozenSet[clingo.Symbol]]:
-        """Return the grounding of the last search, and the returns since; reground if these were not all predicted."""
+        """Return the grounding of the last search and the returns since then; reground unless all were predicted."""
         searched, log, returns = self._searched, self.log, set()
         while searched is not None and searched.key != log.key:
             entry = log.entry
@@ -250,17 +250,18 @@ class PlanSolver(PlanningSolver):
         kept: Sequence[clingo.Symbol] = (),
         believes: bool = True,
     ) -> Reply:
-        """Return whether ``update`` would have an answer without the facts ``disabled``; the history is unchanged.
+        """Return whether ``update`` has an answer if the ``disabled`` facts do not hold; the history is unchanged.
 
-        The ``disabled`` facts are some of the ``assumable`` ones: facts of the stream or the update, and actions, which
-        then were not executed. The atoms ``kept`` have to be true; ``believes`` as in :class:`Question`. The grounding
-        is cached by history, update and assumable facts. Raises as :meth:`update`.
+        The ``disabled`` facts are a subset of the ``assumable`` ones. These are facts of the stream or the update, and
+        executed actions; a disabled action counts as not executed. The atoms ``kept`` must be true. For ``believes``
+        see :class:`Question`. The grounding is cached by history, update and assumable facts. Raises like
+        :meth:`update`.
         """
         check_horizon_limit(update, self.horizon, self._horizon_limit)
         halt = stopped or never
         unbounded = replace(update, bound=None)
         key = self.log.key, unbounded, assumable
-        probed, self._probed = self._probed, None  # dropped if an error occurs
+        probed, self._probed = self._probed, None  # no cache remains after an error
         if probed is None or probed.key != key or probed.asking.block == 1:
             snapshot = self.snapshot.with_least_horizon().with_update(unbounded, self.program)
             probed = _Cached(key, self._asking(replace(snapshot, bound=None), halt, assumable))
@@ -275,7 +276,7 @@ class PlanSolver(PlanningSolver):
         return reply
 
     def probed_atoms(self) -> List[clingo.Symbol]:
-        """Return all atoms that can be true at the steps ground for the last hypothetical question."""
+        """Return all atoms that can be true at the steps grounded for the last hypothetical question."""
         return [] if self._probed is None else self._probed.asking.grounding.possible_atoms
 
     # ---- Checkpoints -------------------------------------------------------------------------------------------------
@@ -286,14 +287,14 @@ class PlanSolver(PlanningSolver):
             self.checkpoint()
 
     def checkpoint(self) -> None:
-        """Append a checkpoint to the history, and compact it if enough steps are over."""
+        """Append a checkpoint to the history; compact past steps if there are enough."""
         plan = self.log.plan
         if self._steps_to_check >= LEAST_STEPS and self.log.predicted and plan is not None:
             self._solve_again(plan)
         self._append_checkpoint(always=True)
 
     def _solve_again(self, plan: Plan) -> None:
-        """Ground the whole history and find the predicted answer, which has exactly the actions of ``plan``."""
+        """Ground the whole history and solve it for the predicted answer, which has exactly the actions of ``plan``."""
         asking = self._asking(self.snapshot, never)
         horizon = max(plan.horizon, self.snapshot.min_horizon)
         actions = asking.actions(self.program.first_step, asking.horizon)
@@ -302,13 +303,13 @@ class PlanSolver(PlanningSolver):
 
     @property
     def _steps_to_check(self) -> int:
-        """The number of ground steps that are over and were not checked for compaction."""
+        """The number of past grounded steps that were not checked for compaction."""
         snapshot = self.snapshot
         first = self.program.first_step if snapshot.past is None else snapshot.past.first
         return end_of_past(self.program, snapshot) - max(first, self._checked_until)
 
     def _append_checkpoint(self, always: bool) -> None:
-        """Append a checkpoint to the history: ``always``, or if it is long or steps can be compacted."""
+        """Append a checkpoint to the history if it is long or steps can be compacted, or ``always``."""
         snapshot, searched, compact = self.snapshot, self._searched, None
         if searched is not None and searched.key != self.log.key:
             searched = None

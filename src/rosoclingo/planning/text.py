@@ -1,4 +1,4 @@
-"""Snapshots and symbols as plain values for JSON."""
+"""Conversion of snapshots and symbols to plain values for JSON, and back."""
 
 from typing import Any, Dict, FrozenSet, Iterable, List, Sequence, Tuple, Union
 
@@ -14,14 +14,14 @@ Message = Dict[str, Any]
 
 
 def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
-    """Return ``symbols`` as a text, separated by commas."""
+    """Return ``symbols`` as text, separated by commas."""
     return ",".join(map(str, symbols))
 
 
 def symbol_list(text: str) -> List[clingo.Symbol]:
     """Return the symbols in the text of :func:`symbols_to_text`, in order.
 
-    One call of clingo parses all of them as a tuple, which takes half the time of separate calls.
+    One call of clingo parses the symbols as a tuple, in half the time of separate calls.
     """
     return clingo.parse_term(f"({text},)").arguments if text else []
 
@@ -32,7 +32,7 @@ def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
 
 
 def snapshot_to_message(snapshot: Snapshot) -> Message:
-    """Return ``snapshot`` as a plain value, see :func:`snapshot_from_message`."""
+    """Return ``snapshot`` as a plain value; :func:`snapshot_from_message` reads it."""
     return {
         "step": snapshot.step,
         "horizon": snapshot.horizon,
@@ -62,7 +62,7 @@ def snapshot_from_message(message: Message) -> Snapshot:
 
 
 def _items_to_message(items: Sequence[StateItem]) -> Message:
-    """Return the statements, their updates, the lifetimes other than FOREVER, and the other items with their places."""
+    """Return statements, their updates and lifetimes, and the other items with their places; FOREVER is left out."""
     entries = [one for one in items if isinstance(one, TimedStatement)]
     lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
     return {

@@ -1,1 +1,1 @@
-"""Ways to search: generators that yield questions to a grounding and are sent the replies."""
+"""Search strategies: generators that yield questions to a grounding and receive the replies."""

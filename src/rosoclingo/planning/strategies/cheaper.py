@@ -1,4 +1,4 @@
-"""Plans that cost less, for programs with ``#minimize``: a plan is as good as its horizon, then as its cost."""
+"""The search for cheaper plans of equal length, for programs with ``#minimize``."""
 
 from typing import Generator, Optional
 
@@ -7,7 +7,7 @@ from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import Given, Question, Reply, Stop
 
 CONFLICTS = 1000
-"""Limit of conflicts for the cost of given actions; most need few."""
+"""Limit of conflicts for computing the cost of a plan; most plans need few."""
 
 
 def cheaper(
@@ -15,8 +15,8 @@ def cheaper(
 ) -> Generator[Question, Reply, Reply]:
     """Return the best answer with the horizon of ``found`` and the assumptions ``given``.
 
-    That is ``found``, with its cost, if no better one is found before a limit. Its cost is the least of all answers
-    with the same actions from ``step`` on; it is computed if ``found`` has none.
+    If the search ends without a better answer, the result is ``found`` with its cost. The cost is computed if ``found``
+    has none: it is the least cost of all answers with the same actions from ``step`` on.
     """
     last = found.horizon
     if not found.cost:

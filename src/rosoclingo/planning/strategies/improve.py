@@ -1,13 +1,15 @@
-"""Better plans by large neighbourhood search (Shaw 1998): most of a plan is fixed, a part of it is free.
+"""Large neighbourhood search for better plans (Shaw 1998): most of a plan is fixed, and a part of it is free.
 
 Each round asks for plans of several kinds:
 
-* The tasks of the plan in another *order*, see reorder.py. All actions are fixed: the solver checks the candidate.
-* Any plan of half the length, as the first plan can be many times too long.
-* A free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap by half.
-* If the program optimizes: a plan of the same length that costs less, with a free window of steps.
+* The tasks of the plan in another *order*, see reorder.py. All actions are fixed; the solver checks the candidate.
+* Any plan of half the length, because the first plan can be many times too long.
+* A plan with a free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap
+  by half.
+* If the program optimizes, a cheaper plan of the same length, with a free window of steps.
 
-If a round finds nothing, the next has larger windows and allows more conflicts. Shorter plans are trimmed, see trim.py.
+If a round finds nothing, the next round has larger windows and a higher limit of conflicts. Shorter plans are trimmed,
+see trim.py.
 """
 
 from contextlib import suppress
@@ -26,27 +28,27 @@ from rosoclingo.planning.strategies.trim import moved, trimmed
 Assumption = Tuple[clingo.Symbol, bool]
 
 SIZE = 16
-"""Steps of a window in the first round; each further round enlarges it by half, up to the whole plan."""
+"""Number of steps in a window of the first round; each further round enlarges it by half, up to the whole plan."""
 
 CONFLICTS = 100
-"""Limit of conflicts of a question in the first round; it doubles with each further round."""
+"""Limit of conflicts for a question in the first round; it doubles in each further round."""
 
 MOST_CONFLICTS = 20_000
-"""Limit of conflicts in the last round; if it finds nothing, the search is over."""
+"""Limit of conflicts for a question in the last round; if this round finds nothing, the search is exhausted."""
 
 FEW_STEPS = 100
-"""For more steps, questions without heuristics are not worth asking."""
+"""Greatest number of steps for which questions without ``#heuristic`` are worthwhile."""
 
 
 class Improvement:
-    """A search for better plans than one plan; each call of :meth:`run` resumes it."""
+    """A search that improves one plan; each call of :meth:`run` resumes it."""
 
     def __init__(self, plan: Plan, step: int, first: int) -> None:
         """Improve ``plan`` after the present ``step``; ``first`` is the least possible horizon."""
         self._plan, self._step, self._first = plan, step, first
         self._random = Random(0)
-        self._asking: Asking  # that of the last call
-        self._costed: Optional[Tuple[Asking, Reply]] = None  # the plan with its cost in a grounding, once it is known
+        self._asking: Asking  # the one of the last call
+        self._costed: Optional[Tuple[Asking, Reply]] = None  # the plan with its cost, and the grounding of the search
         self._exhausted = False
         self._questions = self._rounds()
 
@@ -54,13 +56,13 @@ class Improvement:
         """Continue at a later ``step`` if ``plan`` is the same from there on; return whether it is."""
         same = plan.horizon == self._plan.horizon and plan.rest(step).actions == self._plan.rest(step).actions
         if same:
-            if self._exhausted and step > self._step:  # questions about the shorter rest are easier
+            if self._exhausted and step > self._step:  # less of the plan remains, so questions are easier
                 self._exhausted, self._questions = False, self._rounds()
             self._plan, self._step, self._first = plan, step, first
         return same
 
     def run(self, asking: Asking) -> Strategy[Optional[Reply]]:
-        """Return the first better plan that is found; None after a stop, or if the search is exhausted."""
+        """Return the first better plan; None after a stop, or if the search is exhausted."""
         self._asking = asking
         present: Optional[List[Assumption]] = None
         with suppress(StoppedError):
@@ -90,7 +92,7 @@ class Improvement:
         return None
 
     def _cheaper(self, question: Question, asking: Asking, present: List[Assumption]) -> Strategy[Optional[Reply]]:
-        """Return a plan of the same length that costs less, if one of the answers to ``question`` does."""
+        """Return a cheaper plan of the same length if ``question`` has such an answer."""
         known = Reply(True, (self._plan.actions,), self._plan.horizon)
         if self._costed is not None and self._costed[0] is asking:
             known = self._costed[1]
@@ -101,9 +103,9 @@ class Improvement:
         return found if changed else None
 
     def _present(self, asking: Asking) -> List[Assumption]:
-        """Return the assumptions that fix the actions up to the present step as executed.
+        """Return assumptions that fix the actions up to the present step as executed.
 
-        They begin with the first step that is open in the grounding, which can precede the present step.
+        They begin with the first cycle that is not closed in the grounding, which can precede the present step.
         """
         cycles = [asking.step, self._step, *map(cycle_of, self._plan.actions)]
         return self._plan.fixing(asking.actions(min(cycles), self._step))
@@ -140,9 +142,10 @@ class Improvement:
             first = max(self._step + 1, first + size // 2)
 
     def _window(self, conflicts: int, first: int, end: int, earlier: int = 1) -> Question:
-        """Return the question for a plan in which the steps from ``first`` up to, without, ``end`` are free.
+        """Return the question for a plan in which the steps from ``first`` to ``end - 1`` are free.
 
-        The actions from ``end`` on move one step ``earlier``, or stay and the plan has to cost less.
+        The actions from ``end`` on move ``earlier`` by one step. If ``earlier`` is 0, the question asks for the
+        cheapest plan instead.
         """
         actions = self._plan.rest(self._step + 1).actions
         before = [(action, True) for action in actions if cycle_of(action) < first]
@@ -151,7 +154,7 @@ class Improvement:
         return Question(self._first, last, [*before, *after], conflicts=conflicts, best=not earlier)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
-        """Yield questions for the tasks in another order, as long as they shorten the plan."""
+        """Yield questions about other orders of the tasks while these shorten the plan."""
         shortened = True
         while shortened:
             horizon = self._plan.horizon

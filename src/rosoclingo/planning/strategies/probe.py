@@ -1,7 +1,7 @@
 """Hypothetical questions: is there an answer if some assumable facts are disabled?
 
-A question without an answer has an unsat core of assumable facts (see clingo's ``SolveHandle.core``). Every question
-that agrees on these facts has no answer either.
+A question without an answer has an unsat core of assumable facts (see clingo's ``SolveHandle.core``). No question that
+enables these facts has an answer.
 """
 
 from typing import FrozenSet, Sequence, Set
@@ -12,7 +12,7 @@ from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.question import Question, Reply, Strategy
 
 PIECE = 32
-"""Least number of steps to add before the next question."""
+"""Least number of steps added before the next question."""
 
 
 def probe(
@@ -22,10 +22,10 @@ def probe(
     kept: Sequence[clingo.Symbol] = (),
     believes: bool = True,
 ) -> Strategy[Reply]:
-    """Search for an answer without the facts ``disabled`` in which the atoms ``kept`` are true.
+    """Search for an answer without the ``disabled`` facts in which the atoms ``kept`` are true.
 
-    Its horizon is at most ``end``. The horizon grows up to that: an answer is easier to find with more steps, but
-    refuting the last horizon requires grounding all of them, unless the unsat core does not depend on the horizon.
+    The horizon grows up to ``end``. An answer is easier to find with more steps. To refute all horizons, all steps have
+    to be grounded, unless the unsat core does not depend on the horizon.
     """
     idles = asking.block > 1
     core: Set[clingo.Symbol] = set()

@@ -1,9 +1,9 @@
 """Candidates for shorter plans: the same tasks in another order. The solver checks whether a candidate is a plan.
 
-The plan is read as a tour. If an action repeats, all actions of its kind are *moves*, each to the place that it names;
-other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and a delivery,
-form a *chain*: they keep their order, and the plan's number of simultaneously open chains is a limit. Moves use the
-connections that the plan uses; half of the searches use them in both directions.
+The plan is read as a tour. If an action repeats, all actions of its kind are *moves*, each to the place in its
+parameter. Other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and
+a delivery, form a *chain*: they keep their order. No candidate has more simultaneously open chains than the plan. Moves
+use the connections of the plan; half of the searches use them in both directions.
 
 The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
 each where it adds the fewest moves. Like simulated annealing, it also accepts slightly longer tours.
@@ -23,10 +23,10 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Stop
 
 EFFORT = 40_000
-"""Number of rounds of a search, times the number of tasks."""
+"""Number of rounds of a search multiplied by the number of tasks."""
 
 REMOVED = 8
-"""Greatest number of chains that a round removes."""
+"""Greatest number of chains that one round removes."""
 
 FAR = 1_000_000
 """Number of moves to an unreachable place."""
@@ -45,9 +45,9 @@ Order = List[int]
 
 
 def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[Plan]:
-    """Return a candidate that differs from ``plan`` after ``step``; None if none is found before it is ``stopped``.
+    """Return a shorter candidate that differs from ``plan`` after ``step``; None if none is found.
 
-    A plan with several actions at a step has no candidates.
+    The search ends when ``stopped`` returns true. A plan with several actions at a step has no candidates.
     """
     actions = sorted(plan.actions, key=cycle_of)
     acts = [(action.arguments[0], action.arguments[1]) for action in actions]
@@ -88,7 +88,7 @@ class Tour:
     Attributes:
         order: the numbers of the tasks, in the order of the plan.
         chains: the tasks of each chain.
-        chain_of: the chain of each task.
+        chain_of: task -> the number of its chain.
 
     """
 
@@ -146,7 +146,7 @@ class Tour:
         return ways
 
     def moves(self, order: Order) -> int:
-        """Return the number of moves of an order."""
+        """Return the number of moves that ``order`` needs."""
         return sum(self._moves[a][b] for a, b in zip([0, *order], [*order, -1]))
 
     def nearest(self, task: int) -> Order:
@@ -158,7 +158,8 @@ class Tour:
     def inserted(self, order: Order, chain: int) -> Optional[Order]:
         """Return ``order`` with a chain inserted where it adds the fewest moves; None if it does not fit.
 
-        Dynamic programming over the gaps: ``added[n]`` has the moves and gaps of the first ``n`` tasks of the chain.
+        Uses dynamic programming over the gaps: ``added[n]`` contains the additional moves and the gaps for the first
+        ``n`` tasks of the chain.
         """
         tasks, moves = self.chains[chain], self._moves
         along = [0, *accumulate(moves[a][b] for a, b in zip(tasks, tasks[1:]))]
@@ -184,7 +185,7 @@ class Tour:
         return [task for _, task in sorted(gaps, key=itemgetter(0))]
 
     def acts(self, order: Order) -> List[Act]:
-        """Return moves and tasks; an open chain continues when the tour passes the place of its next task."""
+        """Return the moves and tasks of ``order``; an open chain continues when the tour passes its next place."""
         acts: List[Act] = []
         here, left = self._places[0], [list(chain) for chain in self.chains]
         is_open = [chain for chain, begun in enumerate(self._begun) if begun]

@@ -1,4 +1,4 @@
-"""The search for a shortest plan: all shorter horizons are refuted."""
+"""The search for a shortest plan, which refutes all shorter horizons."""
 
 from typing import Generator, List, NamedTuple, Optional, Tuple
 
@@ -15,8 +15,8 @@ class SearchResult(NamedTuple):
     Attributes:
         reply: the last reply, with the answers if there are any.
         proven: whether all shorter horizons were refuted and the answer is optimal.
-        answered: this process's processor time when the first acceptable answer was found; None for the end of the
-            search.
+        answered: the processor time of this process when the first acceptable answer was found; None stands for the end
+            of the search.
 
     """
 
@@ -26,12 +26,12 @@ class SearchResult(NamedTuple):
 
 
 def shortest(asking: Asking, models: int, hint: int) -> Strategy[SearchResult]:
-    """Search the ground horizons, then extend the grounding until there is an answer or the bound is reached.
+    """Search the grounded horizons, then extend the grounding until there is an answer or the bound is reached.
 
     Args:
         asking: the snapshot and its grounding.
         models: the number of answers to compute, 0 for all.
-        hint: a likely horizon: that of the last answer.
+        hint: a likely horizon, such as the horizon of the last answer.
 
     """
     reply = yield from _search(asking, models, asking.min_horizon, asking.horizon, hint)
@@ -44,7 +44,7 @@ def shortest(asking: Asking, models: int, hint: int) -> Strategy[SearchResult]:
 
 
 def _search(asking: Asking, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:
-    """Compute the answers of the least horizon in first..last."""
+    """Compute the answers for the least horizon in first..last that has any."""
     if first == last:
         return (yield Question(first, last, models=models, best=True))
     reply, low = Reply(False), first
@@ -65,7 +65,7 @@ def _search(asking: Asking, models: int, first: int, last: int, hint: Optional[i
 
 
 def _ranges(first: int, last: int, hint: Optional[int]) -> List[Tuple[int, int]]:
-    """Split first..last into the horizons below ``hint``, ``hint`` itself and those above."""
+    """Split first..last into the horizons below ``hint``, ``hint`` itself and the horizons above."""
     if hint is None:
         return [(first, last)]
     middle = min(max(hint, first), last)

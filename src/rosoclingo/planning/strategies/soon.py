@@ -1,11 +1,10 @@
 """The search for a plan in limited time: first any plan, preferably the last one, then shorter plans.
 
-Refuting all shorter horizons, as a shortest plan requires, can take arbitrarily long. A plan with more steps than
+A shortest plan requires refuting all shorter horizons, which can take arbitrarily long. A plan with more steps than
 necessary is easy to find, in particular if ``#heuristic`` statements guide the search. So the horizon grows if a
-limited number of conflicts decides nothing, and the shortest horizons get a part of the effort, as in Rintanen's
-algorithms for planning as satisfiability (2006). The best plan and the refuted horizons then bound the search for
-shorter plans from above and below. If the program claims a number of steps, that number and a quarter more are ground
-at once.
+question reaches its limit of conflicts, and the shortest horizons get a part of the effort, as in Rintanen's algorithms
+for planning as satisfiability (2006). The best plan and the refuted horizons then bound the search for shorter plans
+from above and below. If the program claims a number of steps, this number and a quarter more are grounded at once.
 """
 
 import time
@@ -23,47 +22,47 @@ T = TypeVar("T")
 _Asks = Generator[Question, Reply, T]
 
 CONFLICTS = 100
-"""Initial limit of conflicts of a question.
+"""Initial limit of conflicts for a question.
 
-The limit doubles after a question that reached it. It does not while there is no plan and ``#heuristic`` guides the
-search, as then only more steps help: with enough steps there are hardly any conflicts. Since a heuristic can mislead,
-the shortest horizons that are not refuted are also tried without it, with limits that double.
+The limit doubles after a question that reached it. With ``#heuristic`` statements, it does not double before there is a
+plan: then only more steps help, since with enough steps there are hardly any conflicts. Because a heuristic can
+mislead, the shortest horizons that are not refuted are also tried without it, with limits that double.
 """
 
 EFFORT = 20_000
-"""Initial limit of conflicts times steps for a question about any plan, if it allows more than :data:`CONFLICTS`.
+"""Initial limit of conflicts times steps for a question about any plan, unless :data:`CONFLICTS` allows more.
 
 Conflicts with few steps are cheap, and additional steps make all later questions more expensive.
 """
 
 CONFLICTS_PER_STEP = 100
-"""The limit of conflicts, per step, of a question about any plan if the program has no ``#heuristic`` statements.
+"""Limit of conflicts per step for a question about any plan, if the program has no ``#heuristic`` statements.
 
-With fewer, the horizon grows far beyond the length of a plan before a search comes to its end.
+With a lower limit, the horizon grows far beyond the length of a plan before any search finishes.
 """
 
 LEAST_CONFLICTS = 1000
-"""The limit of conflicts of a question about the least horizon that is not refuted."""
+"""Limit of conflicts for a question about the least horizon that is not refuted."""
 
 KEPT = 0.1
-"""Fraction of the time limit for shorter plans if the last plan is still valid: the robot does not wait for them."""
+"""Fraction of the time limit for shorter plans if the last plan is still valid; the robot should not wait for them."""
 
 
 class TimeLimit:
-    """The time limit for one update, in processor time of this process: other processes do not change the plans.
+    """The time limit for one update, in processor time of this process, so that other processes do not affect plans.
 
     Attributes:
-        predicted: whether the update only reports success; the last plan had its search time before.
+        predicted: whether the update only reports success; the search time for the last plan is spent already.
 
     """
 
     def __init__(self, seconds: float, predicted: bool = False) -> None:
-        """Allow ``seconds`` from now on."""
+        """Allow ``seconds`` of processor time from now on."""
         self._seconds, self.predicted = seconds, predicted
         self._start = time.process_time()
 
     def plan_is_kept(self, shortest: bool) -> None:
-        """Reduce the limit: the last plan, proven ``shortest`` or not, is still valid, and improved while it runs."""
+        """Reduce the limit: the last plan, proven ``shortest`` or not, is still valid and is improved while it runs."""
         self._seconds *= 0.0 if self.predicted and not shortest else KEPT
 
     def is_over(self) -> bool:
@@ -77,15 +76,15 @@ class Soon:
     def __init__(self, asking: Asking, models: int, plan: Optional[Plan], time_limit: TimeLimit) -> None:
         """Prepare the search for ``models`` answers, 0 for all; ``plan`` is the last plan.
 
-        After the time limit, the result is the best plan so far, or else the first one that is found. If further steps
-        can invalidate an answer, each horizon is decided before the next one.
+        After the time limit, the result is the best plan so far, or else the first plan found. If further steps can
+        invalidate an answer, each horizon is decided before the next one.
         """
         self._asking, self._models, self._plan, self._time = asking, models, plan, time_limit
         self._program, self._idles = asking.program, asking.block > 1
-        self._least = asking.min_horizon  # all horizons below are refuted
+        self._least = asking.min_horizon  # all lower horizons are refuted
         self._claimed: Optional[int] = None  # the least horizon according to the program
         self._best = UNKNOWN
-        self._rests: List[Plan] = []  # candidates from the last plan to extend to a plan
+        self._rests: List[Plan] = []  # what remains of the last plan, unchanged and delayed; to be extended to a plan
         self._end = asking.horizon  # the last horizon to search
         self._earlier_ends: List[int] = []
         self._deadline: Optional[Stop] = None  # set as soon as there is a plan
@@ -164,7 +163,7 @@ class Soon:
                 self._end = self._next_end(refuted)
 
     def _ask_for_any(self, factor: int) -> _Asks[Reply]:
-        """Ask for a plan up to the current end, first for one that contains the rest of the last plan."""
+        """Ask for a plan up to the current end, preferably one with the remaining actions of the last plan."""
         last, grows, advises = self._end, self._asking.may_grow(self._end), self._program.advises
         for plan in self._rests:
             reply = yield from self._ask(self._least, last, CONFLICTS, [(action, True) for action in plan.actions])
@@ -200,9 +199,10 @@ class Soon:
         return max(CONFLICTS, EFFORT // steps if self._program.advises else CONFLICTS_PER_STEP * steps)
 
     def _next_end(self, refuted: bool) -> int:
-        """Return the next end: later by half of the lookahead, with ``#heuristic`` by a quarter if nothing is refuted.
+        """Return the next end: half of the lookahead later.
 
-        The first call adds at least the steps that the program claims, and a quarter more.
+        With ``#heuristic`` statements it is only a quarter later, unless the current end was ``refuted``. The first
+        call adds at least the steps that the program claims, and a quarter more.
         """
         asking = self._asking
         more = (self._end - asking.step) // (4 if self._program.advises and not refuted else 2)
@@ -216,7 +216,7 @@ class Soon:
     # ---- Shorter plans -----------------------------------------------------------------------------------------------
 
     def _shorten(self) -> _Asks[None]:
-        """Search for shorter plans and refute the least horizon in turn, until the bounds meet or time is over."""
+        """Search for shorter plans and refute the least horizon, in turns, until the bounds meet or time is up."""
         conflicts = CONFLICTS
         claimed = min(self._claimed or 0, self._best.horizon)
         if self._least < claimed and not self._time.is_over():
@@ -242,7 +242,7 @@ class Soon:
         self._best = yield from trimmed(reply, self._asking, self._asking.step - 1, self._least, until=self._deadline)
 
     def _finish(self) -> _Asks[None]:
-        """Compute all answers of the best horizon, or optimize the answer in the remaining time."""
+        """Compute all answers with the best horizon, or optimize the answer in the remaining time."""
         last = self._best.horizon
         if self._models != 1:
             reply = yield Question(last, last, models=self._models, best=True)
@@ -255,7 +255,7 @@ class Soon:
     def _ask(
         self, first: int, last: int, conflicts: Optional[int], given: Optional[Given] = None, advised: bool = True
     ) -> _Asks[Reply]:
-        """Ask for any answer, and record the horizons that are refuted without assumptions ``given``."""
+        """Ask for any answer; if there are no assumptions ``given``, record the refuted horizons."""
         reply = yield Question(first, last, given or (), conflicts=conflicts, advised=advised, until=self._deadline)
         if reply.satisfiable is False and given is None and first <= self._least:
             self._least = max(self._least, last + 1)

@@ -1,8 +1,8 @@
-"""Plans without superfluous actions and without idle steps.
+"""Removes superfluous actions and idle steps from plans.
 
-An action is superfluous if removing it, with the actions that depend on it, leaves a valid plan (action elimination,
-Nakhost and Mueller 2010). The solver searches for a plan with a proper subset of the actions, until there is none. All
-other actions are assumed false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
+An action is superfluous if the plan stays valid without it and the actions that depend on it (action elimination,
+Nakhost and Mueller 2010). The solver searches for a plan with a proper subset of the actions until there is none. It
+assumes all other actions false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
 plan no superfluous actions.
 """
 
@@ -16,7 +16,7 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Given, Question, Reply, Stop, StoppedError
 
 CONFLICTS = 1000
-"""Limit of conflicts of a question; most need few."""
+"""Limit of conflicts for a question; most questions need few."""
 
 _Trimmed = Generator[Question, Reply, Reply]
 
@@ -24,10 +24,10 @@ _Trimmed = Generator[Question, Reply, Reply]
 def trimmed(
     found: Reply, asking: Asking, step: int, first: int, present: Given = (), until: Optional[Stop] = None
 ) -> _Trimmed:
-    """Return the plan that was ``found`` without superfluous actions and idle steps after ``step``.
+    """Return the plan ``found`` without superfluous actions and idle steps after ``step``.
 
-    ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``. A
-    question without an answer leaves the plan unchanged; a stop ends the trimming.
+    ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``. A stop
+    ends the trimming; the result is the best plan so far.
     """
     advises = asking.program.advises
 
@@ -38,7 +38,7 @@ def trimmed(
         return Question(first, last, given, tuple(plan.actions if fewer else ()), conflicts=CONFLICTS, until=until)
 
     def without_idling(found: Reply) -> _Trimmed:
-        """Return the plan without idle steps, or at least without those at its end."""
+        """Return the plan without idle steps, or at least without idle steps at its end."""
         plan = _plan_after(found, step)
         for shorter in dict.fromkeys((_without_idling(plan, step), plan)):
             end = max(first, step, shorter.last_cycle)
@@ -64,7 +64,7 @@ def _plan_after(found: Reply, step: int) -> Plan:
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
-    """Return ``plan``, whose first step follows ``step``, without idle steps."""
+    """Return ``plan``, which begins after ``step``, without idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
     return plan._replace(actions=frozenset(moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
 

@@ -1,1 +1,1 @@
-"""The planner in processes of its own."""
+"""Worker processes that run the planner."""

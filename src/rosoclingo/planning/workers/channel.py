@@ -24,8 +24,8 @@ CONNECTION = 3
 class Channel:
     """One end of a connection.
 
-    Sending never blocks, as a worker that is grounding does not read: data that the socket does not accept is sent by
-    later calls.
+    Sending never blocks, because a worker does not read while it grounds. Later calls send the data that the socket did
+    not accept.
 
     Attributes:
         unread: received messages, oldest first.

@@ -1,4 +1,4 @@
-"""Explanations in a process of their own."""
+"""Explanations of infeasibility, computed in a separate process."""
 
 from typing import NamedTuple, Optional
 
@@ -11,7 +11,7 @@ from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.worker import WorkerRequest
 
 PATIENCE = 5.0
-"""That of the pool, longer: a stopped worker still assembles what it has found."""
+"""Seconds of wall time from a stop until the worker is killed; it needs some to assemble its results."""
 
 
 class Explanation(NamedTuple):
@@ -24,10 +24,10 @@ class Explanation(NamedTuple):
 def explain_in_worker(
     program: ReactiveProgram, stream: Stream, seconds: float, stopped: Stop = never
 ) -> Optional[Explanation]:
-    """Explain in a process of its own why there is no plan; None if there is one.
+    """Explain in a separate process why there is no plan; return None if there is one.
 
-    The explanation contains what is found in ``seconds`` of processor time. Raises DroppedError if nothing is found by
-    then, or before a stop, and SolverError if the process cannot be started, crashes or refuses the stream.
+    The process searches for at most ``seconds`` of processor time. Raises DroppedError if it finds nothing in this
+    time or before a stop, and SolverError if it cannot be started, crashes or refuses the stream.
     """
     with WorkerPool(program, patience=PATIENCE, shortest=True) as pool:
         elapsed = pool.stopwatch()

@@ -11,7 +11,7 @@ from rosoclingo.planning.question import Stop
 
 
 class LoggedSolver:
-    """Replays a history in an incremental solver; uses a new solver if the history was shortened.
+    """Replays a history in an incremental solver; starts a new solver if the history does not continue the last one.
 
     Attributes:
         log: the history.
@@ -19,7 +19,7 @@ class LoggedSolver:
     """
 
     def __init__(self, program: ReactiveProgram, dropped: Stop, **options: Any) -> None:
-        """Use solvers with ``options``; ``dropped`` is that of :meth:`ReactiveSolver.update`."""
+        """Create solvers with ``options``; for ``dropped`` see :meth:`ReactiveSolver.update`."""
         self._program, self._dropped, self._options = program, dropped, options
         self._solver = ReactiveSolver(program, **options)
         self.log = self._read = History()
@@ -31,11 +31,11 @@ class LoggedSolver:
 
     @staticmethod
     def recent(answer: Answer) -> Answer:
-        """Return all atoms of ``answer``."""
+        """Return ``answer``; this solver keeps the atoms of old cycles."""
         return answer
 
     def restore(self, log: History) -> None:
-        """Continue from a history."""
+        """Continue from the history ``log``."""
         self.log = log
 
     def solve(self, stopped: Stop) -> SolveResult:

@@ -1,7 +1,7 @@
 """The worker processes of one program.
 
-clingo cannot be interrupted while it grounds, and a program can need more memory than there is. A worker that ignores a
-stop, or crashes, is replaced. Workers have no state except caches, so this costs only time.
+clingo cannot be interrupted while it grounds, and a program can exhaust the memory. So the pool replaces workers that
+ignore a stop or crash. Workers have no state except caches, so this costs only time.
 """
 
 import time
@@ -20,21 +20,21 @@ PATIENCE = 2.0
 """Seconds of wall time after a stop until the worker is killed."""
 
 RETRIES = 1
-"""Number of times that a command which crashed a worker is repeated with another one."""
+"""Number of times that a command is repeated after it crashed a worker."""
 
 WALL_PER_CPU = 20
-"""Seconds of wall time that count as one second of processor time; bounds the wait for a worker that sleeps."""
+"""Seconds of wall time that count as one second of processor time; this limits the wait for a sleeping worker."""
 
 
 class WorkerPool:
     """The active worker of one program, and a standby worker that prefetches and takes over.
 
-    Not thread-safe. :meth:`close` or the end of this process ends the workers.
+    Not thread-safe. The workers end with :meth:`close` or with this process.
 
-    A stop ends a search with outcome INTERRUPTED, and the update stays accepted. A grounding does not react to a stop:
-    after a second it is dropped between two pieces, after ``patience`` seconds the worker is killed. In both cases the
-    update is dropped and DroppedError raised, as after repeated crashes of workers. While a worker loads the program, a
-    stop raises NotReadyError.
+    A stop ends a search with the outcome INTERRUPTED; the update stays accepted. clingo does not react to a stop while
+    it grounds. After a second, the worker drops the grounding between two pieces; after ``patience`` seconds, the pool
+    kills the worker. In both cases, and after repeated crashes, the update is dropped and DroppedError is raised. A
+    stop while a worker loads the program raises NotReadyError.
 
     """
 
@@ -52,8 +52,9 @@ class WorkerPool:
         Args:
             program: the reactive logic program.
             patience: seconds of wall time after a stop until the worker is killed.
-            standby: whether to keep a standby worker; it is started after the first answer.
-            fork: whether workers are forks of this process, which is much faster; it must have no threads then.
+            standby: whether to use a standby worker, which is started after the first answer.
+            fork: whether workers are forks of this process. Forks start much faster, but this process must have no
+                threads.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
                 :class:`ReactiveSolver`.
 
@@ -66,7 +67,7 @@ class WorkerPool:
         self._active: Optional[SolverWorker] = None
         self._standby: Optional[SolverWorker] = None
         self._closed = False
-        self._cpu_time = 0.0  # of former active workers, less that of the active one before it became active
+        self._cpu_time = 0.0  # of former active workers, minus what the active one used as a standby worker
         self._replace()
 
     @property
@@ -95,9 +96,9 @@ class WorkerPool:
         return self._cpu_time + (0.0 if self._active is None else self._active.cpu_time)
 
     def stopwatch(self) -> Callable[[], float]:
-        """Return a function that returns the processor time, in seconds, that active workers have used since now.
+        """Start a stopwatch; return a function that returns the processor time (s) used by active workers since then.
 
-        It does not depend on the load of the machine, up to the factor ``WALL_PER_CPU``.
+        This time does not depend on the load of the machine, up to the factor :data:`WALL_PER_CPU`.
         """
         used, start = self.cpu_time, time.monotonic()
         return lambda: max(self.cpu_time - used, (time.monotonic() - start) / WALL_PER_CPU)
@@ -121,9 +122,9 @@ class WorkerPool:
     # ---- Asking ------------------------------------------------------------------------------------------------------
 
     def ask(self, request: WorkerRequest, stopped: Stop = never, idle: bool = False) -> WorkerReply:
-        """Return the reply to ``request``, see :meth:`SolverWorker.ask`; raises DroppedError if workers are lost.
+        """Return the reply to ``request``, see :meth:`SolverWorker.ask`.
 
-        The standby worker takes over if it has begun this request.
+        The standby worker takes over if it has begun this request. Raises DroppedError if workers are lost.
         """
         prefetched = self._standby is not None and self._standby.has_begun(request)
         if prefetched:
@@ -153,7 +154,7 @@ class WorkerPool:
         return self._standby is not None and self._standby.has_answer(request, stopped)
 
     def _run(self, action: Callable[[SolverWorker], T], stopped: Stop, retries: int = RETRIES) -> T:
-        """Call ``action`` with the active worker, and again with another one if it is lost before a stop."""
+        """Call ``action`` with the active worker; repeat it with another worker if that one is lost before a stop."""
         if self._closed:
             raise SolverError("the solver process has been closed")
         try:
@@ -165,7 +166,7 @@ class WorkerPool:
             return self._run(action, stopped, retries - 1)
         except SolverError:
             raise
-        except BaseException:  # a message may be half read
+        except BaseException:  # a message can be half read
             self._end(self._activate(None))
             raise
 
@@ -184,12 +185,12 @@ class WorkerPool:
         """Return the standby worker, started if there is none; raises WorkerLostError."""
         if self._standby is None or not self._standby.alive:
             self._end(self._standby)
-            self._standby = None  # none if it cannot be started
+            self._standby = None  # remains None if the start fails
             self._standby = SolverWorker(self._load, self._patience, self._forked)
         return self._standby
 
     def _activate(self, worker: Optional[SolverWorker]) -> Optional[SolverWorker]:
-        """Make ``worker`` the active one; return the former one."""
+        """Make ``worker`` the active worker; return the former one."""
         former, self._active = self._active, worker
         self._cpu_time += 0.0 if former is None else former.cpu_time
         self._cpu_time -= 0.0 if worker is None else worker.cpu_time

@@ -1,4 +1,4 @@
-"""Worker processes: new ones, and forks of this process."""
+"""Starts and ends worker processes: new processes, or forks of this one."""
 
 import os
 import signal
@@ -13,10 +13,10 @@ from rosoclingo.planning.workers.channel import CONNECTION
 
 
 class WorkerProcess:
-    """A child process that executes the commands that come by a connection.
+    """A child process that executes commands from a connection.
 
-    It runs in a session of its own, so that Ctrl-C in the terminal does not reach it. Its standard input is a lifeline,
-    which closes when this process ends: that ends the child.
+    The child has its own session, so that Ctrl-C in the terminal does not reach it. Its standard input is a lifeline:
+    the pipe closes when this process ends, and that ends the child.
 
     Attributes:
         pid: process id.
@@ -26,8 +26,8 @@ class WorkerProcess:
     def __init__(self, connection: socket.socket, program: Optional[ReactiveProgram] = None) -> None:
         """Start a new process or, if a ``program`` is given, a fork of this process; raises OSError.
 
-        A fork starts in milliseconds, as it shares all that is loaded. This process must have no threads then: the
-        child has copies of their locks, which nobody releases.
+        A fork starts in milliseconds, because it shares all loaded modules and the program. This process must have no
+        threads then: the fork would copy their locks, which are never released.
         """
         lifeline, self._lifeline = os.pipe()
         self._exit_code: Optional[int] = None
@@ -41,11 +41,11 @@ class WorkerProcess:
 
     @property
     def exit_code(self) -> Optional[int]:
-        """The exit code, or minus the number of the signal that ended it; None while it runs."""
+        """The exit code, or minus the number of the signal that ended the process; None while it runs."""
         return self._wait(os.WNOHANG)
 
     def kill(self) -> int:
-        """Kill it unless it has ended; return the exit code."""
+        """Kill the process unless it has ended; return the exit code."""
         if self.exit_code is None:
             os.kill(self.pid, signal.SIGKILL)
         code = self._wait(0)
@@ -56,7 +56,7 @@ class WorkerProcess:
         if self._exit_code is None:
             try:
                 ended, status = os.waitpid(self.pid, options)
-            except ChildProcessError:  # this process ignores SIGCHLD: nobody knows the exit code
+            except ChildProcessError:  # this process ignores SIGCHLD, so the exit code is lost
                 ended, status = self.pid, 0
             if ended:
                 self._exit_code = -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
@@ -81,7 +81,7 @@ def _fork(connection: socket.socket, lifeline: int, program: ReactiveProgram) ->
 
 
 def _run_fork(connection: socket.socket, lifeline: int, program: ReactiveProgram) -> NoReturn:
-    """Be the child: execute commands and end. Data that the parent has not written yet stays the parent's."""
+    """Run in the child: execute commands and exit, without flushing buffers that the parent has not written yet."""
     code = 1
     try:
         from rosoclingo.planning.workers.worker_main import work  # noqa: PLC0415 other parents do not need it
@@ -92,12 +92,12 @@ def _run_fork(connection: socket.socket, lifeline: int, program: ReactiveProgram
         os.dup2(lifeline, 0)
         for file in map(int, os.listdir("/proc/self/fd")):
             if file > 2 and file != connection.fileno():
-                with suppress(OSError):  # that of the folder itself
+                with suppress(OSError):  # the descriptor of the folder itself is closed already
                     os.close(file)
         with suppress(SystemExit):
             work(connection, program)
         code = 0
-    except BaseException:  # noqa: BLE001 the child must not go on with what the parent was doing
+    except BaseException:  # noqa: BLE001 the child must not continue the code of the parent
         os.write(2, traceback.format_exc().encode())
     finally:
         os._exit(code)

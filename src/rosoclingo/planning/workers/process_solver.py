@@ -18,8 +18,8 @@ from rosoclingo.planning.workers.worker import WorkerRequest
 class ProcessSolver(PlanningSolver):
     """Solves a reactive logic program under a stream of updates in a worker process.
 
-    It has the methods of :class:`~rosoclingo.planning.solver.PlanSolver`; all raise DroppedError if the worker was
-    killed, with the history unchanged. A predicted update is answered without the worker. Not thread-safe.
+    It has the methods of :class:`~rosoclingo.planning.solver.PlanSolver`. All of them raise DroppedError if the worker
+    was killed; the history is unchanged then. A predicted update is answered without the worker. Not thread-safe.
     """
 
     def __init__(self, pool: WorkerPool) -> None:
@@ -30,7 +30,7 @@ class ProcessSolver(PlanningSolver):
     def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
         """Prefetch the answer to ``update``; return whether the standby worker does so. Does not block.
 
-        Predicted updates can come ``before`` it: then the standby worker also shortens the plan.
+        If it follows predicted updates ``before`` it, the standby worker also shortens the plan.
         """
         log = self._log_after(before) if before else self.log
         return log is not None and self._pool.prefetch(WorkerRequest("search", (update, bool(before)), log))
@@ -65,7 +65,7 @@ class ProcessSolver(PlanningSolver):
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
     ) -> Reply:
-        """Return whether ``update`` has an answer without the ``disabled`` facts; raises like :meth:`update`."""
+        """Return whether ``update`` has an answer if the ``disabled`` facts do not hold; raises like :meth:`update`."""
         reply: Reply = self._pool.ask(self._request("inquire", update, assumable, disabled), stopped or never).value
         return reply
 

@@ -6,13 +6,13 @@ from rosoclingo.planning.history import Entry, History
 
 
 class WorkerCommand(NamedTuple):
-    """A method of the worker to call.
+    """A call of a method of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain`.
 
     Attributes:
         name: the name of the method.
-        arguments: its arguments.
+        arguments: the arguments of the call.
         entries: the entries of the history before the call, None if it needs no history.
-        continues: whether the entries follow the worker's own history.
+        continues: whether the entries continue the worker's own history.
 
     """
 
@@ -41,7 +41,7 @@ class WorkerReply(NamedTuple):
         value: the result of the method, or the error that it raised.
         entries: the entries to append to the history.
         is_last: whether the command has ended; a search that improves its plan replies with each plan.
-        log: the history after the command, which the parent adds.
+        log: the history after the command; set by the parent.
 
     """
 

@@ -1,4 +1,4 @@
-"""A worker process, as the parent process sees it."""
+"""The parent's interface to a worker process."""
 
 import os
 import signal
@@ -21,26 +21,26 @@ POLL = 0.002
 """Seconds of wall time between two calls of a stop function."""
 
 GROWTH = 32 * 2**20
-"""A worker is replaced when it has grown by this number of bytes, or by half of its first size if that is more."""
+"""Growth in bytes after which a worker is replaced; at least half of its first size."""
 
 GRACE = 1.0
-"""Seconds of wall time after a stop until a grounding is dropped between two pieces."""
+"""Seconds of wall time after a stop until a worker drops a grounding between two pieces."""
 
 
 _DECIDED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE
 
 
 class WorkerLostError(Exception):
-    """The worker process has ended; the text says how."""
+    """The worker process has ended; the text contains the cause."""
 
 
 class WorkerRequest(NamedTuple):
-    """A command of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain` for a history, or for none.
+    """A command of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain`.
 
     Attributes:
         name: the name of the command.
-        arguments: its arguments; those of a search begin with its update.
-        log: the history.
+        arguments: the arguments of the command; the first argument of a search is the update.
+        log: the history to which the command applies, None if it needs no history.
 
     """
 
@@ -59,20 +59,18 @@ class SolverWorker:
     """A process with a program that executes one command at a time.
 
     Attributes:
-        is_ready: whether it has loaded the program.
+        is_ready: whether the process has loaded the program.
         reached: the last grounded step of the running search, as last reported.
-        request: the last request; None after :meth:`abandon`, and once its reply has been returned.
-        log: the history after the last reply; None while a command is running, or after a failure.
+        request: the last request; None after :meth:`abandon` or after its reply was returned.
+        log: the history after the last reply; None while a command is running and after a failure.
 
     """
 
     def __init__(self, load: WorkerRequest, patience: float, program: Optional[ReactiveProgram] = None) -> None:
-        """Start a process and send it the request to ``load``; raises WorkerLostError.
+        """Start a process and send it the request to ``load`` the program; raises WorkerLostError.
 
-        It is lost if it ignores a stop for ``patience`` seconds of wall time.
-
-        With a ``program`` the process is a fork of this one, see :class:`WorkerProcess`, and is waited for, as it is
-        ready at once. Otherwise ``load`` brings the program.
+        The process counts as lost if it ignores a stop for ``patience`` seconds of wall time. If a ``program`` is
+        given, the process is a fork of this one, see :class:`WorkerProcess`; the call returns when the fork is ready.
         """
         self._patience = patience
         ours, theirs = socket.socketpair()
@@ -102,12 +100,12 @@ class SolverWorker:
 
     @property
     def alive(self) -> bool:
-        """Whether the process still runs."""
+        """Whether the process is running."""
         return self._process.exit_code is None
 
     @property
     def memory(self) -> int:
-        """Bytes of main memory that the process holds; 0 if it has ended."""
+        """Bytes of main memory that the process uses; 0 if it has ended."""
         with suppress(OSError):
             pages = int(Path(f"/proc/{self.pid}/statm").read_text(encoding="ascii").split()[1])
             return pages * os.sysconf("SC_PAGE_SIZE")
@@ -121,7 +119,7 @@ class SolverWorker:
         return self._cpu_time
 
     def has_grown(self) -> bool:
-        """Return whether it uses much more memory than at the first call: clingo never frees symbols."""
+        """Return whether the process uses much more memory than at the first call; clingo never frees symbols."""
         self.is_busy()  # reads the reply to the first command
         memory = self.memory if self.is_ready else 0
         self._first_memory = self._first_memory or memory
@@ -162,11 +160,11 @@ class SolverWorker:
                 raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
 
     def ask(self, request: WorkerRequest, stopped: Stop, idle: bool = False) -> WorkerReply:
-        """Return the last reply to ``request``, which can have been begun, with the history after it.
+        """Return the last reply to ``request``, with the history after it; begin the request if necessary.
 
-        A stop interrupts the command, and so does a first answer that is being improved. If the worker does not react,
-        WorkerLostError is raised. An ``idle`` command, which is optional work, is abandoned at a stop with an empty
-        reply. Raises SolverError if the worker refuses the command.
+        A stop interrupts the command. A command that improves its first answer is interrupted at once. An ``idle``
+        command is optional work: a stop abandons it, and the reply is empty. Raises WorkerLostError if the worker
+        ignores a stop, and SolverError if it refuses the command.
         """
         self.wait_until_ready(stopped)
         if not self.has_begun(request):
@@ -198,21 +196,24 @@ class SolverWorker:
         return self._reply or WorkerReply()
 
     def is_busy(self) -> bool:
-        """Return whether it loads the program or executes a command."""
+        """Return whether the process loads the program or executes a command."""
         with suppress(WorkerLostError):
             while self._receive(0.0):
                 pass
         return self.alive and self._open > 0
 
     def has_begun(self, request: WorkerRequest, same_plan: bool = False) -> bool:
-        """Return whether it has begun ``request``, or one with the same answer, also from another plan in force."""
+        """Return whether the process has begun ``request``, or a request with the same answer.
+
+        Unless ``same_plan``, the plans in force can differ.
+        """
         begun = self.request
         if not self.alive or begun is None or not begun.has_answer_of(request):
             return False
         return not same_plan or (begun.log and begun.log.plan) == (request.log and request.log.plan)
 
     def has_answer(self, request: WorkerRequest, stopped: Stop) -> bool:
-        """Return whether it has found the answer to ``request``; wait for it until ``stopped``."""
+        """Return whether the process has found the answer to ``request``; wait for it until ``stopped``."""
         while self.has_begun(request) and self.is_busy() and self._reply is None and not stopped():
             with suppress(WorkerLostError):
                 self._receive(POLL)
@@ -220,11 +221,11 @@ class SolverWorker:
         return self.has_begun(request) and isinstance(result, SolveResult) and result.outcome in _DECIDED
 
     def _interrupt(self, grace: float) -> None:
-        """Interrupt the running command; a grounding is dropped after ``grace`` seconds."""
+        """Interrupt the running command; the worker drops a grounding after ``grace`` seconds."""
         self._channel.send(Interrupt(time.monotonic() + grace))
 
     def _receive(self, timeout: float) -> bool:
-        """Process one message, waiting at most ``timeout`` seconds for it; return whether there was one."""
+        """Wait at most ``timeout`` seconds for a message and process it; return whether there was one."""
         try:
             if not self._channel.wait(timeout):
                 return False

@@ -1,7 +1,7 @@
 """The main program of a worker process.
 
-:mod:`~rosoclingo.planning.workers.process` starts it. The standard input only serves as a lifeline: when the parent
-ends, it is closed, and the kernel ends this process by SIGIO, even while it is grounding.
+:mod:`~rosoclingo.planning.workers.process` starts it. The standard input only serves as a lifeline: it closes when the
+parent ends. The kernel then ends this process by SIGIO, even while it is grounding.
 """
 
 import fcntl
@@ -40,18 +40,18 @@ REPORTING = 0.5
 class WorkerMain:
     """Executes commands one after the other and replies to each; its public methods are the commands.
 
-    Its only state is caches: the history of the last command, and the solver's groundings.
+    Its state consists of caches only: the history of the last command, and the groundings of the solver.
     """
 
     def __init__(self, channel: Channel, program: Optional[ReactiveProgram] = None) -> None:
-        """Use ``program``, or the one that the command :meth:`load` brings."""
+        """Use ``program``; if it is None, :meth:`load` loads one."""
         self._channel, self._given = channel, program
         self._reported = time.monotonic()
         self._solver: Union[PlanSolver, LoggedSolver]
         self._start = History()  # the history before the command
 
     def run(self) -> None:
-        """Execute commands until the parent closes the connection, which raises EOFError."""
+        """Execute commands; raises EOFError when the parent closes the connection."""
         while True:
             self._channel.wait()
             command = self._channel.unread.popleft()
@@ -70,7 +70,7 @@ class WorkerMain:
             return WorkerReply(error)
 
     def _reply(self, value: object, is_last: bool = True) -> WorkerReply:
-        """Return the reply with ``value``; old atoms of an answer are left out of it."""
+        """Return the reply with ``value``; answers are sent without the atoms of old cycles."""
         if isinstance(value, SolveResult):
             value = replace(value, answers=tuple(map(self._solver.recent, value.answers)))
         return WorkerReply(value, self._solver.log.entries_after(self._start) or [], is_last)
@@ -78,7 +78,7 @@ class WorkerMain:
     # ---- Commands ----------------------------------------------------------------------------------------------------
 
     def load(self, sources: Sequence[Source], constants: Dict[str, str], options: Dict[str, Any]) -> None:
-        """Load a program without reading its files; ``options`` are those of :class:`WorkerPool`."""
+        """Load a program from the texts of its files; for ``options`` see :class:`WorkerPool`."""
         self._program = self._given or ReactiveProgram(sources, constants, whole=True)
         if options.pop("shortest", False):
             from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
@@ -89,7 +89,7 @@ class WorkerMain:
             self._solver = LoggedSolver(self._program, self._is_dropped, **options)
 
     def search(self, update: Optional[StreamUpdate], improves: bool) -> SolveResult:
-        """Accept an update and search; if it ``improves``, then shorten the plan until interrupted."""
+        """Accept an update and search for a plan; if it ``improves``, shorten the plan until interrupted."""
         solver, stopped = self._solver, self._is_interrupted
         result = solver.solve(stopped) if update is None else solver.update(update, stopped)
         with suppress(SolverError):  # the first plan remains valid
@@ -102,7 +102,7 @@ class WorkerMain:
         return result
 
     def improve(self) -> Optional[SolveResult]:
-        """Shorten the plan."""
+        """Search for a better plan."""
         return self._planner.improve(self._is_interrupted)
 
     def checkpoint(self) -> None:
@@ -112,7 +112,7 @@ class WorkerMain:
     def inquire(
         self, update: StreamUpdate, assumable: FrozenSet[clingo.Symbol], disabled: FrozenSet[clingo.Symbol]
     ) -> Reply:
-        """Decide whether there is an answer without some facts."""
+        """Decide whether ``update`` has an answer if the ``disabled`` facts do not hold."""
         reply = self._planner.inquire(update, assumable, disabled, self._is_interrupted)
         return Reply(reply.satisfiable, core=reply.core)
 
@@ -126,7 +126,7 @@ class WorkerMain:
         try:
             found = explain(self._program, stream_from_message(stream), self._is_interrupted)
         except UndecidedError:
-            raise DroppedError("stopped before anything was found") from None
+            raise DroppedError("stopped before a cause was found") from None
         return None if found is None else {"text": found.text(), "message": found.to_message()}
 
     @property
@@ -137,7 +137,7 @@ class WorkerMain:
     # ---- The parent --------------------------------------------------------------------------------------------------
 
     def _is_interrupted(self) -> bool:
-        """Return whether to stop the running search; reports its progress at times."""
+        """Return whether to stop the running search; report its progress at intervals."""
         if time.monotonic() - self._reported >= REPORTING:
             self._reported = time.monotonic()
             self._channel.send(SearchProgress(self._solver.reached))
@@ -164,9 +164,9 @@ def end_with_parent(lifeline: int) -> None:
 
 
 def work(connection: socket.socket, program: Optional[ReactiveProgram] = None) -> None:
-    """Execute the commands of the parent, which come by ``connection``."""
+    """Execute the commands that the parent sends over ``connection``."""
     end_with_parent(0)
-    os.dup2(2, 1)  # scripts in a program can print; standard output belongs to the parent
+    os.dup2(2, 1)  # scripts in a program can print, but standard output belongs to the parent
     with suppress(EOFError):
         WorkerMain(Channel(connection), program).run()
 
