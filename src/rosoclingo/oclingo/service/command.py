@@ -15,7 +15,7 @@ from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
-from rosoclingo.oclingo.service.output import JsonOutput, SearchProgress, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, ProgressReport, TextOutput
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
@@ -178,7 +178,7 @@ def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
         Session(solver, _output(options), options.time_limit).ask()
         return 0
     bound = BOUND if options.bound is None else options.bound
-    session = Session(solver, _output(options), options.time_limit, bound, SearchProgress(sys.stderr))
+    session = Session(solver, _output(options), options.time_limit, bound, ProgressReport(sys.stderr))
     if options.stream == "-":
         session.play(sys.stdin, "<stdin>")
     else:

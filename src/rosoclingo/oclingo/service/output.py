@@ -8,7 +8,7 @@ from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 
 
-class SearchProgress:
+class ProgressReport:
     """Reports the progress of a search: on one line of a terminal, else on a new line every ten seconds."""
 
     def __init__(self, stream: IO[str]) -> None:

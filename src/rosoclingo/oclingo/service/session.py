@@ -11,7 +11,7 @@ from typing import Iterable, Iterator, List, Optional, Union
 from rosoclingo.oclingo.errors import ProgressionError, SolverError
 from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
-from rosoclingo.oclingo.service.output import JsonOutput, SearchProgress, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, ProgressReport, TextOutput
 from rosoclingo.oclingo.service.protocol import Request
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
@@ -75,7 +75,7 @@ class Session:
         output: Output,
         time_limit: Optional[float] = None,
         bound: int = 0,
-        progress: Optional[SearchProgress] = None,
+        progress: Optional[ProgressReport] = None,
     ) -> None:
         """Send updates to ``solver``.
 

@@ -15,7 +15,7 @@ from plain_walk import program_text
 from service_helpers import Client
 
 from rosoclingo.checking.oclingo_command import main
-from rosoclingo.oclingo.service.output import SearchProgress
+from rosoclingo.oclingo.service.output import ProgressReport
 
 ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = ROOT / "scripts" / "oclingo"
@@ -168,7 +168,7 @@ def test_long_searches_show_how_far_they_are_and_how_long_they_take():
     lines, screen = io.StringIO(), io.StringIO()
     screen.isatty = lambda: True
     for stream in (lines, screen):
-        progress = SearchProgress(stream)
+        progress = ProgressReport(stream)
         for tenths in range(221):
             progress.report(tenths / 10, "update of step 1, up to step 101", tenths // 4)
         progress.clear()
