@@ -1,4 +1,4 @@
-"""Golog: control programs (``.golog``) as facts and rules for ``encodings/golog.lp``; see doc/golog.md."""
+"""Translation of Golog control programs (``.golog``) into rules for ``encodings/golog.lp``; see doc/golog.md."""
 
 from rosoclingo.golog.linking import read, translate, translate_files
 

@@ -1,4 +1,4 @@
-"""Conditions as bodies of rules: alternatives of literals, which bind their variables."""
+"""Translation of conditions into rule bodies: alternatives of literals that bind their variables."""
 
 from itertools import chain, product
 from typing import Dict, FrozenSet, Iterable, List, Mapping, NamedTuple, Sequence, Set, Union
@@ -9,52 +9,52 @@ from rosoclingo.oclingo.grammars import SyntaxNode, Token
 
 _OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 MOST = 64
-"""How many alternatives a condition can have."""
+"""Maximum number of alternatives of a condition."""
 
 STEP = "_step"
-"""The step in rules, a name that nothing in a control program can have."""
+"""The step parameter of rules; control programs cannot contain this name."""
 
 Names = Mapping[str, str]
-"""How variables are written: those of inner scopes are given names of their own."""
+"""The names in rules of the variables in scope; variables of inner scopes are renamed if necessary."""
 
 
 class GologError(Exception):
-    """A control program is not as it should be; ``fault`` says where and what to write instead."""
+    """An error in a control program; ``fault`` has its place and a fix."""
 
     def __init__(self, fault: Fault) -> None:
         self.fault = fault
         super().__init__(str(fault))
 
 
-class Plain(NamedTuple):
-    """A literal as text, with the variables that it needs, and those that it binds once it has these."""
+class PlainLiteral(NamedTuple):
+    """A literal as text, with the variables that it needs and the variables that it then binds."""
 
     text: str
     needs: FrozenSet[str]
     binds: FrozenSet[str] = frozenset()
 
 
-class Without(NamedTuple):
-    """There are no values with which a condition holds; ``variables`` are those of the scopes around."""
+class NegatedCondition(NamedTuple):
+    """The negation of a condition that has its own variables; ``variables`` are those of the outer scopes."""
 
     condition: SyntaxNode
     names: Names
     variables: FrozenSet[str]
 
 
-Literal = Union[Plain, Without]
+Literal = Union[PlainLiteral, NegatedCondition]
 
 
 class Bindings:
-    """Makes names for variables that are bound within conditions, and knows where faults are."""
+    """Names the variables of a file's conditions, and reports faults with their places."""
 
     def __init__(self, file: str) -> None:
         self._file, self._count = file, 0
-        self._quantified: Set[str] = set()  # what is bound within the present condition
-        self.first: Dict[str, SyntaxNode] = {}  # where each variable stands first
+        self._quantified: Set[str] = set()  # variables bound in the present condition
+        self.first: Dict[str, SyntaxNode] = {}  # first occurrence of each variable
 
     def begin(self) -> None:
-        """Begin a condition, whose rules have no variables in common with those before."""
+        """Begin a condition; its rules share no variables with those of earlier conditions."""
         self._quantified.clear()
 
     def fault(self, place: Union[SyntaxNode, Token], message: str, mend: str) -> GologError:
@@ -62,34 +62,36 @@ class Bindings:
         return GologError(Fault(self._file, place.line or 1, place.column or 1, message, mend))
 
     def inner(self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables") -> Dict[str, str]:
-        """Return how variables are written within a scope that binds these; raises GologError for equal ones."""
+        """Return the names within a scope that binds ``variables``; raise GologError for duplicates."""
         return self._bind(names, variables, set(names), what)
 
     def quantified(self, names: Names, variables: Sequence[SyntaxNode]) -> Dict[str, str]:
-        """Return the same for variables of ``some``, whose names others of the same condition may have as well."""
+        """Return the names within a quantifier; its variables differ from all others of the condition."""
         found = self._bind(names, variables, {*names, *self._quantified}, "variables")
         self._quantified.update(one.text for one in variables)
         return found
 
-    def _bind(self, names: Names, variables: Sequence[SyntaxNode], taken: Set[str], what: str) -> Dict[str, str]:
+    def _bind(self, names: Names, variables: Sequence[SyntaxNode], used: Set[str], what: str) -> Dict[str, str]:
         found, seen = dict(names), set()  # type: Dict[str, str], Set[str]
-        for one in variables:  # no variable of a control program has a ' in it
+        for one in variables:  # variables of control programs cannot contain a '
             if one.text in seen:
                 raise self.fault(one, f"two {what} {one.text}", "rename one of them")
             seen.add(one.text)
-            self._count += one.text in taken
-            found[one.text] = one.text + (f"'{self._count}" if one.text in taken else "")
+            self._count += one.text in used
+            found[one.text] = one.text + (f"'{self._count}" if one.text in used else "")
             self.first.setdefault(found[one.text], one)
         return found
 
     def term(self, term: SyntaxNode, names: Names) -> str:
-        """Return a term as clingo reads it."""
+        """Return a term in clingo's syntax."""
         kind, parts = term.kind, term.parts
         if kind == "variable":
-            found = _written(term, names)
+            found = _name_of(term, names)
             if not found:
-                mend = "name it as a parameter, or by pick, some or all; other names begin with a small letter"
-                raise self.fault(term, f"nothing says what {term.text} is", mend)
+                mend = (
+                    "bind it as a parameter, or by pick, some or all; names of constants begin with a lower-case letter"
+                )
+                raise self.fault(term, f"variable {term.text} is unbound", mend)
             self.first.setdefault(found, term)
             return found
         if kind == "operation":
@@ -105,14 +107,14 @@ class Bindings:
         return f"({text})" if term.kind in ("operation", "negative") else text
 
 
-def _written(variable: SyntaxNode, names: Names) -> str:
-    """Return how a variable is written, "" where nothing binds it; each _ of a fluent has a name of its own."""
+def _name_of(variable: SyntaxNode, names: Names) -> str:
+    """Return the name of a variable in rules, "" if it is unbound; each _ of a fluent has a unique name."""
     found = names.get(variable.text, "")
     return f"Any'{variable.line}'{variable.column}" if found and variable.text == "_" else found
 
 
 def alternatives(condition: SyntaxNode, names: Names, scope: Bindings, positive: bool = True) -> List[List[Literal]]:
-    """Return in which ways a condition holds, or with ``positive`` False does not hold."""
+    """Return the alternatives under which a condition holds, or does not hold if ``positive`` is false."""
     kind, parts = condition.kind, condition.parts
     if kind == "not":
         return alternatives(parts[0], names, scope, not positive)
@@ -130,15 +132,15 @@ def alternatives(condition: SyntaxNode, names: Names, scope: Bindings, positive:
         operator = condition.text if positive else _OPPOSITE[condition.text]
         return [[_compared(parts[0], operator, parts[1], names, scope)]]
     elif kind != "compound":
-        raise scope.fault(condition, "a term where a condition belongs", "write =, !=, <, <=, > or >= behind it")
+        raise scope.fault(condition, "a term where a condition belongs", "write =, !=, <, <=, > or >= after it")
     elif positive or all(one.text != "_" for one in _variables(condition)):
         return [[_fluent(condition, names, scope, positive)]]
     known = frozenset(names[one] for one in free_variables(condition) if one in names)
-    return [[Without(condition, names, known)]]
+    return [[NegatedCondition(condition, names, known)]]
 
 
 def instances(condition: SyntaxNode, names: Names, scope: Bindings) -> List[List[Literal]]:
-    """Return in which ways there are values for ``some``, or against ``all``, or for each _ of a fluent."""
+    """Return the alternatives under which ``some`` or a fluent has values, or ``all`` a counterexample."""
     if condition.kind == "compound":
         return alternatives(condition, names, scope)
     inner = scope.quantified(names, parameters(condition))
@@ -147,47 +149,47 @@ def instances(condition: SyntaxNode, names: Names, scope: Bindings) -> List[List
 
 
 def _all_of(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: Bindings) -> List[List[Literal]]:
-    """Return the ways in which all sides of a condition hold, of which each has these ways."""
+    """Return the combinations of the alternatives of all sides."""
     count = 1
     for side in sides:
         count *= len(side)
         if count > MOST:
-            raise scope.fault(condition, f"a condition with more than {MOST} alternatives", "split it up")
+            raise scope.fault(condition, f"a condition has more than {MOST} alternatives", "split it")
     return [list(chain(*ways)) for ways in product(*sides)]
 
 
 def _member(condition: SyntaxNode, names: Names, scope: Bindings, positive: bool) -> List[List[Literal]]:
     variable, values = condition.parts
     if variable.kind != "variable":
-        raise scope.fault(variable, "'in' behind what is no variable", "write it as in X in 1..3")
+        raise scope.fault(variable, "'in' needs a variable on its left side", "write it like X in 1..3")
     if positive:
         own, inside = scope.term(variable, names), [scope.term(one, names) for one in values.parts]
         text = f"{own}={'..'.join(inside)}" if values.kind == "range" else f"{own}=({';'.join(inside)})"
-        return [[Plain(text, _used(condition, names) - {own}, frozenset([own]))]]
+        return [[PlainLiteral(text, _used(condition, names) - {own}, frozenset([own]))]]
     if values.kind == "range":
         pairs = zip("<>", values.parts)
         return [[_compared(variable, operator, one, names, scope)] for operator, one in pairs]
     return [[_compared(variable, "!=", one, names, scope) for one in values.parts]]
 
 
-def _compared(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Bindings) -> Plain:
+def _compared(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Bindings) -> PlainLiteral:
     text = f"{scope.term(left, names)}{operator}{scope.term(right, names)}"
     used, sides = _used(left, names) | _used(right, names), [one for one in (left, right) if one.kind == "variable"]
-    binds = frozenset(_written(one, names) for one in sides[:1] if operator == "=")
-    return Plain(text, used - binds, binds)
+    binds = frozenset(_name_of(one, names) for one in sides[:1] if operator == "=")
+    return PlainLiteral(text, used - binds, binds)
 
 
-def _fluent(fluent: SyntaxNode, names: Names, scope: Bindings, positive: bool) -> Plain:
+def _fluent(fluent: SyntaxNode, names: Names, scope: Bindings, positive: bool) -> PlainLiteral:
     own = {**names, "_": "_"}
     text, used = f"golog_holds({scope.term(fluent, own)},{STEP})", _used(fluent, own)
     if not positive:
-        return Plain(f"not {text}", used)
-    binds = frozenset(_written(one, own) for one in _arguments_bound(fluent))
-    return Plain(text, used - binds, binds)
+        return PlainLiteral(f"not {text}", used)
+    binds = frozenset(_name_of(one, own) for one in _arguments_bound(fluent))
+    return PlainLiteral(text, used - binds, binds)
 
 
 def _arguments_bound(term: SyntaxNode) -> List[SyntaxNode]:
-    """Return the variables that stand as arguments, outside of operations."""
+    """Return the variables among the arguments, outside of operations."""
     if term.kind == "compound":
         return [found for one in term.parts for found in _arguments_bound(one)]
     return [term] if term.kind == "variable" else []
@@ -198,12 +200,12 @@ def _variables(one: SyntaxNode) -> List[SyntaxNode]:
 
 
 def _used(one: SyntaxNode, names: Names) -> FrozenSet[str]:
-    """Return the variables in a term, a comparison or the like, as they are written."""
-    return frozenset(_written(part, names) for part in _variables(one))
+    """Return the names in rules of all variables in a term or condition."""
+    return frozenset(_name_of(part, names) for part in _variables(one))
 
 
 def free_variables(thing: SyntaxNode) -> Set[str]:
-    """Return the variables of a condition or term that nothing in it binds."""
+    """Return the free variables of a condition or term."""
     if thing.kind == "variable":
         return {thing.text}
     found = {name for one in thing.parts for name in free_variables(one)}
@@ -211,9 +213,9 @@ def free_variables(thing: SyntaxNode) -> Set[str]:
 
 
 def unbound(literals: Sequence[Literal], known: Iterable[str], wanted: Iterable[str]) -> List[str]:
-    """Return which of the ``wanted`` variables and those in the literals nothing binds, given the known ones."""
+    """Return the unbound variables among ``wanted`` and those of the literals, given the ``known`` ones."""
     bound, before = set(known), -1
-    plain = [one for one in literals if isinstance(one, Plain)]
+    plain = [one for one in literals if isinstance(one, PlainLiteral)]
     while before != len(bound):
         before = len(bound)
         bound |= {name for one in plain if one.needs <= bound for name in one.binds}
@@ -221,5 +223,5 @@ def unbound(literals: Sequence[Literal], known: Iterable[str], wanted: Iterable[
 
 
 def variables_of(literal: Literal) -> FrozenSet[str]:
-    """Return the variables of the scopes around a literal, and its own."""
-    return literal.needs | literal.binds if isinstance(literal, Plain) else literal.variables
+    """Return all variables of a literal that can be bound outside it."""
+    return literal.needs | literal.binds if isinstance(literal, PlainLiteral) else literal.variables

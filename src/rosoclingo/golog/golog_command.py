@@ -1,4 +1,4 @@
-"""The command ``golog``: prints what control programs are for the solver, or what is wrong with them."""
+"""The command ``golog``, which translates control programs and reports their errors."""
 
 import argparse
 import sys
@@ -10,22 +10,21 @@ from rosoclingo.oclingo.program.sources import Collector, Source
 from rosoclingo.oclingo.unread import ends_unread
 
 GOOD, FAULTY, UNREADABLE = 0, 1, 2
-"""The exit codes: all is well, there are faults, a file cannot be read or the command line is wrong."""
+"""Exit codes: no errors, errors in programs, or a file cannot be read or the command line is wrong."""
 
 _DESCRIPTION = """\
-Prints control programs in Golog as facts and rules for encodings/golog.lp, which is what the solver makes of them, or
-tells what is wrong with them and with those that they include, by line and column. Programs that use them name the
-.golog files as they are."""
+Translates control programs in Golog into facts and rules for encodings/golog.lp, or reports the errors in them and in
+the files that they include, with line and column. Loading a .golog file needs no translation by this command."""
 
-_EPILOG = "Exit code: 0 all is well; 1 there are faults; 2 a file can't be read, or the command line is wrong."
+_EPILOG = "Exit code: 0 no errors; 1 errors in programs; 2 a file can't be read, or the command line is wrong."
 
 
 @ends_unread
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """Run the command with the command line's arguments, or those given; return its exit code."""
+    """Run the command with ``arguments``, by default those of the command line; return the exit code."""
     parser = argparse.ArgumentParser(prog="golog", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("files", nargs="+", metavar="FILE", help="control programs (-: standard input)")
-    parser.add_argument("--check", action="store_true", help="only tell what is wrong")
+    parser.add_argument("--check", action="store_true", help="only report errors")
     given = parser.parse_args(arguments)
     codes = [_translate(file, given.check) for file in given.files]
     return max(codes)
@@ -42,7 +41,7 @@ def _translate(file: str, silent: bool) -> int:
     collector.translate()
     texts = {one.source.name: one.source.text for one in collector.files}
     for fault in collector.faults:
-        sys.stderr.write(_told(fault, texts.get(fault.file, "").splitlines()))
+        sys.stderr.write(_with_line(fault, texts.get(fault.file, "").splitlines()))
     if collector.faults:
         return FAULTY
     if not silent:
@@ -54,12 +53,12 @@ def _read(file: str) -> Source:
     if file == "-":
         return Source("stdin.golog", sys.stdin.read())
     if not file.endswith(".golog"):
-        raise ProgramError([Fault(file, 0, 0, "no control program by its name", "let it end on .golog")])
+        raise ProgramError([Fault(file, 0, 0, "not the name of a control program", "end the file name with .golog")])
     return Source.from_file(Path(file))
 
 
-def _told(fault: Fault, lines: Sequence[str]) -> str:
-    """Return a fault with its line and a mark below its column."""
+def _with_line(fault: Fault, lines: Sequence[str]) -> str:
+    """Return a fault with its source line and a mark below its column."""
     if not 0 < fault.line <= len(lines):
         return f"{fault}\n"
     line = lines[fault.line - 1].replace("\t", " ")

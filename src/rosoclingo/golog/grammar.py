@@ -1,4 +1,4 @@
-"""The grammar of control programs, and what is wrong with a text that it does not accept."""
+"""The grammar of control programs, with messages about syntax errors."""
 
 import re
 from functools import lru_cache
@@ -9,7 +9,7 @@ from rosoclingo.oclingo.grammars import Grammar, MisfitError, SyntaxNode, Token
 from rosoclingo.oclingo.program.likeness import is_slip
 
 GREATEST = 2**31 - 1
-"""The greatest number that clingo knows; of greater ones it would take what is left of some of their bits."""
+"""The largest number in clingo, which would silently truncate larger ones."""
 
 _GRAMMAR = r"""
 include: "include" STRING ";"
@@ -91,12 +91,12 @@ UNKNOWN.-2: /==|./s
 """
 
 _WORDS = frozenset(re.findall('"([a-z]+)"', _GRAMMAR))
-"""Names that no action, fluent or procedure can have."""
+"""Keywords, which cannot be names of actions, fluents or procedures."""
 
-_CONDITIONS = "conditions stand behind test, if and while"
+_CONDITIONS = "write conditions after test, if or while"
 _INTERRUPTS = "write interrupts { when CONDITION {...} } until CONDITION;"
 _MISPLACED = {
-    "else": "it belongs right behind the {...} of if or try",
+    "else": "write it directly after the {...} of if or try",
     "or": "write choose {...} or {...}",
     "and": "write any order {...} and {...}",
     "with": "write interleave {...} with {...}",
@@ -108,33 +108,33 @@ _MISPLACED = {
     "true": "write test true;",
     "false": "write test false;",
 }
-"""What to write in place of a word that begins no statement."""
+"""Fixes for keywords that do not begin a statement."""
 
 _WANTED: Sequence[Tuple[str, str, str]] = (
-    ("WHILE", "a statement", "write an action, or a word like if, while, pick"),
+    ("WHILE", "a statement", "write an action, or a keyword such as if, while, pick"),
     ("NOT", "a condition", "write a fluent, or compare terms, as in X + 1 < 3"),
     ("NAME NUMBER", "a term", "write a name, a number or a variable"),
-    ("VARIABLE", "a variable", "variables begin with a capital letter"),
-    ("NAME", "the procedure's name", "names begin with a small letter"),
+    ("VARIABLE", "a variable", "variables begin with an upper-case letter"),
+    ("NAME", "the procedure's name", "names begin with a lower-case letter"),
     ("NUMBER", "the number of attempts", "write retry 3 {...}"),
     ("STRING", "a file's name", 'write include "FILE";'),
-    ("_ARROW", "'->'", "write -> as in all X: CONDITION -> CONDITION"),
+    ("_ARROW", "'->'", "write -> like all X: CONDITION -> CONDITION"),
     ("SEMICOLON", "';'", "write ;"),
-    ("COLON", "':'", "write : as in pick X: CONDITION {...}, or pick X in 1..3 {...}"),
+    ("COLON", "':'", "write : like pick X: CONDITION {...}, or pick X in 1..3 {...}"),
     ("LBRACE", "'{'", "write {"),
     ("RPAR", "')'", "write )"),
-    ("_DOTS", "'..'", "write .. as in X in 1..3"),
+    ("_DOTS", "'..'", "write .. like X in 1..3"),
     ("WHEN", "'when'", "write when CONDITION {...}"),
     ("RBRACE", "'}'", "write }"),
     ("ON_CANCEL", "'on cancel'", "write do {...} on cancel {...}"),
-    ("UNTIL", "'until'", "write until CONDITION; behind the interrupts, for when they end"),
-    ("ELSE", "'else'", "write else {...}, for what is done if an action fails"),
-    ("OR", "'or'", "write or {...}, for another choice"),
-    ("AND", "'and'", "write and {...}, for another part of any order"),
-    ("WITH", "'with'", "write with {...}, for another part of interleave"),
-    ("OVER", "'over'", "write over {...}, for another part of prefer"),
+    ("UNTIL", "'until'", "write until CONDITION; after the interrupts: they end when it holds"),
+    ("ELSE", "'else'", "write else {...}, which runs if an action fails"),
+    ("OR", "'or'", "write or {...} for another choice"),
+    ("AND", "'and'", "write and {...} for another part of any order"),
+    ("WITH", "'with'", "write with {...} for another part of interleave"),
+    ("OVER", "'over'", "write over {...} for another part of prefer"),
 )
-"""Types of tokens that a place accepts, what belongs there if it accepts them, and the mend; the first one counts."""
+"""Accepted token types, their description in messages, and the fix; the first row with all types accepted counts."""
 
 _INSTEAD = {
     "?": "write test CONDITION;",
@@ -154,7 +154,7 @@ _STATEMENTS = frozenset(
 
 
 class ControlProgram(NamedTuple):
-    """A file: the nodes of the files that it includes and of its procedures."""
+    """A file: the nodes of its includes and of its procedures."""
 
     includes: Tuple[SyntaxNode, ...]
     procedures: Tuple[SyntaxNode, ...]
@@ -166,7 +166,7 @@ def _grammar() -> Grammar:
 
 
 def statements(one: SyntaxNode) -> List[SyntaxNode]:
-    """Return the statements directly within one."""
+    """Return the direct substatements of a statement."""
     return [part for part in one.parts if part.kind in _STATEMENTS]
 
 
@@ -177,13 +177,13 @@ def signature(named: SyntaxNode) -> Tuple[str, int]:
 
 
 def parameters(one: SyntaxNode) -> List[SyntaxNode]:
-    """Return the variables that a procedure, ``pick``, ``when`` or a quantifier begins with."""
+    """Return the variables that a procedure, ``pick``, ``when`` or a quantifier binds."""
     first = one.parts[0]
     return first.parts if first.kind == "variables" else []
 
 
 def choice(one: SyntaxNode) -> Tuple[List[SyntaxNode], SyntaxNode, SyntaxNode]:
-    """Return the variables of ``pick`` or ``when``, the condition on them, and what is done."""
+    """Return the variables, the condition and the body of ``pick`` or ``when``."""
     condition, body = one.parts[-2:]
     if len(one.parts) == 2 and condition.kind == "member":
         return condition.parts[:1], condition, body
@@ -191,20 +191,20 @@ def choice(one: SyntaxNode) -> Tuple[List[SyntaxNode], SyntaxNode, SyntaxNode]:
 
 
 def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
-    """Read a control program; what is wrong is added to ``faults``, with at most one of the syntax in a procedure."""
+    """Parse a control program; add its errors to ``faults``, with at most one syntax error for each procedure."""
     found: List[SyntaxNode] = []
-    tokens = [_mended(token, name, faults) for token in _grammar().tokens(text)]
+    tokens = [_checked(token, name, faults) for token in _grammar().tokens(text)]
     lines = text.split("\n")
     end = Token("$END", "", line=len(lines), column=len(lines[-1]) + 1)
     starts = [n for n, token in enumerate(tokens) if token.type in ("PROC", "INCLUDE")]
     if tokens and 0 not in starts:
-        faults.append(_fault(name, tokens[0], f"'{tokens[0]}' outside of a procedure", "write proc NAME(X) { ... }"))
+        faults.append(_fault(name, tokens[0], f"'{tokens[0]}' outside a procedure", "write proc NAME(X) { ... }"))
     for first, after in zip(starts, [*starts[1:], len(tokens)]):
         start = "procedure" if tokens[first].type == "PROC" else "include"
         try:
             found.append(_grammar().parse(tokens[first:after], (*tokens[after:], end)[0], start))
         except MisfitError as misfit:
-            faults.append(_fault(name, *_told(misfit, tokens[first:after])))
+            faults.append(_fault(name, *_explained(misfit, tokens[first:after])))
     procedures = (one for one in found if one.kind == "procedure")
     return ControlProgram(tuple(one for one in found if one.kind == "include"), tuple(procedures))
 
@@ -213,52 +213,52 @@ def _fault(name: str, token: Token, message: str, mend: str) -> Fault:
     return Fault(name, token.line or 1, token.column or 1, message, mend)
 
 
-def _mended(token: Token, name: str, faults: List[Fault]) -> Token:
-    """Return a token as the grammar takes it; what is wrong with it by itself is added to ``faults``."""
+def _checked(token: Token, name: str, faults: List[Fault]) -> Token:
+    """Return a token that the grammar accepts; add errors within the token to ``faults``."""
     if token.type == "QUOTED":
-        faults.append(_fault(name, token, f"{token} is no string", f'write "{token[1:-1]}"'))
+        faults.append(_fault(name, token, f"{token} is not a string", f'write "{token[1:-1]}"'))
         return token.update(type="STRING")
-    if token.type == "NUMBER" and _is_great(token):
-        mend = f"have at most {GREATEST}, or write it as a string"
-        faults.append(_fault(name, token, f"the number {token} is too great", mend))
+    if token.type == "NUMBER" and _is_too_large(token):
+        mend = f"write at most {GREATEST}, or a string"
+        faults.append(_fault(name, token, f"the number {token} is too large", mend))
     return token
 
 
-def _is_great(number: str) -> bool:
+def _is_too_large(number: str) -> bool:
     digits = number.lstrip("0") or "0"
     return len(digits) > len(str(GREATEST)) or int(digits) > GREATEST
 
 
-def _told(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str, str]:
-    """Return the token to blame for tokens that are no procedure or include, what is wrong, and the mend."""
+def _explained(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str, str]:
+    """Return the token at which a syntax error is reported, the message and the fix."""
     token, accepted = misfit.token, misfit.accepted
     if not accepted:
-        return token, "too much within each other", "make procedures of some"
+        return token, "nesting is too deep", "move some of it into procedures"
     if token.type == "OPEN":
-        return token, "the string has no end on its line", 'write " behind it'
+        return token, "the string does not end on its line", 'write " after it'
     if token.type == "UNKNOWN":
         shown = f"'{token}'" if token in _INSTEAD else repr(str(token))
-        return token, f"{shown} is no word of the language", _INSTEAD.get(token, "comments begin with %")
+        return token, f"{shown} is not part of the language", _INSTEAD.get(token, "comments begin with %")
     at = next((n for n, one in enumerate(tokens) if one is token), len(tokens))
     if at == len(tokens) and _open(tokens):
         return _open(tokens)[-1], "the bracket '{' is never closed", "write } where it ends"
     shown = f"'{token}'" if token else "the end of the file"
     if accepted == {"$END"}:
-        return token, f"{shown} outside of a procedure", "write proc NAME(X) { ... }"
+        return token, f"{shown} outside a procedure", "write proc NAME(X) { ... }"
     slip = _slip(tokens, at) if "SEMICOLON" in accepted else None
     if slip is not None:
-        return slip[0], f"'{slip[0]}' is no word of the language, and no ';' is behind it", f"is {slip[1]} meant?"
+        return slip[0], f"'{slip[0]}' is not a keyword, and no ';' follows it", f"is {slip[1]} meant?"
     wanted = (row for row in _WANTED if set(row[0].split()) <= accepted)
     types, what, mend = next(wanted, ("", " or ".join(sorted(accepted)), "see doc/golog.md"))
     if token in _WORDS and types == "WHILE":
-        mend = _MISPLACED.get(token, "no action has this name")
+        mend = _MISPLACED.get(token, "actions cannot have this name")
     elif token in _WORDS and not what.startswith("'"):
-        shown += " is a word of the language"
-    return token, f"{shown} where {what} belongs, behind '{tokens[at - 1]}'", mend
+        shown += " is a keyword"
+    return token, f"{shown} in place of {what}, after '{tokens[at - 1]}'", mend
 
 
 def _open(tokens: Sequence[Token]) -> List[Token]:
-    """Return the braces that none closes."""
+    """Return the opening braces without a closing one."""
     found: List[Token] = []
     for token in tokens:
         if token == "{":
@@ -269,7 +269,7 @@ def _open(tokens: Sequence[Token]) -> List[Token]:
 
 
 def _slip(tokens: Sequence[Token], at: int) -> Optional[Tuple[Token, str]]:
-    """Return the name that begins the statement around a place, and the word that it may be a slip of, if it is."""
+    """Return the first name of the statement at a place with the keyword that it misspells, if it does."""
     begin = next((n for n in range(at - 1, 0, -1) if tokens[n - 1] in ("{", "}", ";")), 0)
     meant = next((word for word in sorted(_WORDS) if is_slip(tokens[begin], word)), None)
     return (tokens[begin], meant) if meant and tokens[begin].type == "NAME" else None

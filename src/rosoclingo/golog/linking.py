@@ -1,4 +1,4 @@
-"""The control programs of a program's files: what each includes, which procedures it may call, each translated."""
+"""Translation of the control programs of several files that can call each other's procedures."""
 
 import re
 from pathlib import PurePath
@@ -6,7 +6,7 @@ from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 
 from rosoclingo.golog.grammar import ControlProgram, parse, signature
 from rosoclingo.golog.recursion import Signature, endless_calls
-from rosoclingo.golog.writing import Declared, Writer, arguments
+from rosoclingo.golog.writing import Declaration, Writer, arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.program.languages import Document, Include, Translation
@@ -14,35 +14,35 @@ from rosoclingo.oclingo.program.languages import Document, Include, Translation
 _NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
 
 
-class _Read(NamedTuple):
-    """A control program as read, with what is wrong with it so far."""
+class _ParsedProgram(NamedTuple):
+    """A parsed control program with its syntax errors."""
 
     program: ControlProgram
     faults: Tuple[Fault, ...]
 
 
 def read(text: str, name: str) -> Document:
-    """Return what a file of control programs is."""
+    """Parse a file of control programs; errors are part of the result."""
     faults: List[Fault] = []
     program = parse(text, name, faults)
     includes = tuple(Include(one.text[1:-1], one.line, one.tokens[0].column or 1) for one in program.includes)
-    return Document(name, includes, _Read(program, tuple(faults)))
+    return Document(name, includes, _ParsedProgram(program, tuple(faults)))
 
 
 def translate(text: str, name: str) -> Translation:
-    """Return a control program as a reactive logic program, without those that it includes; ``name`` is its file's.
+    """Translate a single control program without its includes; ``name`` is the name of its file.
 
-    Raises ProgramError with all faults that are found.
+    Raises ProgramError with all faults.
     """
     document = read(text, name)
     return translate_files([document], [[() for _ in document.includes]])[0]
 
 
 def translate_files(documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> List[Translation]:
-    """Return files of control programs as reactive logic programs.
+    """Translate files of control programs into reactive logic programs.
 
-    ``included`` has for each of them, for each of its includes, the numbers of the files that it brings in. Raises
-    ProgramError with all faults of all files.
+    ``included[i][j]`` lists the indices of the files that the j-th include of file i adds. Raises ProgramError with all
+    faults of all files.
     """
     linker = _Linker(documents, included)
     stems = _stems([one.name for one in documents])
@@ -64,7 +64,7 @@ def translate_files(documents: Sequence[Document], included: Sequence[Sequence[S
 
 
 def _stems(names: Sequence[str]) -> List[str]:
-    """Return a term for each file, after its name."""
+    """Return a unique term for each file, derived from its name."""
     found: List[str] = []
     for name in names:
         stem = PurePath(name).stem
@@ -74,34 +74,34 @@ def _stems(names: Sequence[str]) -> List[str]:
 
 
 class _Linker:
-    """Finds which file has which procedures, those of included files first; ``faults`` has those of each file."""
+    """Resolves includes and collects the procedures of all files; ``faults`` lists the errors of each file."""
 
     def __init__(self, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> None:
         self._documents, self._included = documents, included
         self._declared: Dict[Signature, Tuple[int, SyntaxNode]] = {}
-        self._above: List[int] = []  # the files within whose includes the present one lies
-        self._over: Set[int] = set()
+        self._above: List[int] = []  # the chain of includes that leads to the present file
+        self._linked: Set[int] = set()
         self.faults: List[List[Fault]] = [[] for _ in documents]
         for number in range(len(documents)):
             self._link(number)
 
-    def procedures(self, number: int) -> Dict[Signature, Declared]:
-        """The procedures that a file may call: its own, and those of all that it includes."""
+    def procedures(self, number: int) -> Dict[Signature, Declaration]:
+        """Return the procedures that a file can call: its own, and those of all included files."""
         seen, waiting = {number}, [number]
         while waiting:
             further = {one for way in self._included[waiting.pop()] for one in way} - seen
             seen |= further
             waiting += further
         return {
-            one: Declared(self._documents[file].name, procedure)
+            one: Declaration(self._documents[file].name, procedure)
             for one, (file, procedure) in self._declared.items()
             if file in seen
         }
 
     def _link(self, number: int) -> None:
-        if number in self._over:
+        if number in self._linked:
             return
-        self._over.add(number)
+        self._linked.add(number)
         self._above.append(number)
         program: ControlProgram = self._documents[number].content.program
         for include, way in zip(self._documents[number].includes, self._included[number]):
@@ -116,7 +116,7 @@ class _Linker:
     def _report_circle(self, number: int, include: Include, first: int) -> None:
         names = [PurePath(self._documents[one].name).name for one in self._above[self._above.index(first) :]]
         message = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
-        mend = "put what both need into a third file" if names[1:] else "leave it out"
+        mend = "move shared procedures into a third file" if names[1:] else "remove the include"
         self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, mend))
 
     def _declare(self, number: int, procedure: SyntaxNode) -> None:
@@ -126,6 +126,6 @@ class _Linker:
             return
         file, other = self._declared[head]
         where = "" if file == number else f"{self._documents[file].name}, "
-        message = f"procedure {name} with {arguments(head[1])} is in {where}line {other.line} already"
+        message = f"procedure {name} with {arguments(head[1])} is already defined in {where}line {other.line}"
         place = (self._documents[number].name, name.line or 1, name.column or 1)
-        self.faults[number].append(Fault(*place, message, "give one of them another name"))
+        self.faults[number].append(Fault(*place, message, "rename one of them"))

@@ -1,6 +1,6 @@
-"""Endless recursion: procedures that call themselves before any action.
+"""Detection of endless recursion: procedures that call themselves before any action.
 
-A recursion ends if an argument counts down, or up, to a bound.
+A recursion is finite if an argument counts down, or up, to a bound.
 """
 
 from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
@@ -11,7 +11,7 @@ from rosoclingo.oclingo.grammars import SyntaxNode
 Signature = Tuple[str, int]
 
 COUNTING = "if N > 0 { p(N - 1); }"
-"""An example of a recursion that ends."""
+"""An example of a finite recursion, for messages."""
 
 _LOOPS = ("while", "star", "every", "achieve")
 _TOGETHER = ("seq", "conc", "prio", "order", "interrupts")
@@ -19,7 +19,7 @@ _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
 class _Begin(NamedTuple):
-    """How a program can begin: the calls before any action, and whether it can be over without one."""
+    """The beginning of a program: its calls before any action, and whether it can end without an action."""
 
     calls: List[SyntaxNode]
     idle: bool
@@ -28,9 +28,9 @@ class _Begin(NamedTuple):
 def endless_calls(
     procedures: Mapping[Signature, SyntaxNode], own: Iterable[Signature]
 ) -> Iterator[Tuple[SyntaxNode, str, str]]:
-    """Yield the call, the message and the mend for each of a file's ``own`` procedures that may recurse endlessly.
+    """Yield call, message and fix for each of a file's ``own`` procedures with a possibly endless recursion.
 
-    The ``procedures`` are all that may be called.
+    ``procedures`` are all callable procedures.
     """
     idle: Set[Signature] = set()
     begins: Dict[Signature, _Begin] = {}
@@ -43,8 +43,8 @@ def endless_calls(
     for one in own:
         for call in calls[one]:
             if one in _reached(signature(call), calls):
-                mend = f"let an action come before the call, count down ({COUNTING}), or write a loop (while, star)"
-                yield call, f"{one[0]} may come to call itself again before it has done anything, without end", mend
+                mend = f"write an action before the call, count down ({COUNTING}), or use a loop (while, star)"
+                yield call, f"{one[0]} can call itself endlessly without an action in between", mend
                 break
 
 
@@ -58,7 +58,7 @@ def _reached(first: Signature, calls: Mapping[Signature, List[SyntaxNode]]) -> S
 
 
 def _begin(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Set[Signature]) -> _Begin:
-    """Return how a statement may begin; ``idle`` are the procedures known to be over without an action, at times."""
+    """Return the beginning of a statement; ``idle`` are the procedures that can end without an action."""
     kind = one.kind
     if kind == "step":
         called = signature(one.parts[0])
@@ -76,7 +76,7 @@ def _begin(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Se
     return _Begin(calls, (all if kind in _TOGETHER else any)(part.idle for part in parts))
 
 
-# ---- recursion that ends -------------------------------------------------------------------------------------------
+# ---- finite recursion ----------------------------------------------------------------------------------------------
 
 
 class _Bound(NamedTuple):
@@ -91,10 +91,10 @@ _Bounds = FrozenSet[_Bound]
 
 
 def _without_ends(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[SyntaxNode]:
-    """Leave out the calls of a procedure of itself if an argument goes to a bound in all of them.
+    """Remove the direct recursive calls of a procedure if an argument approaches a bound in all of them.
 
-    The bound stands in a condition of ``if``, ``while``, ``pick``, ``test``, as in ``if N > 0 { p(N - 1); }``; so the
-    solver need not look at what lies beyond it.
+    The bound is in a condition of ``if``, ``while``, ``pick`` or ``test``, as in ``if N > 0 { p(N - 1); }``. The solver
+    then needs no instances beyond it.
     """
     known = frozenset(one.text for one in parameters(procedure))
     own = [call for call in calls if signature(call) == signature(procedure)]
@@ -111,7 +111,7 @@ def _without_ends(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[Syntax
 def _bounded(
     one: SyntaxNode, procedure: SyntaxNode, known: FrozenSet[str], bounds: _Bounds
 ) -> Iterator[Tuple[SyntaxNode, _Bounds]]:
-    """Yield the recursive calls in a statement, with the ``bounds`` of parameters ``known`` there."""
+    """Yield the recursive calls in a statement, each with the bounds of the parameters in scope."""
     if one.kind == "step":
         if signature(one.parts[0]) == signature(procedure):
             yield one.parts[0], bounds
@@ -130,7 +130,7 @@ def _bounded(
 
 
 def _bounds(condition: SyntaxNode, known: FrozenSet[str]) -> _Bounds:
-    """Return the bounds that a condition has if all its parts have to hold."""
+    """Return the bounds that a comparison, or a conjunction of comparisons, sets."""
     if condition.kind == "and":
         return frozenset(bound for part in condition.parts for bound in _bounds(part, known))
     if condition.kind != "comparison" or condition.text not in _MIRRORED:
@@ -150,7 +150,7 @@ def _bound(left: SyntaxNode, operator: str, right: SyntaxNode, known: FrozenSet[
 
 
 def _ways(call: SyntaxNode, bounds: _Bounds, procedure: SyntaxNode) -> Iterator[Tuple[int, int]]:
-    """Yield the places of the arguments, from 0, that go up or down (1 or -1) to a bound in a call."""
+    """Yield the positions of the arguments that approach a bound in a call, with the direction, 1 or -1."""
     names = [one.text for one in parameters(procedure)]
     same = {name for name, one in zip(names, call.parts) if one.kind == "variable" and one.text == name}
     for place, (name, argument) in enumerate(zip(names, call.parts)):
@@ -160,7 +160,7 @@ def _ways(call: SyntaxNode, bounds: _Bounds, procedure: SyntaxNode) -> Iterator[
 
 
 def _goes(term: SyntaxNode, name: str) -> int:
-    """Return 1 for a variable and a number that is added to it, -1 for one that is taken away, else 0."""
+    """Return 1 for a variable plus a number, -1 for a variable minus a number, else 0."""
     if term.kind != "operation" or term.text not in ("+", "-"):
         return 0
     left, step = term.parts

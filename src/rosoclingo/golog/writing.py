@@ -1,4 +1,4 @@
-"""Control programs for encodings/golog.lp: programs are terms, with rules for what is chosen or asked."""
+"""Rules of control programs for encodings/golog.lp: programs as terms, choices and conditions as rules."""
 
 import re
 from pathlib import PurePath
@@ -10,8 +10,8 @@ from rosoclingo.golog.conditions import (
     GologError,
     Literal,
     Names,
-    Plain,
-    Without,
+    NegatedCondition,
+    PlainLiteral,
     alternatives,
     instances,
     unbound,
@@ -25,33 +25,33 @@ from rosoclingo.oclingo.grammars import SyntaxNode, Token
 _VARIABLE = re.compile(r"_*[A-Z][A-Za-z0-9_']*")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 ROW = 8
-"""Limit of the statements or parts in one term; further ones are in terms of their own, so that terms stay small."""
+"""Maximum number of statements or parts in one term; longer sequences are split into several terms."""
 DEEPEST = 300
-"""Limit of the nesting of a term."""
+"""Maximum nesting of a term."""
 ORDERED = 20
-"""Limit of the parts of a statement in any order."""
+"""Maximum number of parts of ``any order``."""
 
 
 _ROWS = {"interrupts": "prio", **{kind: kind for kind in ("seq", "choice", "conc", "prio", "order")}}
 _ASKING = ("if", "while", "achieve", "test", "await", "until")
 
 
-class Declared(NamedTuple):
-    """A procedure, and the file that has it."""
+class Declaration(NamedTuple):
+    """A procedure and its file."""
 
     file: str
     procedure: SyntaxNode
 
 
 class Writer:
-    """Writes the rules of one file, one on a line.
+    """Writes the rules of one file, one per line.
 
-    Its statements may call the ``procedures``, which include its own. The names of choices and conditions contain
-    ``stem``, a term that no other file of the program has. Errors are added to ``faults``.
+    Statements can call the ``procedures``, which include the file's own. The names of choices and conditions contain
+    ``stem``, a unique term for the file. Errors are added to ``faults``.
 
     Attributes:
         lines: the rules.
-        places: line and column in the file from which each rule comes.
+        places: the original line and column of each rule.
 
     """
 
@@ -60,7 +60,7 @@ class Writer:
         file: str,
         stem: str,
         program: ControlProgram,
-        procedures: Mapping[Signature, Declared],
+        procedures: Mapping[Signature, Declaration],
         faults: List[Fault],
     ) -> None:
         self._file, self._stem, self._procedures = file, stem, procedures
@@ -82,7 +82,7 @@ class Writer:
                 faults.append(self._too_deep(self._name).fault)
 
     def _too_deep(self, place: Union[SyntaxNode, Token]) -> GologError:
-        return self._scope.fault(place, "too much within each other", "make procedures of some")
+        return self._scope.fault(place, "nesting is too deep", "move some of it into procedures")
 
     def _add(self, text: str, place: Union[SyntaxNode, Token]) -> None:
         depth = deepest = 0
@@ -101,7 +101,7 @@ class Writer:
         body = self._statement(procedure.parts[-1], names)
         self._add(f"golog_body({head},{body},{STEP}) :- golog_call({head},{STEP}).", self._name)
 
-    # ---- statements, each as a term --------------------------------------------------------------------------------
+    # ---- statements as terms ---------------------------------------------------------------------------------------
 
     def _statement(self, one: SyntaxNode, names: Names) -> str:
         kind = {"until": "await", "achieve": "while"}.get(one.kind, one.kind)
@@ -118,17 +118,17 @@ class Writer:
         words = [*number, *asked, *inside, *rest]
         return f"{kind}({','.join(words)})" if words else kind
 
-    def _tell(self, name: str, text: str, one: SyntaxNode) -> None:
-        """Write the message for a test or a choice that leads no further."""
+    def _write_message(self, name: str, text: str, one: SyntaxNode) -> None:
+        """Write the message for a test that does not hold or a choice without options."""
         place = re.sub(r'["\\\n]', "_", f"line {one.line} of {PurePath(self._file).name}")
         self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', one)
 
     def _row(self, kind: str, parts: Sequence[str]) -> str:
-        """Return ``kind(a,kind(b,c))`` for the parts a, b, c; a long one goes on behind calls."""
+        """Return ``kind(a,kind(b,c))`` for the parts a, b, c; calls link the terms of a long sequence."""
         if kind == "order":
             if len(parts) > ORDERED:
-                message = f"{len(parts)} parts in any order, for which there are 2^{len(parts)} ways"
-                raise self._scope.fault(self._name, message, f"have at most {ORDERED}")
+                message = f"{len(parts)} parts in any order have 2^{len(parts)} intermediate states"
+                raise self._scope.fault(self._name, message, f"write at most {ORDERED}")
             return f"order({self._nested('l', [*parts, 'end'])})"
         first = max(0, len(parts) - 1) // ROW * ROW
         text = self._nested(kind, parts[first:])
@@ -152,23 +152,23 @@ class Writer:
             files = {self._procedures[name, number].file for number in others} - {self._file}
             where = f" of {', '.join(sorted(files))}" if files else ""
             message = f"procedure {name}{where} has {' or '.join(map(arguments, others))}, not {count}"
-            raise self._scope.fault(what, message, "call it with as many as it has")
-        if term not in self._actions:  # so that check reports an action that the domain does not know
+            raise self._scope.fault(what, message, "correct the number of arguments")
+        if term not in self._actions:  # lets the linter report actions that the domain does not define
             self._actions.add(term)
             asked = f"golog_wants({term},{STEP}), golog_action({term},_,_,{STEP})"
             self._add(f"golog_possible({term},{STEP}) :- {asked}.", what)
         return f"do({term})"
 
-    # ---- what is chosen, what is asked -----------------------------------------------------------------------------
+    # ---- choices and conditions ------------------------------------------------------------------------------------
 
     def _node(self, *texts: str) -> str:
-        """Return a new name with the variables that stand in these texts."""
+        """Return a new name for a choice or condition, with the variables of these texts as arguments."""
         self._count += 1
         found = dict.fromkeys(name for text in texts for name in _VARIABLE.findall(_STRING.sub("", text)))
         return f"in({','.join([self._stem, str(self._count), *found])})"
 
     def _condition(self, one: SyntaxNode, names: Names) -> str:
-        """Return the name of a statement's condition, and write what it means."""
+        """Write the rules for a statement's condition and return its name."""
         self._scope.begin()
         ways = alternatives(one.parts[0], names, self._scope, one.kind != "achieve")
         used = {variable for way in ways for literal in way for variable in variables_of(literal)}
@@ -178,11 +178,11 @@ class Writer:
             body = self._literals(way, f"golog_asked({name},{STEP})")
             self._add(f"golog_true({name},{STEP}) :- {body}.", one.parts[0])
         if one.kind == "test":
-            self._tell(name, "the test in {} does not hold", one)
+            self._write_message(name, "the test in {} does not hold", one)
         return name
 
     def _options(self, one: SyntaxNode, names: Names) -> str:
-        """Return the name of a choice, and write what there is to choose from."""
+        """Write the rules for the options of a choice and return its name."""
         variables, condition, then = choice(one)
         inner = self._scope.inner(names, variables)
         self._scope.begin()
@@ -196,7 +196,7 @@ class Writer:
             asked = self._literals(way, f"golog_picks({name},{STEP})")
             self._add(f"golog_option({name},{body},{STEP}) :- {asked}.", one)
         if one.kind == "pick":
-            self._tell(name, "there is nothing to pick in {}", one)
+            self._write_message(name, "there is nothing to pick in {}", one)
         return name
 
     def _check_bound(
@@ -204,15 +204,15 @@ class Writer:
     ) -> None:
         for name in unbound(way, known, wanted):
             where = self._scope.first.get(name, one)
-            mend = f"add a fluent that has it, or {where.text} in 1..3, or in {{a, b}}"
-            raise self._scope.fault(where, f"no fluent says which values {where.text} may have", mend)
+            mend = f"add a fluent with it, or {where.text} in 1..3, or in {{a, b}}"
+            raise self._scope.fault(where, f"no fluent determines the values of {where.text}", mend)
 
     def _literals(self, way: Sequence[Literal], asked: str) -> str:
-        """Return the body of a rule, and write what its negations mean."""
-        body = ", ".join([asked, *(one.text for one in way if isinstance(one, Plain))])
+        """Return the body of a rule, and write the rules for its negated conditions."""
+        body = ", ".join([asked, *(one.text for one in way if isinstance(one, PlainLiteral))])
         found = [body]
         for one in way:
-            if isinstance(one, Without):
+            if isinstance(one, NegatedCondition):
                 name = self._node(*sorted(one.variables))
                 self._add(f"golog_asked({name},{STEP}) :- {body}.", one.condition)
                 for inner in instances(one.condition, one.names, self._scope):
@@ -224,5 +224,5 @@ class Writer:
 
 
 def arguments(number: int) -> str:
-    """Return how many arguments something has, in words."""
+    """Return a number of arguments in words."""
     return f"{number} argument{'s' * (number != 1)}"

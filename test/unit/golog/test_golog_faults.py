@@ -16,57 +16,57 @@ from rosoclingo.oclingo.program.sources import Source
 
 FAULTS = [
     ("proc p { a", 1, 8, "the bracket '{' is never closed", "write }"),
-    ("proc p { a b; }", 1, 12, "'b' where ';' belongs, behind 'a'", "write ;"),
-    ("a;", 1, 1, "'a' outside of a procedure", "write proc NAME(X)"),
-    ("proc P { }", 1, 6, "'P' where the procedure's name belongs", "small letter"),
-    ("proc p(x) { }", 1, 8, "'x' where a variable belongs", "capital letter"),
-    ("proc while { }", 1, 6, "'while' is a word of the language", "small letter"),
-    ("proc p { else { } }", 1, 10, "'else' where a statement belongs", "right behind"),
-    ("proc p { a(X); }", 1, 12, "nothing says what X is", "pick"),
-    ("proc p { a(_); }", 1, 12, "nothing says what _ is", "pick"),
-    ("proc p {\n  if f a; }", 2, 8, "'a' where '{' belongs", "write {"),
+    ("proc p { a b; }", 1, 12, "'b' in place of ';', after 'a'", "write ;"),
+    ("a;", 1, 1, "'a' outside a procedure", "write proc NAME(X)"),
+    ("proc P { }", 1, 6, "'P' in place of the procedure's name", "lower-case letter"),
+    ("proc p(x) { }", 1, 8, "'x' in place of a variable", "upper-case letter"),
+    ("proc while { }", 1, 6, "'while' is a keyword", "lower-case letter"),
+    ("proc p { else { } }", 1, 10, "'else' in place of a statement", "directly after"),
+    ("proc p { a(X); }", 1, 12, "variable X is unbound", "pick"),
+    ("proc p { a(_); }", 1, 12, "variable _ is unbound", "pick"),
+    ("proc p {\n  if f a; }", 2, 8, "'a' in place of '{'", "write {"),
     ("proc p { test 3; }", 1, 15, "a term where a condition belongs", "write =, !=, <"),
-    ("proc p { a((f)); a(X < 3 and f); }", 1, 22, "'<' where ')' belongs", "write )"),
+    ("proc p { a((f)); a(X < 3 and f); }", 1, 22, "'<' in place of ')'", "write )"),
     ("proc p { test (f and g) + 1 < 2; }", 1, 16, "a condition where a term belongs", "a number"),
-    ("proc p { test f(1) in 1..3; }", 1, 15, "'in' behind what is no variable", "X in 1..3"),
-    ("proc p { f?; }", 1, 11, "'?' is no word of the language", "test"),
-    ("proc p { a | b; }", 1, 12, "'|' is no word of the language", "interleave"),
-    ('proc p { a("x); }', 1, 12, "the string has no end on its line", 'write "'),
-    ("proc p { choose { a; } }", 1, 24, "'}' where 'or' belongs", "write or"),
-    ("proc p { pick X { a; } }", 1, 17, "'{' where ':' belongs", "write :"),
-    ("proc p { pick X: not f(X) { a; } }", 1, 15, "no fluent says which values X may have", "1..3"),
-    ("proc p { pick X: f { a(X); } }", 1, 15, "no fluent says which values X may have", "1..3"),
-    ("proc p { test some X: X > 3; }", 1, 20, "no fluent says which values X may have", "1..3"),
-    ("proc p { retry { a; } }", 1, 16, "'{' where the number of attempts belongs", "retry 3"),
-    ("proc p { do { a; } }", 1, 20, "'}' where 'on cancel' belongs", "on cancel"),
+    ("proc p { test f(1) in 1..3; }", 1, 15, "'in' needs a variable on its left side", "X in 1..3"),
+    ("proc p { f?; }", 1, 11, "'?' is not part of the language", "test"),
+    ("proc p { a | b; }", 1, 12, "'|' is not part of the language", "interleave"),
+    ('proc p { a("x); }', 1, 12, "the string does not end on its line", 'write "'),
+    ("proc p { choose { a; } }", 1, 24, "'}' in place of 'or'", "write or"),
+    ("proc p { pick X { a; } }", 1, 17, "'{' in place of ':'", "write :"),
+    ("proc p { pick X: not f(X) { a; } }", 1, 15, "no fluent determines the values of X", "1..3"),
+    ("proc p { pick X: f { a(X); } }", 1, 15, "no fluent determines the values of X", "1..3"),
+    ("proc p { test some X: X > 3; }", 1, 20, "no fluent determines the values of X", "1..3"),
+    ("proc p { retry { a; } }", 1, 16, "'{' in place of the number of attempts", "retry 3"),
+    ("proc p { do { a; } }", 1, 20, "'}' in place of 'on cancel'", "on cancel"),
     (
         "proc p { interrupts { when f { a; } } b; }",
         1,
         39,
-        "'b' where 'until' belongs",
-        "until CONDITION; behind the interrupts, for when they end",
+        "'b' in place of 'until'",
+        "until CONDITION; after the interrupts: they end when it holds",
     ),
-    ("proc p { try { a; } }", 1, 21, "'}' where 'else' belongs", "write else"),
-    ("proc p { test all X: f(X); }", 1, 26, "';' where '->' belongs", "write ->"),
-    ("proc p { q(1); }\nproc q { }", 1, 10, "procedure q has 0 arguments, not 1", "as many"),
-    ("proc p { }\nproc p { }", 2, 6, "procedure p with 0 arguments is in line 1 already", "another name"),
+    ("proc p { try { a; } }", 1, 21, "'}' in place of 'else'", "write else"),
+    ("proc p { test all X: f(X); }", 1, 26, "';' in place of '->'", "write ->"),
+    ("proc p { q(1); }\nproc q { }", 1, 10, "procedure q has 0 arguments, not 1", "number of arguments"),
+    ("proc p { }\nproc p { }", 2, 6, "procedure p with 0 arguments is already defined in line 1", "rename"),
     ("proc p(X,X) { }", 1, 10, "two parameters X", "rename"),
     ("proc p { pick X, Y, X: f(X, Y) { a(X); } }", 1, 21, "two variables X", "rename"),
     ("proc p { test some X, X: f(X); }", 1, 23, "two variables X", "rename"),
-    ("proc p { test g;\n  a(2147483647, 2147483648); }", 2, 17, "the number 2147483648 is too great", "2147483647"),
-    ("proc p { a(0000000000002); a(" + "9" * 5000 + "); }", 1, 30, "is too great", "2147483647"),
-    ("proc p { p; }", 1, 10, "p may come to call itself again before it has done anything", "action"),
-    ("proc p { test f; star { q; } }\nproc q { p; a; }", 1, 25, "p may come to call itself", "loop"),
-    ("proc p { test " + "(" * DEPTH + "f" + ")" * DEPTH + "; }", 1, None, "too much within each other", "procedures"),
+    ("proc p { test g;\n  a(2147483647, 2147483648); }", 2, 17, "the number 2147483648 is too large", "2147483647"),
+    ("proc p { a(0000000000002); a(" + "9" * 5000 + "); }", 1, 30, "is too large", "2147483647"),
+    ("proc p { p; }", 1, 10, "p can call itself endlessly without an action in between", "action"),
+    ("proc p { test f; star { q; } }\nproc q { p; a; }", 1, 25, "p can call itself", "loop"),
+    ("proc p { test " + "(" * DEPTH + "f" + ")" * DEPTH + "; }", 1, None, "nesting is too deep", "procedures"),
     ("proc p { any order { a; }" + " and { b; }" * 20 + " }", 1, 6, "21 parts in any order", "at most 20"),
-    ("proc p(X) { a(X" + " + 1" * 2000 + "); }", 1, 6, "too much within each other", "procedures"),
-    ("proc p { test" + " not" * 2000 + " f; }", 1, None, "too much within each other", "procedures"),
-    ("proc p(X) { test X == 2; }", 1, 20, "'==' is no word of the language", "write ="),
-    ("include 'x.lp';", 1, 9, "'x.lp' is no string", 'write "x.lp"'),
-    ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is no word of the language", "is else meant?"),
-    ("proc p { whille f { a; } }", 1, 10, "'whille' is no word of the language", "is while meant?"),
-    ("proc p { stars b; }", 1, 16, "'b' where ';' belongs, behind 'stars'", "write ;"),
-    ('include "x.lp"', 1, 15, "the end of the file where ';' belongs", "write ;"),
+    ("proc p(X) { a(X" + " + 1" * 2000 + "); }", 1, 6, "nesting is too deep", "procedures"),
+    ("proc p { test" + " not" * 2000 + " f; }", 1, None, "nesting is too deep", "procedures"),
+    ("proc p(X) { test X == 2; }", 1, 20, "'==' is not part of the language", "write ="),
+    ("include 'x.lp';", 1, 9, "'x.lp' is not a string", 'write "x.lp"'),
+    ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is not a keyword", "is else meant?"),
+    ("proc p { whille f { a; } }", 1, 10, "'whille' is not a keyword", "is while meant?"),
+    ("proc p { stars b; }", 1, 16, "'b' in place of ';', after 'stars'", "write ;"),
+    ('include "x.lp"', 1, 15, "the end of the file in place of ';'", "write ;"),
 ]
 
 
@@ -135,7 +135,7 @@ def test_recursion_that_counts_to_a_bound_is_no_fault(head, body):
     ],
 )
 def test_recursion_that_may_pass_its_bound_is_a_fault(head, body):
-    with pytest.raises(ProgramError, match="may come to call itself again"):
+    with pytest.raises(ProgramError, match="can call itself endlessly"):
         counting(head, body)
 
 
@@ -238,7 +238,7 @@ def test_the_command_only_checks(folder, capsys):
 def test_the_command_shows_the_line_of_a_fault(folder, capsys):
     assert main([str(folder / "bad.golog")]) == 1
     shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("bad.golog:2:4: 'b' where ';' belongs, behind 'a' (write ;)")
+    assert shown[0].endswith("bad.golog:2:4: 'b' in place of ';', after 'a' (write ;)")
     assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 

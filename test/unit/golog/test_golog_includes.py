@@ -94,26 +94,26 @@ def test_a_recorded_program_is_the_same(tmp_path):
         (
             {"x": 'include "y.golog"; proc p { q(1); }', "y": "proc q { }"},
             ("x.golog", 1, 29),
-            "y.golog has 0 arguments, not 1 (call it with as many as it has)",
+            "y.golog has 0 arguments, not 1 (correct the number of arguments)",
         ),
         (
             {"x": 'include "y.golog";\nproc q { }', "y": "\nproc q { }"},
             ("x.golog", 2, 6),
-            "y.golog, line 2 already (give one of them another name)",
+            "y.golog, line 2 (rename one of them)",
         ),
         (
             {"x": 'include "y.golog"; proc p { }', "y": 'proc q { }\n\ninclude "x.golog";'},
             ("y.golog", 3, 9),
-            "this file includes itself: x.golog, y.golog, x.golog (put what both need into a third file)",
+            "this file includes itself: x.golog, y.golog, x.golog (move shared procedures into a third file)",
         ),
-        ({"x": 'include "x.golog";'}, ("x.golog", 1, 9), "this file includes itself (leave it out)"),
+        ({"x": 'include "x.golog";'}, ("x.golog", 1, 9), "this file includes itself (remove the include)"),
         (
             {"x": 'include "y.golog"; proc p { q; p; }', "y": "proc q { star { a; } }"},
             ("x.golog", 1, 32),
-            "p may come to call itself again before it has done anything",
+            "p can call itself endlessly without an action in between",
         ),
-        ({"x": 'include "y.golog"; proc p { }', "y": "proc q { a b; }"}, ("y.golog", 1, 12), "'b' where ';' belongs"),
-        ({"x": 'proc p { }\n  include "y.golog";'}, ("x.golog", 2, 11), "included file 'y.golog' is not there"),
+        ({"x": 'include "y.golog"; proc p { }', "y": "proc q { a b; }"}, ("y.golog", 1, 12), "'b' in place of ';'"),
+        ({"x": 'proc p { }\n  include "y.golog";'}, ("x.golog", 2, 11), "included file 'y.golog' does not exist"),
     ],
 )
 def test_what_is_wrong_has_its_file_line_and_column(tmp_path, texts, place, message):
@@ -126,7 +126,7 @@ def test_what_is_wrong_has_its_file_line_and_column(tmp_path, texts, place, mess
 def test_procedures_of_files_that_are_not_included_are_no_procedures(tmp_path):
     """What is no procedure is an action, and procedures of one name are told wherever they are."""
     path = files(tmp_path, x='include "domain.lp"; proc p { q; }', y="proc q { }", z="proc p { }")
-    with pytest.raises(ProgramError, match=r"x\.golog, line 1 already"):
+    with pytest.raises(ProgramError, match=r"already defined in x\.golog, line 1"):
         ReactiveProgram.from_files([path, path.with_name("z.golog")])
     program = ReactiveProgram.from_files([path, path.with_name("y.golog")])
     driver = Driver(settings=CoreSettings(horizon_limit=3), program=program).goal("g", "run(p)")
@@ -140,10 +140,10 @@ def test_the_command_follows_includes(tmp_path, capsys):
     path.with_name("y.golog").write_text("proc q {\n a b; }")
     assert main(["--check", str(path)]) == 1
     shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("y.golog:2:4: 'b' where ';' belongs, behind 'a' (write ;)")
+    assert shown[0].endswith("y.golog:2:4: 'b' in place of ';', after 'a' (write ;)")
     assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 
 def test_the_command_takes_control_programs_alone(tmp_path, capsys):
     assert main([str(tmp_path / "x.lp")]) == 2
-    assert "no control program by its name (let it end on .golog)" in capsys.readouterr().err
+    assert "not the name of a control program (end the file name with .golog)" in capsys.readouterr().err
