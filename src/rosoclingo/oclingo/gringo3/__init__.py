@@ -1,6 +1,6 @@
-"""gringo 3's language, in which programs for oClingo are written: recognized, and translated into clingo 5's.
+"""Recognition of programs in gringo 3's language, which oClingo used, and their translation for clingo 5.
 
-``doc/gringo3.md`` describes the differences and their translation.
+``doc/gringo3.md`` describes the differences and the translation.
 """
 
 from rosoclingo.oclingo.gringo3.dialect import Dialect

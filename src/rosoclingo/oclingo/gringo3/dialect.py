@@ -1,7 +1,7 @@
-"""Which language a file is in, as far as that shows without gringo 3's grammar.
+"""Detection of a file's language, as far as possible without the grammar of gringo 3.
 
-clingo's own parser says which statements it does not accept. The rest of the decision needs the grammar of gringo 3:
-see :mod:`~rosoclingo.oclingo.gringo3.evidence`.
+clingo's parser shows which statements clingo does not accept. The remaining decisions need the grammar of gringo 3; see
+:mod:`~rosoclingo.oclingo.gringo3.evidence`.
 """
 
 import enum
@@ -16,10 +16,10 @@ from rosoclingo.oclingo.gringo3.lexer import SourceToken, comments, statements, 
 GRINGO3_WORDS = frozenset(
     ["#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;"]
 )
-"""Tokens that only gringo 3 has, or reads in its own way."""
+"""Tokens that only gringo 3 has, or that it reads differently."""
 
 _AMBIGUOUS = frozenset([";", "|", "#show", "#minimize", "#maximize", "#minimise", "#maximise", "#count"])
-"""Tokens that both languages have, at times with different meanings."""
+"""Tokens of both languages whose meanings can differ."""
 
 STEP_DIRECTIVES = ("#base", "#cumulative", "#volatile", "#iinit", "#forget")
 """oClingo's directives, which clingo does not know."""
@@ -28,7 +28,7 @@ _PRAGMA = re.compile(r"\s*dialect\s*:\s*(gringo|clingo)\s*([35])\s*$")
 
 
 class Dialect(enum.Enum):
-    """The language of a file; a file that means the same in both is in either."""
+    """The language of a file; ``EITHER`` if it means the same in both."""
 
     GRINGO3 = "gringo 3"
     CLINGO5 = "clingo 5"
@@ -39,10 +39,10 @@ class SourceFile:
     """A file of a program: its tokens and statements.
 
     Attributes:
-        name: the name that messages give to the file.
+        name: the file's name in messages.
         text: the text.
         tokens: the tokens of the text.
-        ranges: the statements, as ranges of tokens.
+        ranges: the statements, as token ranges ``(first, after)``.
 
     """
 
@@ -57,14 +57,14 @@ class SourceFile:
 
     @cached_property
     def pragma(self) -> Optional[Dialect]:
-        """The language that a comment ``% dialect: gringo 3`` names; the last one counts."""
+        """The language in the last comment such as ``% dialect: gringo 3``."""
         found = ["".join(match.groups()) for match in map(_PRAGMA.match, comments(self.text)) if match]
         names = {"gringo3": Dialect.GRINGO3, "clingo5": Dialect.CLINGO5}
         return names.get(found[-1]) if found else None
 
     @cached_property
     def by_directives(self) -> Optional[Dialect]:
-        """The language for which the file's directives speak: oClingo's own ones, or ``#program``."""
+        """The language that the file's directives indicate: oClingo's own directives, or ``#program``."""
         names = {self.tokens[first].text for first, _ in self.ranges}
         if names.isdisjoint(STEP_DIRECTIVES) == ("#program" not in names):
             return None
@@ -85,13 +85,13 @@ class SourceFile:
 
     @property
     def is_plain(self) -> bool:
-        """Whether no statement of the file speaks for gringo 3."""
+        """Whether no statement of the file indicates gringo 3."""
         plain = self.pragma is None and not self.has_gringo3_words and not self.not_clingo5
         return plain or self.pragma is Dialect.CLINGO5
 
     @cached_property
     def reads_alike(self) -> bool:
-        """Whether no statement of a plain file has anything that the languages may read differently."""
+        """Whether no statement of a plain file contains syntax that the languages can read differently."""
         for first, after in self.ranges:
             words = [one.text for one in self.tokens[first:after]]
             behind = words[words.index(":") :] if ":" in words else []
@@ -102,7 +102,7 @@ class SourceFile:
         return True
 
     def _shown_to_clingo(self, statement: Sequence[SourceToken]) -> str:
-        """Return the text of a statement; "" for directives that clingo does not know, or that name other files."""
+        """Return the text of a statement, "" for oClingo's directives and ``#include``."""
         words = [one.text for one in statement]
         if words[0] in (*STEP_DIRECTIVES, "#include") or is_signature(statement):
             return ""
@@ -118,7 +118,7 @@ def is_signature(statement: Sequence[SourceToken]) -> bool:
 def accepted_by_clingo(text: str) -> bool:
     """Return whether clingo's parser accepts a text.
 
-    Only ASCII goes to clingo: its Python module ends the process when a message cuts another character in two.
+    The text is converted to ASCII: clingo's module aborts the process if a message cuts a longer character.
     """
     try:
         plain = text.encode("ascii", "replace").decode("ascii")

@@ -1,4 +1,4 @@
-"""Which language a file is in, by clingo's parser and the grammar of gringo 3 together."""
+"""Detection of a file's language with clingo's parser and the grammar of gringo 3."""
 
 from functools import cached_property
 from typing import Optional, Sequence, Union
@@ -10,11 +10,11 @@ from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind
 
 
 class Evidence:
-    """What gringo 3's grammar and clingo's parser say about the statements of a file.
+    """The results of both parsers for the statements of a file.
 
     Attributes:
         source: the file.
-        trees: each statement as gringo 3's grammar reads it, or why it does not.
+        trees: for each statement, its tree by gringo 3's grammar, or the parse error.
 
     """
 
@@ -23,7 +23,7 @@ class Evidence:
         self.trees = [_read(source.tokens, *one) for one in source.ranges]
 
     def dialect_of(self, number: int) -> Dialect:
-        """Return the only language that has a statement; either, if both or neither have it."""
+        """Return the only language that accepts a statement, ``EITHER`` if both or neither do."""
         words, tree = [one.text for one in self.source.statement(number)], self.trees[number]
         refused = isinstance(tree, UntranslatableError) and not tree.limits
         if not GRINGO3_WORDS.isdisjoint(words) or (words[0] == "#external" and words.count(":") > 1):
@@ -35,7 +35,7 @@ class Evidence:
 
     @cached_property
     def dialect(self) -> Optional[Dialect]:
-        """The language of the file, None if it does not tell."""
+        """The language of the file, None if it is ambiguous."""
         if self.source.pragma is not None:
             return self.source.pragma
         found = set(map(self.dialect_of, range(len(self.trees)))) - {Dialect.EITHER}

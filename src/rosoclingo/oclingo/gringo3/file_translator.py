@@ -1,4 +1,4 @@
-"""Translates the files of a program, of which some are in gringo 3's language, statement by statement."""
+"""Translation of a program's files from gringo 3's language, statement by statement."""
 
 from pathlib import PurePath
 from typing import Callable, Dict, List, Sequence, Set, Tuple
@@ -28,49 +28,49 @@ MARK = "% dialect: clingo 5"
 """The comment at the end of a translation."""
 
 _HOLDERS = ("list", "pool", "comparison", "weight", "priority")
-"""Nodes whose parts are terms. In arithmetic gringo 3 stops at a name without a value."""
+"""Kinds of nodes whose parts are terms; arithmetic is not among them, as gringo 3 rejects names there."""
 
 
-class Constants:
-    """Records where names are used as terms before ``#const`` gives them a value.
+class ConstantUses:
+    """Records where names occur as terms before a ``#const`` defines them.
 
-    gringo 3 replaces a constant only in later statements, today's solver everywhere.
+    gringo 3 replaces a constant only in later statements, clingo 5 everywhere.
     """
 
     def __init__(self) -> None:
         self._used: Dict[str, str] = {}
 
     def note(self, file: str, statement: SyntaxNode) -> None:
-        """Note the names that a statement uses as terms, outside of arithmetic."""
+        """Record the names that a statement uses as terms outside of arithmetic."""
         for node in statement.walk():
             for part in node.parts if node.kind in _HOLDERS else ():
                 if part.kind == "symbol" and part.first.type == "IDENTIFIER":
                     self._used.setdefault(part.text, f"{file}:{part.line}")
 
     def define(self, const: SyntaxNode, name: str) -> None:
-        """Note a ``#const``; :class:`UntranslatableError` if a statement before it uses the name."""
+        """Record a ``#const``; raise :class:`UntranslatableError` if an earlier statement uses its name."""
         if name in self._used:
             message = f"gringo 3 does not replace '{name}' in the statements before this #const, but clingo 5 does"
             raise UntranslatableError(const, message, f"put the #const before its use in {self._used[name]}")
 
 
-class Program:
-    """Declarations that reach from file to file: ``#domain``, ``#show``, ``#hide``, constants, optimization."""
+class ProgramScope:
+    """Declarations that affect later files: ``#domain``, ``#show``, ``#hide``, constants, optimization levels."""
 
     def __init__(self, naming: Naming) -> None:
         self.naming = naming
         self.visibility = Visibility(naming)
         self.domains: List[Tuple[str, List[str]]] = []
         self.levels = 0
-        self.constants = Constants()
+        self.constants = ConstantUses()
         self.seen_variables: Set[str] = set()
 
 
-def translated(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[str, Tuple[str, ...], Dialect]]:
-    """Return the translation of each file, the warnings about it, and its language.
+def translate_sources(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[str, Tuple[str, ...], Dialect]]:
+    """Return the translation, the warnings and the language of each file.
 
-    A file that does not tell its language follows the other ones, if they agree, and is in the ``undecided`` language
-    otherwise. Raises TranslationError.
+    An ambiguous file has the language of the other files if they agree, otherwise the ``undecided`` language. Raises
+    TranslationError.
     """
     evidence = [Evidence(source) for source in sources]
     known = {one.dialect for one in evidence} - {None}
@@ -90,9 +90,9 @@ def translated(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[
 
 
 def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> List["FileTranslator"]:
-    """Translate all files, and their ``#show`` and ``#hide`` statements at the end."""
+    """Translate all files; ``#show`` and ``#hide`` statements come last, since they affect the whole program."""
     variables = (one.text for found in evidence for one in found.source.tokens if one.kind is TokenKind.VARIABLE)
-    program = Program(Naming(variables))
+    program = ProgramScope(Naming(variables))
     translators = [FileTranslator(program, one, dialect) for one, dialect in zip(evidence, dialects)]
     for one in translators:
         one.run()
@@ -101,27 +101,27 @@ def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> 
 
 
 def _undecided(translator: "FileTranslator", dialect: Dialect) -> str:
-    """Return the warning that a file reads differently in both languages."""
+    """Return a warning about the first line that has another meaning in gringo 3."""
     old, new = translator.source.text, translator.own_text
     place = next((n for n, (one, other) in enumerate(zip(old, new)) if one != other), min(len(old), len(new)))
     line, column = old.count("\n", 0, place) + 1, place - old.rfind("\n", 0, place)
     reading, name = new.split("\n")[line - 1].strip(), translator.source.name
     how = f"gringo 3 reads this line as '{reading}'; read as {dialect.value}"
-    return f"{name}:{line}:{column}: {how} (say so by '% dialect: {dialect.value}')"
+    return f"{name}:{line}:{column}: {how} (add '% dialect: {dialect.value}' to confirm this)"
 
 
 class FileTranslator:
-    """Translates one file of a program; files have to be run in order.
+    """Translates one file of a program; call :meth:`run` in the order of the files.
 
     Attributes:
         source: the file.
-        own_text: its translation, without what ``#show`` and ``#hide`` become.
-        warnings: warnings about it.
-        faults: why statements could not be translated.
+        own_text: the translation without ``#show`` and ``#hide`` statements.
+        warnings: the warnings about the file.
+        faults: the statements that cannot be translated, with reasons.
 
     """
 
-    def __init__(self, program: Program, evidence: Evidence, dialect: Dialect) -> None:
+    def __init__(self, program: ProgramScope, evidence: Evidence, dialect: Dialect) -> None:
         self._program, self._evidence, self._dialect = program, evidence, dialect
         self.source = evidence.source
         self._name, self._file = self.source.name, PurePath(self.source.name).name
@@ -135,7 +135,7 @@ class FileTranslator:
 
     @property
     def text(self) -> str:
-        """The translation; one that differs ends with a comment that names its language."""
+        """The translation; if it differs from the source, it ends with a comment that names its language."""
         text = self.rewriting.result()
         if text == self.source.text:
             return text
@@ -155,7 +155,7 @@ class FileTranslator:
         self.own_text = self.rewriting.result()
 
     def _is_gringo3(self, number: int) -> bool:
-        """Return whether a statement counts as gringo 3's; its own evidence weighs more than the file's language."""
+        """Return whether a statement is gringo 3's; its own syntax takes precedence over the file's language."""
         if self._evidence.source.pragma is Dialect.CLINGO5:
             return False
         statement = self._evidence.dialect_of(number)
@@ -165,7 +165,7 @@ class FileTranslator:
         tree = self._evidence.trees[number]
         if isinstance(tree, UntranslatableError):
             if tokens[0].text in STEP_DIRECTIVES:
-                return  # the loader says how the directive is written
+                return  # the loader reports malformed directives
             raise tree
         if tree.kind == "display":
             place = (self._name, self.faults, self.rewriting, self.source.ranges[number])
@@ -179,11 +179,11 @@ class FileTranslator:
         self._program.seen_variables.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
 
     def _leave(self, tokens: Sequence[SourceToken]) -> None:
-        """Leave a statement of clingo 5 as it is."""
+        """Keep a statement of clingo 5."""
         if tokens[0].text == "#program":
             self._step = tokens[3].text if len(tokens) > 5 and tokens[2].text == "(" else ""
         if domain_atoms([one.text for one in tokens], self._program.domains):
-            message = "a variable that #domain declares cannot stand in a statement of clingo 5"
+            message = "a statement of clingo 5 cannot use a variable that #domain declares"
             raise UntranslatableError(tokens[0], message, "use another variable")
         self._program.visibility.note(self.source.text[tokens[0].start : tokens[-1].end], self._step)
 
@@ -197,7 +197,7 @@ class FileTranslator:
         return self._optimization.weak(weak, *self._rules.weak(weak, self._domains(weak)), self._step)
 
     def _part(self, part: SyntaxNode) -> str:
-        """Begin a part; the name behind its directive is its parameter, or in brackets behind today's name."""
+        """Begin a part; its parameter follows the directive, or is in brackets after the name for ``#program``."""
         names = [token for token in part.tokens if token.type == "IDENTIFIER"]
         self._step = str(names[-1]) if len(names) > (part.kind == "program") else ""
         return _shown(part)
@@ -205,10 +205,10 @@ class FileTranslator:
     def _const(self, const: SyntaxNode) -> str:
         term, name = const.parts[0], str(const.tokens[1])
         if has_pool(term) or has_interval(term):
-            message = "a constant of a pool or a range cannot be translated"
+            message = "a #const with a pool or a range cannot be translated"
             raise UntranslatableError(const, message, f"write {show(term)} in place of {name}")
         if any(part.kind == "variable" for part in term.walk()):
-            raise UntranslatableError(const, "a constant cannot hold a variable")
+            raise UntranslatableError(const, "the value of a constant cannot contain a variable")
         self._program.constants.define(const, name)
         return _shown(const)
 
@@ -221,7 +221,7 @@ class FileTranslator:
         names = [term.text for term in terms]
         early = [name for name in names if name in self._program.seen_variables]
         if early:
-            message = f"#domain does not reach the statements above it that use {', '.join(early)}"
+            message = f"#domain does not apply to earlier statements that use {', '.join(early)}"
             self.warnings.append(f"{self._name}:{domain.line}:{domain.column}: {message}")
         self._program.domains.append((show(literal), names))
         return ""

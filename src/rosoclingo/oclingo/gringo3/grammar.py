@@ -1,4 +1,4 @@
-"""The grammar of gringo 3's statements and oClingo's directives, and messages about those that it does not accept."""
+"""The grammar of gringo 3's statements and oClingo's directives, with messages about syntax errors."""
 
 from functools import lru_cache
 from typing import AbstractSet, Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Union
@@ -112,10 +112,10 @@ _WANTED = (
     },
     {"COLON": "':'", "EQUAL": "'='", "SLASH": "'/'", "MORETHAN": "'>'"},
 )
-"""What types of tokens are called in messages, where they are accepted: the first row with any of them counts."""
+"""Names of token types in messages; a message lists the accepted types of the first row that contains any."""
 
 _DIRECTIONS = ({"<", "<="}, {">", ">="})
-_TWO_BOUNDS = "compare in one direction on both sides, as 1 <= { a, b } < 3, or write no comparison at all"
+_TWO_BOUNDS = "compare in one direction on both sides, as 1 <= { a, b } < 3, or omit both comparisons"
 PARITIES = ("#even", "#odd")
 OPTIMIZE = ("#minimize", "#minimise", "#maximize", "#maximise")
 SUMS = ("#sum", "#sum+", "#min", "#max")
@@ -125,10 +125,10 @@ Place = Union[SourceToken, GrammarToken, SyntaxNode]
 
 
 class UntranslatableError(Exception):
-    """One statement cannot be translated; the translator collects these into a :class:`TranslationError`.
+    """A statement cannot be translated; the translator collects these errors in a :class:`TranslationError`.
 
     Attributes:
-        limits: whether gringo 3 has the statement, but the translation cannot handle it.
+        limits: whether the statement is valid in gringo 3 but outside the limits of the translation.
 
     """
 
@@ -138,14 +138,14 @@ class UntranslatableError(Exception):
         super().__init__(message)
 
     def fault(self, file: str) -> Fault:
-        """The same with the file's name."""
+        """Return the error as a fault of a file."""
         return Fault(file, self.line, self.column, self.message, self.mend)
 
 
 class Aggregate(NamedTuple):
-    """The parts of an aggregate: its brackets, function or "", bounds, and the signs or "" that compare them.
+    """The parts of an aggregate: brackets, function, bounds, and the relations between them ("" if omitted).
 
-    ``before`` is ``=`` or ``:=`` where ``lower`` takes the aggregate's value.
+    ``before`` is ``=`` or ``:=`` if the value of the aggregate is assigned to ``lower``.
     """
 
     core: SyntaxNode
@@ -157,17 +157,17 @@ class Aggregate(NamedTuple):
 
     @property
     def assigned(self) -> bool:
-        """Whether a term takes the aggregate's value."""
+        """Whether the aggregate's value is assigned to a term."""
         return self.before in ("=", ":=")
 
     @property
     def is_set(self) -> bool:
-        """Whether its elements stand in braces."""
+        """Whether the elements are in braces."""
         return self.core.kind == "braces"
 
 
 def aggregate_of(node: SyntaxNode) -> Aggregate:
-    """Return the parts of an aggregate, or of a negated one."""
+    """Return the parts of an aggregate, which can be negated."""
     children = node.parts[-1].children if node.kind == "negated" else node.children
     at = next(n for n, one in enumerate(children) if isinstance(one, SyntaxNode) and one.kind in ("braces", "brackets"))
     core, sides = children[at], (children[:at], children[at + 1 :])
@@ -183,16 +183,16 @@ def _grammar() -> Grammar:
 
 
 def parse(tokens: Sequence[SourceToken], first: int, after: int) -> SyntaxNode:
-    """Return the tree of a statement's tokens; positions in it are indices of tokens.
+    """Return the syntax tree of a statement; its positions are token indices.
 
     Raises :class:`UntranslatableError`.
     """
     word = tokens[first]
-    mend = f"the directive is written '#{word.text}'" if word.text in _LPARSE_WORDS else ""
+    mend = f"write '#{word.text}' for the directive" if word.text in _LPARSE_WORDS else ""
     if mend and tokens[first + 1].text in ("[", "{"):
-        raise UntranslatableError(word, f"'{word.text}' before an aggregate is no number", mend)
+        raise UntranslatableError(word, f"'{word.text}' before an aggregate is not a number", mend)
     if word.kind is TokenKind.DIRECTIVE and not _grammar().type_of(word.text):
-        raise UntranslatableError(word, f"'{word.text}' is no directive of gringo 3")
+        raise UntranslatableError(word, f"gringo 3 has no directive '{word.text}'")
     try:
         found = _grammar().parse(_read(tokens, first, after), GrammarToken("$END", ""), "statement")
     except MisfitError as misfit:
@@ -213,22 +213,22 @@ def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Iterator[Gra
 
 
 def _refusal(token: SourceToken, accepted: AbstractSet[str], mend: str) -> UntranslatableError:
-    """Return the error that a token is not accepted."""
+    """Return the error for a token that the grammar does not accept."""
     if not accepted:
-        return UntranslatableError(token, "terms are nested too deeply here", limits=True)
+        return UntranslatableError(token, "terms are nested too deeply", limits=True)
     rows = ([name for kind, name in row.items() if kind in accepted] for row in _WANTED)
     return unexpected(token, " or ".join(next(filter(None, rows), [])), mend)
 
 
 def unexpected(token: Place, wanted: str = "", mend: str = "") -> UntranslatableError:
-    """Return the error that something else is needed at a token, the first one of a node."""
+    """Return the error for an unexpected token, or the first token of an unexpected node."""
     token = token.first if isinstance(token, SyntaxNode) else token
     shown = token.shown() if isinstance(token, SourceToken) else f"'{token}'"
-    message = f"{shown} is not expected here" + (f", but {wanted}" if wanted else "")
+    message = f"unexpected {shown}" + (f", expected {wanted}" if wanted else "")
     return UntranslatableError(token, message, mend)
 
 
-# ---- conditions that the grammar does not have ---------------------------------------------------------------------
+# ---- conditions that the grammar does not express ------------------------------------------------------------------
 
 
 def _check_literal(literal: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
@@ -236,21 +236,21 @@ def _check_literal(literal: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     atom = atom.parts[0] if atom.kind == "signed" and atom.text == "-" else atom
     named = atom.kind in ("function", "symbol") and atom.text.strip("_")[:1].islower()
     if not named and atom.text not in ("#true", "#false"):
-        raise unexpected(tokens[literal.span[1]], "a comparison, since the term before is no atom")
+        raise unexpected(tokens[literal.span[1]], "a comparison, since the preceding term is not an atom")
 
 
 def _check_comparison(comparison: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     if comparison.text == "not":
-        raise UntranslatableError(comparison.tokens[1], "a comparison cannot be negated", "turn the comparison round")
+        raise UntranslatableError(comparison.tokens[1], "a comparison cannot be negated", "use the opposite comparison")
 
 
 def _check_call(call: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     message = "calls of script functions cannot be translated"
-    raise UntranslatableError(call, message, "state their results as facts", limits=True)
+    raise UntranslatableError(call, message, "write their results as facts", limits=True)
 
 
 def _check_script(script: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
-    mend = "state what the script computes as facts"
+    mend = "write the results of the script as facts"
     raise UntranslatableError(script, "scripts cannot be translated", mend, limits=True)
 
 
@@ -289,11 +289,11 @@ def _check_optimize(node: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
     _check_elements(core, tokens, node.text)
     for element in core.parts:
         if element.parts[0].kind == "comparison":
-            raise UntranslatableError(element, "a comparison is not expected here")
+            raise UntranslatableError(element, "unexpected comparison")
 
 
 def _check_elements(core: SyntaxNode, tokens: Sequence[SourceToken], owner: str) -> None:
-    """Raise :class:`UntranslatableError` at an element that its owner, a function or a directive, does not have."""
+    """Raise :class:`UntranslatableError` for an element that its owner, a function or a directive, does not allow."""
     optimizes, is_set = owner in OPTIMIZE, core.kind == "braces"
     if is_set and owner == "#avg":
         raise unexpected(core.tokens[1], "'['")

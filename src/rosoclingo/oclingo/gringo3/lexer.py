@@ -1,7 +1,7 @@
-"""Tokens of logic programs, in gringo 3's language and in clingo 5's alike.
+"""A lexer for logic programs in the languages of gringo 3 and clingo 5.
 
-The lexer never fails: text that is no token of either language becomes a token of kind :attr:`TokenKind.UNKNOWN`, which
-no rule of the grammar accepts. White space and comments are no tokens; the tokens' offsets show where they are.
+The lexer never fails: invalid text becomes tokens of kind :attr:`TokenKind.UNKNOWN`, which no grammar rule accepts. It
+skips white space and comments; the offsets of the tokens show their places.
 """
 
 import enum
@@ -13,7 +13,7 @@ from rosoclingo.oclingo.errors import ProgramError
 
 
 class TokenKind(enum.Enum):
-    """What a token is."""
+    """The kind of a token."""
 
     IDENTIFIER = "identifier"
     VARIABLE = "variable"
@@ -29,7 +29,7 @@ class TokenKind(enum.Enum):
 
 
 class SourceToken(NamedTuple):
-    """One token; offsets count characters of the text, lines and columns count from 1."""
+    """A token; offsets are in characters, lines and columns count from 1."""
 
     kind: TokenKind
     text: str
@@ -39,7 +39,7 @@ class SourceToken(NamedTuple):
     column: int
 
     def shown(self) -> str:
-        """The token's text as a message shows it."""
+        """Return the token's text for messages."""
         return "the end of the file" if self.kind is TokenKind.END else "'{}'".format(self.text.split("\n")[0][:40])
 
 
@@ -65,17 +65,17 @@ _COMMENT_MARKS = re.compile(r"%\*|\*%|%[^\n]*")
 
 
 def tokens(text: str) -> Sequence[SourceToken]:
-    """All tokens of a text; the last one is of kind :attr:`TokenKind.END`."""
+    """Return all tokens of a text; the last one is of kind :attr:`TokenKind.END`."""
     return _pieces(text)[0]
 
 
 def comments(text: str) -> Sequence[str]:
-    """All comments of a text that end with their line, without the leading ``%``."""
+    """Return all line comments of a text, without the leading ``%``."""
     return _pieces(text)[1]
 
 
 def statements(all_tokens: Sequence[SourceToken]) -> Iterator[Tuple[int, int]]:
-    """Index ranges ``(first, after)`` of the statements; each holds its dot, unless the text ends before."""
+    """Yield the token ranges ``(first, after)`` of the statements; each includes its dot if it has one."""
     first = 0
     while all_tokens[first].kind is not TokenKind.END:
         after = _after_dot(all_tokens, first)
@@ -84,7 +84,7 @@ def statements(all_tokens: Sequence[SourceToken]) -> Iterator[Tuple[int, int]]:
 
 
 def _after_dot(all_tokens: Sequence[SourceToken], first: int) -> int:
-    """Return the index after a statement and the weight or value that some have behind their dot."""
+    """Return the index after a statement, including a weight or value after its dot."""
     if all_tokens[first].kind is TokenKind.SCRIPT:
         return first + 1
     index, theory = first, all_tokens[first].text == "#theory"
@@ -98,7 +98,7 @@ def _after_dot(all_tokens: Sequence[SourceToken], first: int) -> int:
 
 
 def _after_weight(all_tokens: Sequence[SourceToken], word: str, index: int) -> int:
-    """Return the index after ``[...]``, or ``<...>`` of gringo 3's weak constraints, if it belongs to the dot."""
+    """Return the index after ``[...]``, or ``<...>`` for gringo 3, if it belongs to the statement before."""
     closing = {"[": "]", "<": ">"}.get(all_tokens[index].text)
     weighs = word == ":~" or (word == "#heuristic" and closing == "]")
     if not closing or not (weighs or (word == "#external" and all_tokens[index + 1].text in _VALUES)):
@@ -109,17 +109,17 @@ def _after_weight(all_tokens: Sequence[SourceToken], word: str, index: int) -> i
 
 
 _BEGINNINGS = ("#base", "#cumulative", "#volatile", "#forget", "#iinit", "#program")
-"""Directives that begin a statement even where the one before has no dot."""
+"""Directives that begin a statement even if the statement before has no dot."""
 
 _VALUES = ("true", "false", "free", "release")
-"""The values that can stand in brackets behind an ``#external``."""
+"""The possible values in brackets after an ``#external``."""
 
 
-@lru_cache(maxsize=32)  # includes, dialect, directives and checks all ask for the tokens of a text
+@lru_cache(maxsize=32)  # includes, dialect, directives and checks need the tokens of the same text
 def _pieces(text: str) -> Tuple[Sequence[SourceToken], Sequence[str]]:
     found: List[SourceToken] = []
     remarks: List[str] = []
-    start, line, begin = 0, 1, 0  # where the line begins
+    start, line, begin = 0, 1, 0  # offset of the line
     while start < len(text):
         match = _TOKEN.match(text, start)
         name, end = (str(match.lastgroup), match.end()) if match else ("UNKNOWN", start + 1)
@@ -139,7 +139,7 @@ def _pieces(text: str) -> Tuple[Sequence[SourceToken], Sequence[str]]:
 
 
 def _end_of_comment(text: str, offset: int) -> int:
-    """The end of a block comment that began before the offset, or -1; a ``%`` inside hides the rest of its line."""
+    """Return the end of a block comment that contains the offset, or -1; inside it, ``%`` comments out its line."""
     depth = 1
     for mark in _COMMENT_MARKS.finditer(text, offset):
         if mark.group() == "%*":
@@ -152,4 +152,4 @@ def _end_of_comment(text: str, offset: int) -> int:
 
 
 class TranslationError(ProgramError):
-    """A program cannot be translated faithfully; :attr:`faults` lists every place and reason."""
+    """A program cannot be translated; :attr:`faults` lists all places and reasons."""

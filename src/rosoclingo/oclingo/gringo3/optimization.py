@@ -1,7 +1,7 @@
-"""Writes optimization statements, weak constraints and ``#compute`` in clingo 5's language.
+"""Translation of optimization statements, weak constraints and ``#compute``.
 
-Today's solver puts the tuples of all statements of one priority into one set, so each statement gets a mark of its
-own: the file's name and a number.
+clingo 5 collects the tuples of all statements with the same priority in one set. A mark from file name and number
+therefore distinguishes the tuples of different statements.
 """
 
 from typing import Iterator, List, Sequence
@@ -22,16 +22,16 @@ from rosoclingo.oclingo.gringo3.terms import (
 
 
 class OptimizationWriter:
-    """Writes the optimization statements of one file."""
+    """Translates the optimization statements of one file."""
 
     def __init__(self, naming: Naming, file: str) -> None:
         self._naming, self._file = naming, file
         self._weak_constraints = 0
 
     def optimize(self, statement: SyntaxNode, level: int, step: str, domains: Domains) -> str:
-        """Return the text of a statement.
+        """Return the translation of a statement.
 
-        ``level`` is the number of optimization statements before this one, ``step`` the parameter of its part, if any.
+        ``level`` is the number of earlier optimization statements, ``step`` the parameter of its part or "".
         """
         core = statement.parts[0]
         texts: List[str] = []
@@ -52,14 +52,14 @@ class OptimizationWriter:
         return f"{statement.text} {{ {'; '.join(texts)} }}."
 
     def weak(self, weak: SyntaxNode, body: str, names: Sequence[str], step: str) -> str:
-        """Return the text of a weak constraint; each instance of its body counts."""
+        """Return the translation of a weak constraint; each instance of its body counts."""
         dot = next(token for token in weak.tokens if token == ".")
         shown = {"weight_term": "1", "priority_term": "1"}
         for part in weak.parts:
             if part.kind in shown:
                 term, what = part.parts[0], part.kind.split("_")[0]
                 if has_pool(term) or has_interval(term):
-                    message = f"a pool or an interval as {what} of a weak constraint has no clear meaning"
+                    message = f"a pool or an interval as {what} of a weak constraint is ambiguous"
                     raise UntranslatableError(dot, message)
                 shown[part.kind] = show(term)
         self._weak_constraints += 1
@@ -67,7 +67,7 @@ class OptimizationWriter:
         return f":~ {body}. [{shown['weight_term']}@{shown['priority_term']},{terms}]"
 
     def compute(self, statement: SyntaxNode, domains: Domains) -> str:
-        """Return constraints in place of a ``#compute`` statement."""
+        """Return the constraints that replace a ``#compute`` statement."""
         return " ".join(rule for node in statement.parts[0].parts for rule in self._constraints(node, domains))
 
     def _constraints(self, node: SyntaxNode, domains: Domains) -> Iterator[str]:

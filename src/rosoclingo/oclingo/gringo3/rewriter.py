@@ -1,26 +1,26 @@
-"""Replaces statements of a text while all the rest, with its comments and lines, stays as it is."""
+"""Replacement of statements in a text that preserves comments, layout and line numbers."""
 
 from difflib import SequenceMatcher
 from typing import Dict, List, Sequence, Tuple
 
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, tokens
 
-_MOST = 100_000  # pairs of tokens that are compared; longer statements lose their layout
+_MOST = 100_000  # maximum number of compared token pairs; larger statements lose their layout
 
 
 class Rewriting:
-    """Statements of a text with their new texts; each keeps its number of lines."""
+    """Collects replacements of statements; each statement keeps its number of lines."""
 
     def __init__(self, text: str, all_tokens: Sequence[SourceToken]) -> None:
         self._text, self._tokens = text, all_tokens
         self._new: Dict[int, Tuple[int, str]] = {}
 
     def replace(self, first: int, after: int, new: str) -> None:
-        """Replace the tokens of a range by a text without newlines and comments."""
+        """Replace a range of tokens by a text without newlines and comments."""
         self._new[first] = (after, new)
 
     def result(self) -> str:
-        """The text with all new statements, in which the tokens that stay have their old layout and comments."""
+        """Return the text with all replacements; unchanged tokens keep their layout and comments."""
         pieces: List[str] = []
         offset = 0
         for first, (after, new) in sorted(self._new.items()):
@@ -50,5 +50,5 @@ class Rewriting:
 
 
 def _gap(text: str, row: Sequence[SourceToken], index: int) -> str:
-    """Return the text between a token and the one before."""
+    """Return the text between a token and its predecessor."""
     return text[row[index - 1].end : row[index].start] if 0 < index < len(row) else ""

@@ -1,8 +1,8 @@
-"""Writes rules of gringo 3 in clingo 5's language, with their heads, bodies and aggregates.
+"""Translation of rules with their heads, bodies and aggregates.
 
-gringo 3 has sets in braces and multisets in brackets. A set counts each literal once, as today's braces do. A multiset
-counts every instance of every element, so that each gets a tuple of its own: weight, the element's number, and all
-variables of the element.
+gringo 3 has sets in braces and multisets in brackets. A set counts each literal once, like braces in clingo 5. A
+multiset counts every instance of every element. In clingo 5, each instance therefore has a unique tuple: the weight,
+the element's number, and all variables of the element.
 """
 
 from typing import Callable, List, Optional, Sequence, Tuple
@@ -12,17 +12,17 @@ from rosoclingo.oclingo.gringo3.grammar import PARITIES, Aggregate, Untranslatab
 from rosoclingo.oclingo.gringo3.terms import Element, Naming, alternatives, check_single, show, variables
 
 _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
-"""The comparison of an average with its bound, for each comparison of the bound in front with the average."""
+"""For each relation between a lower bound and an average, the relation between the average and the bound."""
 
 
 class RuleWriter:
-    """Writes rules, their bodies and their aggregates."""
+    """Translates rules, their bodies and their aggregates."""
 
     def __init__(self, naming: Naming) -> None:
         self._naming = naming
 
     def rule(self, rule: SyntaxNode, domains: Sequence[str]) -> str:
-        """Return the text of a rule; ``domains`` are atoms to add to its body."""
+        """Return the translation of a rule; ``domains`` are additional atoms of its body."""
         body = next((part for part in rule.parts if part.kind == "body"), None)
         head = next((part for part in rule.parts if part.kind != "body"), None)
         text = self.body(body, domains)
@@ -39,9 +39,9 @@ class RuleWriter:
         return show(head) + behind
 
     def weak(self, weak: SyntaxNode, domains: Sequence[str]) -> Tuple[str, List[str]]:
-        """Return the body of a weak constraint, and its variables, which distinguish its instances.
+        """Return the translated body of a weak constraint and the variables that distinguish its instances.
 
-        An unnamed variable or an interval that stands for several instances gets a name.
+        Anonymous variables and intervals that yield several instances are replaced by variables.
         """
         body = next((part for part in weak.parts if part.kind == "body"), None)
         items: List[Tuple[str, bool]] = []
@@ -67,12 +67,12 @@ class RuleWriter:
     # ---- bodies and conditions -------------------------------------------------------------------------------------
 
     def body(self, body: Optional[SyntaxNode], domains: Sequence[str] = ()) -> str:
-        """Return the text of a body with further atoms."""
+        """Return the translation of a body with further atoms."""
         items = [self._item(item) for item in (body.parts if body else ())]
         return _joined([*items, *((one, False) for one in domains)])
 
     def _item(self, item: SyntaxNode) -> Tuple[str, bool]:
-        """Return the text of a body's item, and whether it has a condition."""
+        """Return the translation of a body item, and whether the item has a condition."""
         if item.kind == "element":
             return "; ".join(self._element_texts(item)), True
         if item.kind in ("literal", "comparison"):
@@ -107,7 +107,7 @@ class RuleWriter:
         return f"{function} {{ {'; '.join(self._tuple_element(one, function, in_head) for one in elements)} }}"
 
     def _tuple_element(self, element: Element, function: str, in_head: bool) -> str:
-        """Return an element of a set of tuples; a counted literal becomes a tuple of its own."""
+        """Return the translation of an element in a set of tuples; each literal becomes a unique tuple."""
         if element.terms is None or in_head:
             _check_atom(element)
         if element.terms is None:
@@ -118,7 +118,7 @@ class RuleWriter:
         return "; ".join(_with_tuple(",".join([*mark, *map(show, one.terms or ())]), one, in_head) for one in singles)
 
     def _multiset(self, parts: Aggregate, in_head: bool, change: Callable[[str], str] = str) -> str:
-        """All elements of a multiset, each with its own tuple; ``change`` maps the texts of the weights."""
+        """Return all elements of a multiset with unique tuples; ``change`` maps the texts of the weights."""
         singles = [single for node in parts.core.parts for single in Element.of(node).singles()]
         texts = []
         for key, single in enumerate(singles):
@@ -130,7 +130,7 @@ class RuleWriter:
         return "; ".join(texts)
 
     def _set(self, parts: Aggregate) -> str:
-        """All elements as a set, without weights, in one text."""
+        """Return all elements as a set without weights."""
         elements = [Element.of(node) for node in parts.core.parts]
         for element in elements:
             _check_atom(element)
@@ -146,9 +146,9 @@ class RuleWriter:
         return ", ".join(sums) if sums else "#true"
 
     def _averages(self, parts: Aggregate, in_head: bool) -> List[str]:
-        """The one or two sums that say the same as bounds on an average; none without bounds.
+        """Return the sums that are equivalent to the bounds on an average, one for each bound.
 
-        The average of no weights lies between any bounds, and so does a sum of no differences.
+        The average of no weights satisfies any bounds, and so does a sum of no differences.
         """
         sums = []
         for bound, relation in ((parts.lower, _MIRRORED[parts.before]), (parts.upper, parts.after or "<=")):
@@ -159,7 +159,7 @@ class RuleWriter:
         return sums
 
     def _parity(self, parts: Aggregate, wanted: bool) -> str:
-        """Body literals saying that a parity holds, or not; a fresh variable takes the aggregate's value."""
+        """Return body literals for the parity of an aggregate; for its opposite if ``wanted`` is false."""
         value = show(self._naming.fresh())
         aggregate = f"{{ {self._set(parts)} }}" if parts.is_set else f"#sum {{ {self._multiset(parts, False)} }}"
         relation = "=" if (parts.function == "#even") == wanted else "!="
@@ -173,19 +173,19 @@ class RuleWriter:
 
 
 def _joined(items: Sequence[Tuple[str, bool]]) -> str:
-    """Return a body of items; a condition ends at a semicolon."""
+    """Return a body of items; a semicolon ends a condition."""
     ends = ["; " if has_condition else ", " for _, has_condition in items[:-1]]
     return "".join(text + end for (text, _), end in zip(items, [*ends, ""]))
 
 
 def instance(literal: SyntaxNode) -> str:
-    """Return a term that stands for a literal, regardless of its conditions."""
+    """Return a term that represents a literal without its conditions."""
     return f"({int(literal.children[0] == 'not')},{show(literal.parts[0])})"
 
 
 def _check_atom(element: Element) -> None:
     if element.literal.kind == "comparison":
-        message = "a comparison as element of a set cannot be translated"
+        message = "a comparison as an element of a set cannot be translated"
         raise UntranslatableError(element.literal, message, "write it as a condition, after ':'")
 
 

@@ -1,4 +1,4 @@
-"""Terms, literals and elements of gringo 3: shown in clingo 5's syntax, pools spelled out, intervals and _ named."""
+"""Translation of terms, literals and elements: expansion of pools, variables for intervals and ``_``."""
 
 import itertools
 import math
@@ -8,13 +8,13 @@ from rosoclingo.oclingo.grammars import SyntaxNode, Token
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 
 MAXIMAL_ALTERNATIVES = 10000
-"""How many literals one literal with pools may stand for."""
+"""Maximum number of literals in the expansion of a literal with pools."""
 
 _TODAY = {":=": "=", "#mod": "\\", "#div": "/", "#pow": "**", ";;": ";"}
 
 
 def show(one: Union[SyntaxNode, Token]) -> str:
-    """A term or a literal in clingo 5's syntax; pools keep their meaning of alternatives."""
+    """Return a token, term or literal in clingo 5's syntax; pools are not expanded."""
     if not isinstance(one, SyntaxNode):
         return _TODAY.get(one, str(one))
     if one.kind == "absolute":
@@ -34,29 +34,29 @@ _COMPOSED = ("operation", "signed", "interval", "pool")
 
 
 def _show_list(arguments: SyntaxNode, among_lists: bool) -> str:
-    """Arguments; a pool in one of several gets parentheses, since today's ``;`` separates whole lists of arguments."""
+    """Return arguments as text; a pool among several arguments needs parentheses in clingo 5."""
     enclose = len(arguments.parts) > 1 or among_lists
     shown = (f"({show(one)})" if enclose and is_pool(one) else show(one) for one in arguments.children)
     return "".join(shown)
 
 
 def is_pool(one: Union[SyntaxNode, Token]) -> bool:
-    """Whether it is a pool written with ``;``."""
+    """Return whether a node is a pool with ``;``."""
     return isinstance(one, SyntaxNode) and one.kind == "pool"
 
 
 def has_pool(term: SyntaxNode) -> bool:
-    """Whether a term or literal stands for several, written with ``;`` or ``;;``."""
+    """Return whether a term or literal contains a pool, with ``;`` or ``;;``."""
     return any(is_pool(part) or (part.kind == "function" and len(part.parts) > 1) for part in term.walk())
 
 
 def has_interval(term: SyntaxNode) -> bool:
-    """Whether a term or literal holds an interval."""
+    """Return whether a term or literal contains an interval."""
     return any(part.kind == "interval" for part in term.walk())
 
 
 def variables(nodes: Iterable[SyntaxNode]) -> List[str]:
-    """The names of the variables, each once, in the order of the text; anonymous ones are left out."""
+    """Return the names of all variables except ``_``, without repetitions, in the order of the text."""
     names = (part.text for node in nodes for part in node.walk() if part.kind == "variable")
     return [name for name in dict.fromkeys(names) if name != "_"]
 
@@ -66,7 +66,7 @@ Domains = Sequence[Tuple[str, Sequence[str]]]
 
 
 def domain_atoms(names: Iterable[str], domains: Domains) -> List[str]:
-    """The atoms of those declarations that one of the variables belongs to."""
+    """Return the atoms of the declarations that declare one of the variables."""
     return [atom for atom, own in domains if not set(names).isdisjoint(own)]
 
 
@@ -75,14 +75,14 @@ def _rebuilt(node: SyntaxNode, children: Sequence[Union[SyntaxNode, Token]]) -> 
 
 
 def replace(node: SyntaxNode, change: Callable[[SyntaxNode], SyntaxNode]) -> SyntaxNode:
-    """The node with every node in it replaced by what the function makes of it, from the inside out."""
+    """Return a copy in which ``change`` has replaced each node, children before their parents."""
     return change(
         _rebuilt(node, [replace(one, change) if isinstance(one, SyntaxNode) else one for one in node.children])
     )
 
 
 def _alternatives(node: SyntaxNode) -> List[SyntaxNode]:
-    """The terms or literals that one with pools stands for: every combination of the options."""
+    """Return the expansion of the pools in a term or literal: every combination of the options."""
     if not has_pool(node):
         return [node]
     options = node.parts if is_pool(node) else []
@@ -102,30 +102,30 @@ def _count(node: SyntaxNode) -> int:
 
 
 def alternatives(node: SyntaxNode) -> List[SyntaxNode]:
-    """The terms or literals that one with pools stands for; :class:`UntranslatableError` if there are too many."""
+    """Return the expansion of the pools in a term or literal; raise :class:`UntranslatableError` if it is too large."""
     if _count(node) > MAXIMAL_ALTERNATIVES:
-        raise UntranslatableError(node, f"this pool stands for more than {MAXIMAL_ALTERNATIVES} literals")
+        raise UntranslatableError(node, f"the expansion of this pool has more than {MAXIMAL_ALTERNATIVES} literals")
     return _alternatives(node)
 
 
 class Naming:
-    """Hands out variables that occur nowhere in a text."""
+    """Generates variables that do not occur in a text."""
 
-    def __init__(self, taken: Iterable[str]) -> None:
-        self._taken: Set[str] = set(taken)
+    def __init__(self, used: Iterable[str]) -> None:
+        self._used: Set[str] = set(used)
         self._count = 0
 
     def fresh(self) -> SyntaxNode:
-        """A variable that was neither in the text nor handed out before."""
+        """Return a variable that is neither in the text nor the result of an earlier call."""
         self._count += 1
         name = f"V{self._count}"
-        return self.fresh() if name in self._taken else SyntaxNode("variable", [Token("VARIABLE", name)])
+        return self.fresh() if name in self._used else SyntaxNode("variable", [Token("VARIABLE", name)])
 
 
 class Element(NamedTuple):
-    """A literal with conditions, and in multisets and optimization statements with a weight and a priority.
+    """A literal with conditions; in multisets and optimization statements also with weight and priority.
 
-    ``terms`` is the tuple of ``<terms> : literal``; None where there is none.
+    ``terms`` is the tuple in ``<terms> : literal``, None without a tuple.
     """
 
     place: SyntaxNode
@@ -137,7 +137,7 @@ class Element(NamedTuple):
 
     @classmethod
     def of(cls, node: SyntaxNode) -> "Element":
-        """Return the parts of an element of the text."""
+        """Return the element of a syntax node."""
         literals = [part for part in node.parts if part.kind in ("literal", "comparison")]
         kinds = {part.kind: part for part in node.parts}
         terms = tuple(kinds["tuple_terms"].parts) if "tuple_terms" in kinds else ()
@@ -153,40 +153,40 @@ class Element(NamedTuple):
 
     @property
     def shown_weight(self) -> str:
-        """The weight, 1 if none was given."""
+        """The weight as text, 1 by default."""
         return show(self.weight) if self.weight else "1"
 
     def __str__(self) -> str:
         behind = f" : {', '.join(map(show, self.conditions))}" if self.conditions else ""
         return show(self.literal) + behind
 
-    def _spelt_out(self) -> Tuple[SyntaxNode, ...]:
-        """The conditions with pools spelt out: they all have to hold."""
+    def _expanded_conditions(self) -> Tuple[SyntaxNode, ...]:
+        """Return the conditions with their pools expanded, all of which have to hold."""
         return tuple(found for condition in self.conditions for found in alternatives(condition))
 
     def singles(self) -> List["Element"]:
-        """One element for each literal that a pool in front of the conditions stands for."""
+        """Return one element for each literal in the expansion of the literal's pools."""
         check_single(self.place, self.weight, "weight")
         check_single(self.place, self.priority, "priority")
-        conditions = self._spelt_out()
+        conditions = self._expanded_conditions()
         return [self._replace(literal=literal, conditions=conditions) for literal in alternatives(self.literal)]
 
     def tuples(self, in_head: bool) -> List["Element"]:
-        """Return an element for each tuple of the pools, in heads also for each literal; bodies join the literals."""
+        """Return an element for each expanded tuple; in heads also for each literal, in bodies with all literals."""
         check_single(self.place, self.priority, "priority")
         found = alternatives(self.literal)
-        heads, rest = ([[one] for one in found] if in_head else [found]), self._spelt_out()
+        heads, rest = ([[one] for one in found] if in_head else [found]), self._expanded_conditions()
         ways = list(itertools.product(*map(alternatives, self.terms or ())))
         return [
             self._replace(literal=one, conditions=(*more, *rest), terms=terms) for one, *more in heads for terms in ways
         ]
 
     def without_intervals(self, naming: Naming) -> "Element":
-        """The element with each interval replaced by a variable that a further condition lets range over it."""
+        """Return the element with a variable for each interval and a condition ``variable = interval``."""
         ranges: List[SyntaxNode] = []
 
         def name(term: SyntaxNode) -> SyntaxNode:
-            """Return a variable in place of an interval, which its range is kept for, and any other term as it is."""
+            """Return a variable for an interval and record its range; return other terms unchanged."""
             if term.kind != "interval":
                 return term
             variable = naming.fresh()
@@ -194,7 +194,7 @@ class Element(NamedTuple):
             return variable
 
         def is_range(one: SyntaxNode) -> bool:
-            """Return whether a condition lets a variable range over an interval itself."""
+            """Return whether a condition equates a term and an interval."""
             return one.kind == "comparison" and show(one.tokens[0]) == "=" and one.parts[1].kind == "interval"
 
         literal = replace(self.literal, name)
@@ -202,7 +202,7 @@ class Element(NamedTuple):
         return self._replace(literal=literal, conditions=(*conditions, *ranges))
 
     def named(self, naming: Naming) -> "Element":
-        """The element with a name for each unnamed variable, so that all of them can be listed."""
+        """Return the element with a unique variable for each ``_``."""
 
         def name(term: SyntaxNode) -> SyntaxNode:
             return naming.fresh() if term.kind == "variable" and term.text == "_" else term
@@ -211,15 +211,15 @@ class Element(NamedTuple):
         return self._replace(literal=literal, conditions=tuple(conditions))
 
     def counted(self, naming: Naming) -> "Element":
-        """The element as a multiset sees it: every instance of every variable and interval counts by itself."""
+        """Return the element with variables for intervals and ``_``, so that a multiset counts each instance."""
         if any(term is not None and has_interval(term) for term in (self.weight, self.priority)):
-            message = "an interval as weight or priority has no clear meaning"
+            message = "an interval as weight or priority is ambiguous"
             raise UntranslatableError(self.place, message, "use a variable with a condition")
         return self.without_intervals(naming).named(naming)
 
 
 def check_single(place: SyntaxNode, term: Optional[SyntaxNode], what: str) -> None:
-    """:class:`UntranslatableError` if a term is a pool."""
+    """Raise :class:`UntranslatableError` if a term contains a pool."""
     if term is not None and has_pool(term):
-        mend = "write one rule for each bound" if what == "bound" else "write one literal for each"
-        raise UntranslatableError(place, f"a pool as {what} has no clear meaning", mend)
+        mend = "write one rule for each bound" if what == "bound" else "write one literal for each option"
+        raise UntranslatableError(place, f"a pool as {what} is ambiguous", mend)

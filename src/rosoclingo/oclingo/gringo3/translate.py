@@ -1,7 +1,7 @@
-"""Translates programs of gringo 3 and oClingo into clingo 5's language.
+"""Translation of programs of gringo 3 and oClingo into clingo 5's language.
 
-Only differing parts change; comments, layout and line numbers stay. oClingo's own directives stay too, with today's
-separators inside.
+The translation changes only what differs and preserves comments, layout and line numbers. It keeps oClingo's own
+directives, with the separators of clingo 5 inside.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 
 @dataclass(frozen=True)
 class TranslationResult:
-    """A program in clingo 5's language, warnings about it, and the language that it was in."""
+    """A program in clingo 5's language, the warnings of the translation, and the original language."""
 
     text: str
     warnings: Tuple[str, ...] = ()
@@ -28,11 +28,11 @@ def translate(text: str, filename: str, undecided: Dialect = Dialect.CLINGO5) ->
 def translate_program(
     files: Sequence[Tuple[str, str]], undecided: Dialect = Dialect.CLINGO5
 ) -> Tuple[TranslationResult, ...]:
-    """Translate a program of several files, given as names and texts in the order in which they are loaded.
+    """Translate a program of several files, given as pairs of name and text in load order.
 
-    ``#domain``, ``#hide``, ``#show``, ``#const`` and the order of optimization statements reach from file to file, so
-    the files of a program belong into one call. Files in clingo 5's language come back as they are. ``undecided`` is
-    the language of files that read differently in both languages and hold nothing to tell which one is meant.
+    ``#domain``, ``#hide``, ``#show``, ``#const`` and the order of optimization statements affect later files, so pass
+    all files of a program in one call. Files in clingo 5's language are returned unchanged. ``undecided`` is the
+    language of ambiguous files.
 
     Raises :class:`TranslationError` with all faults of all files.
     """
@@ -42,15 +42,15 @@ def translate_program(
     decided = [one.reads_alike or (its or common) is Dialect.CLINGO5 for one, its in zip(sources, known)]
     if all(decided) and all(one.is_plain for one in sources):
         return tuple(TranslationResult(one.text, (), its or Dialect.EITHER) for one, its in zip(sources, known))
-    from rosoclingo.oclingo.gringo3.file_translator import translated  # noqa: PLC0415 most programs are clingo's
+    from rosoclingo.oclingo.gringo3.file_translator import translate_sources  # noqa: PLC0415 most programs do not need it
 
-    return tuple(TranslationResult(*found) for found in translated(sources, undecided))
+    return tuple(TranslationResult(*found) for found in translate_sources(sources, undecided))
 
 
 def included_files(text: str) -> List[Tuple[str, int]]:
-    """The files that ``#include`` statements name, each with its line, in either language.
+    """Return the file names in ``#include`` statements with their lines, for both languages.
 
-    A program's files have to be translated together, so their loader needs these names before the translation.
+    The loader needs these names before the translation, because all files of a program are translated together.
     """
     found = tokens(text) if "#include" in text else []
     pairs = zip(found, found[1:])

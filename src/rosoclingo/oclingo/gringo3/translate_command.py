@@ -1,4 +1,4 @@
-"""The command ``gringo3to5``: reads files, prints or writes their translations."""
+"""The command ``gringo3to5``, which prints or writes translations of files."""
 
 import argparse
 import sys
@@ -10,25 +10,24 @@ from rosoclingo.oclingo.gringo3.dialect import Dialect
 from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
 from rosoclingo.oclingo.unread import ends_unread
 
-_DESCRIPTION = "Prints programs written for oClingo (2012), in gringo 3's language, in clingo 5's language."
+_DESCRIPTION = "Translates programs for oClingo (2012) from gringo 3's language into clingo 5's language."
 
 
 @ends_unread
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """Run the command with the command line's arguments, or those given; returns the exit code."""
+    """Run the command with ``arguments``, by default those of the command line; return the exit code."""
     parser = argparse.ArgumentParser(prog="gringo3to5", description=_DESCRIPTION)
-    parser.add_argument("files", nargs="+", metavar="FILE", help="program files in order, - for standard input")
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="write files of the same names there")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="program files in load order (-: standard input)")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="write files with the same names into this folder")
     given = parser.parse_args(arguments)
     return _translate(given.files, given.output)
 
 
 def _translate(names: Sequence[str], folder: Optional[str]) -> int:
-    """Translate the files of a program; ``-`` is standard input.
+    """Translate the files of a program and return the exit code; ``-`` is standard input.
 
-    What reads differently in both languages is taken for gringo 3's, since that is what the command is asked for. The
-    translations are printed one after the other, or written under the files' names into a folder; warnings and errors
-    go to standard error. Returns the exit code.
+    Ambiguous files count as gringo 3. The translations go to standard output, or into a folder under the names of the
+    files. Warnings and errors go to standard error.
     """
     try:
         sources = [(name, _read(name)) for name in names]
@@ -48,15 +47,15 @@ def _read(name: str) -> str:
     except OSError as error:
         raise ProgramError([Fault(name, 0, 0, f"cannot be read: {error.strerror}")]) from None
     except UnicodeDecodeError as error:
-        message = f"no UTF-8 text: {error.reason} at byte {error.start}"
+        message = f"not UTF-8 text: {error.reason} at byte {error.start}"
         raise ProgramError([Fault(name, 0, 0, message, "save the file as UTF-8")]) from None
 
 
 def _left_out(sources: Sequence[Tuple[str, str]]) -> List[str]:
-    """Warnings about included files that were not given to the command."""
+    """Return warnings about included files that the command line does not name."""
     given = {Path(name).name for name, _ in sources}
     included = [(name, *found) for name, text in sources for found in included_files(text)]
-    message = "{}:{}:1: the included file {} is not translated (name it on the command line, too)"
+    message = "{}:{}:1: the included file {} is not translated (also name it on the command line)"
     return [message.format(name, line, file) for name, file, line in included if Path(file).name not in given]
 
 

@@ -1,7 +1,7 @@
-"""Which atoms are shown: ``#show`` and ``#hide`` of a whole program, as today's ``#show`` statements.
+"""Translation of ``#show`` and ``#hide``.
 
-gringo 3 shows all atoms unless they are hidden; today's solvers show all atoms only while no ``#show`` is there. What
-the statements mean therefore depends on all files together, so they are collected and written at the end.
+gringo 3 shows all atoms that are not hidden; clingo 5 shows all atoms only if there is no ``#show``. The translation
+therefore depends on all files of a program: it collects the statements and writes them at the end.
 """
 
 import contextlib
@@ -16,26 +16,26 @@ from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.terms import Element, Naming, show
 
 Signature = Tuple[str, int]
-"""A predicate's name, with ``-`` in front if it is negated classically, and the number of its arguments."""
+"""Name and arity of a predicate; the name of a classically negated one begins with ``-``."""
 
 HIDDEN = "_hidden"
-"""Name of the predicate that holds the single atoms that a program hides."""
+"""Name of the predicate for single atoms that a program hides."""
 
 
 def signature(node: SyntaxNode) -> Signature:
-    """The signature that is written ``name/arity``."""
+    """Return the signature of a node ``name/arity``."""
     return "".join(node.tokens[:-2]), int(node.tokens[-1])
 
 
 def signatures_of(literal: SyntaxNode) -> List[Signature]:
-    """The signatures of an atom; lists of arguments separated by ``;;`` may differ in length."""
+    """Return the signatures of an atom; argument lists separated by ``;;`` can have different lengths."""
     term = literal.parts[0]
     sign, inner = ("-", term.parts[0]) if term.kind == "signed" else ("", term)
     return [(sign + inner.text, len(arguments.parts)) for arguments in inner.parts] or [(sign + inner.text, 0)]
 
 
 class ShowStatement(NamedTuple):
-    """A ``#show`` or ``#hide``: its file, its faults and edits, its place in it, its part's parameter."""
+    """A ``#show`` or ``#hide`` with its file, the file's faults and edits, its token range and its part's parameter."""
 
     file: str
     faults: List[Fault]
@@ -47,30 +47,30 @@ class ShowStatement(NamedTuple):
 
     @property
     def shows(self) -> bool:
-        """Whether it is ``#show``."""
+        """Whether the statement is a ``#show``."""
         return self.node.text == "#show"
 
     @property
     def element(self) -> Optional[Element]:
-        """The atoms under conditions that it is about, if it is about such."""
+        """The conditional atoms of the statement, None if it names signatures."""
         node = self.node.parts[0] if self.node.parts else None
         return Element.of(node) if node is not None and node.kind == "element" else None
 
     @property
     def signatures(self) -> List[Signature]:
-        """The predicates that it is about as a whole."""
+        """The predicates that the statement shows or hides as a whole."""
         if self.element is not None:
             return whole_predicate(self.element)
         return [signature(one) for part in self.node.parts for one in part.parts]
 
     @property
     def is_of_all(self) -> bool:
-        """Whether it is about all atoms."""
+        """Whether the statement shows or hides all atoms."""
         return not self.node.parts
 
 
 class Visibility:
-    """Collects the atoms that a program shows, hides and defines, and writes ``#show`` statements of today."""
+    """Collects the atoms that a program shows, hides and defines, and writes clingo 5's ``#show`` statements."""
 
     def __init__(self, naming: Naming) -> None:
         self._naming = naming
@@ -82,17 +82,17 @@ class Visibility:
         self._listed = False
 
     def note(self, text: str, step: str) -> None:
-        """Note a statement in clingo 5's language, which may define something; clingo is asked only if it matters."""
+        """Record a statement in clingo 5's language, whose heads are parsed only if they are needed."""
         self._texts.append((text, step))
 
     def add(self, statement: ShowStatement) -> None:
-        """Note a ``#show`` or ``#hide``."""
+        """Record a ``#show`` or ``#hide``."""
         self._statements.append(statement)
         if statement.is_of_all:
             self._hides_all = not statement.shows
 
     def write(self) -> None:
-        """Edit the files; statements that cannot be written are among the faults of their files."""
+        """Edit the files; add statements that cannot be translated to the faults of their files."""
         for text, step in self._texts if self._statements else ():
             found = head_signatures(text)
             self._defined.update(dict.fromkeys(found))
@@ -104,7 +104,7 @@ class Visibility:
                 statement.faults.append(refusal.fault(statement.file))
 
     def _text(self, statement: ShowStatement) -> str:
-        """Today's text of a statement."""
+        """Return the translation of a statement."""
         element, signatures = statement.element, statement.signatures
         if element is not None and not signatures:
             return (self._shown_atoms if statement.shows else self._hidden_atoms)(statement, element)
@@ -115,7 +115,7 @@ class Visibility:
         return "" if statement.shows else self._list()
 
     def _list(self) -> str:
-        """The signatures that stay visible in a program that hides some; written only once."""
+        """Return ``#show`` statements for all predicates that are not hidden, "" after the first call."""
         if self._listed:
             return ""
         self._listed = True
@@ -133,7 +133,7 @@ class Visibility:
         if not self._hides_all and not set(signatures) & set(self._all_signatures(False)):
             return ""
         if not statement.step and set(signatures) & self._in_steps:
-            message = "atoms that steps define cannot be shown from the base part"
+            message = "the base part cannot show atoms that steps define"
             raise UntranslatableError(statement.node, message, "move it to the part that defines them")
         return " ".join(f"#show {atom} : {body}." for atom, body in self._singles(statement, element))
 
@@ -152,13 +152,13 @@ class Visibility:
         return " ".join([*filter(None, [self._list()]), *rules, visible])
 
     def _singles(self, statement: ShowStatement, element: Element) -> List[Tuple[str, str]]:
-        """Return each atom that a statement is about, and when."""
+        """Return each atom of a statement with its condition."""
         singles = [single.counted(self._naming) for single in element.singles()]
         return [(show(one.literal), ", ".join([*map(show, one.literals), *statement.domains])) for one in singles]
 
 
 def whole_predicate(element: Element) -> List[Signature]:
-    """The signature of an atom that stands for its whole predicate: without conditions, with variables as arguments."""
+    """Return the signature of an atom without conditions whose arguments are distinct variables, else []."""
     lists = element.literal.parts[0].parts
     arguments = lists[0].parts if len(lists) == 1 and lists[0].kind == "list" else []
     names = [term.text for term in arguments if term.kind == "variable" and term.text != "_"]
@@ -175,13 +175,13 @@ def _show_signature(signature: Signature) -> str:
 
 
 def head_signatures(text: str) -> List[Signature]:
-    """The signatures of the atoms in the heads of statements, or declared external; clingo stops at a faulty statement.
+    """Return the signatures of atoms in heads and ``#external`` statements, up to the first syntax error.
 
-    Only ASCII goes to clingo: its Python module ends the process when a message cuts another character in two.
+    The text is converted to ASCII: clingo's module aborts the process if a message cuts a longer character.
     """
     atoms = _Atoms()
     plain = text.encode("ascii", "replace").decode("ascii")
-    with contextlib.suppress(RuntimeError):  # clingo will name the fault when the program is loaded
+    with contextlib.suppress(RuntimeError):  # the loader reports the error
         parse_string(plain, atoms.collect, logger=lambda code, message: None)
     return list(atoms.found)
 
@@ -193,17 +193,17 @@ class _Atoms(Transformer):
         self.found: Dict[Signature, None] = {}
 
     def collect(self, statement: AST) -> None:
-        """Collect those of a statement."""
+        """Collect the signatures of a statement."""
         if statement.ast_type in (ASTType.Rule, ASTType.External):
             self.visit(statement.head if statement.ast_type == ASTType.Rule else statement.atom)
 
     def visit_SymbolicAtom(self, node: AST) -> AST:
-        """Note an atom."""
+        """Record an atom."""
         self._note(node.symbol, "")
         return node
 
     def visit_ConditionalLiteral(self, node: AST) -> AST:
-        """Look at the literal, not at its condition."""
+        """Visit the literal, not its condition."""
         self.visit(node.literal)
         return node
 

@@ -37,7 +37,8 @@ def test_reads_standard_input_and_takes_it_for_gringo_3():
 
 
 RECOGNISED = (
-    "warning: -:1:9: gringo 3 reads this line as ':- a : b; c.'; read as gringo 3 (say so by '% dialect: gringo 3')\n"
+    "warning: -:1:9: gringo 3 reads this line as ':- a : b; c.'; read as gringo 3 "
+    "(add '% dialect: gringo 3' to confirm this)\n"
 )
 
 
@@ -63,14 +64,14 @@ def test_files_that_cannot_be_read(files):
     assert (code, out, err) == (1, "", "no.lp: cannot be read: No such file or directory\n")
     (files / "bytes.lp").write_bytes(b"p.\xff")
     code, _, err = run("bytes.lp", folder=files)
-    assert (code, "bytes.lp: no UTF-8 text" in err, "save the file as UTF-8" in err) == (1, True, True)
+    assert (code, "bytes.lp: not UTF-8 text" in err, "save the file as UTF-8" in err) == (1, True, True)
 
 
 def test_included_files_have_to_be_named_too(files):
     (files / "main.lp").write_text('#include "one.lp".\n#include "more/other.lp".', encoding="utf-8")
     code, _, err = run("main.lp", "one.lp", folder=files)
     message = (
-        "warning: main.lp:2:1: the included file more/other.lp is not translated (name it on the command line, too)\n"
+        "warning: main.lp:2:1: the included file more/other.lp is not translated (also name it on the command line)\n"
     )
     assert (code, err) == (0, message)
 
