@@ -173,7 +173,7 @@ class PlanSolver(PlanningSolver):
         """Yield warnings about the last update, and new remarks of clingo."""
         yield from asking.grounding.warnings
         messages = asking.grounding.messages
-        for one in messages.new_remarks(self.program.parameter_at) if messages.said else ():
+        for one in messages.new_remarks(self.program.parameter_at) if messages.received else ():
             if str(one) not in self._remarks:
                 self._remarks.add(str(one))
                 yield str(one)

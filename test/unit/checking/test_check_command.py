@@ -128,7 +128,9 @@ def test_a_file_that_is_not_utf_8_and_one_that_includes_what_is_not_there(folder
     (folder / "outer.lp").write_text('a.\n#include "inner.lp".\n')
     code, out, _ = run("outer.lp")
     assert code == 1
-    assert out.startswith(f"outer.lp:2:1: error: included file 'inner.lp' is not there (looked in {folder}) [syntax]\n")
+    assert out.startswith(
+        f"outer.lp:2:1: error: included file 'inner.lp' does not exist (looked in {folder}) [syntax]\n"
+    )
 
 
 def test_a_wrong_command_line(folder, run):

@@ -1,1 +1,1 @@
-"""What is loaded: sources, directives, program parts, signatures, checks."""
+"""Reactive logic programs: sources, directives, program parts, signatures and checks."""

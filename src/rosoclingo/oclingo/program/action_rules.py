@@ -1,11 +1,11 @@
-"""Actions and cycles: which actions an answer of a given horizon, or of a cycle that has passed, may hold.
+"""Rules that exclude actions from closed cycles and from steps beyond the horizon.
 
-A commitment keeps an executed action in every later plan; nothing in a stream keeps actions out of a cycle that has
-passed without them, nor out of the steps beyond the horizon for which an answer was searched. The first is done by
-constraints on the atoms of the closed cycle, the second by the rules that are made here.
+A commitment keeps an executed action in every later plan. Nothing in a stream excludes further actions from a closed
+cycle, or from the steps beyond the horizon of a search. Constraints on the atoms of the closed cycle do the former,
+the rules of this module the latter.
 
-What an action returns is its parameter, when all goes well. Where a program opens all of ``_return/3``, these returns
-are declared step by step as well: an atom that steps which are ground could have seen means to ground them anew.
+A successful action returns its parameter. If a program opens all of ``_return/3``, the rules also declare these returns
+step by step. Otherwise such a return could be an atom that grounded steps had to see, which requires regrounding.
 """
 
 from typing import Callable, Container, FrozenSet, Iterable, List, Sequence, Set, Tuple
@@ -22,9 +22,9 @@ ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
 FAILED = Signature("_failed", 3)
 STEPS = Signature("_steps", 2)
-"""``_steps(N,C)``: the program claims that a plan from cycle C on takes N steps at least; #sup: that there is none."""
+"""``_steps(N,C)``: the program claims that a plan from cycle C on has at least N steps; #sup: there is none."""
 BEYOND = Signature("__oclingo_beyond", 1)
-"""``__oclingo_beyond(T)``: the program's name for the literal that is true for steps beyond the horizon."""
+"""``__oclingo_beyond(T)``: an external that is true for steps beyond the horizon."""
 
 _RULES = """
 #program {header}.
@@ -36,14 +36,14 @@ _VARIABLE = "C__"
 
 
 def is_action(atom: clingo.Symbol) -> bool:
-    """Tell whether ``atom``, or any other symbol of an answer, is an ``_action_lib(A,P,C)``."""
+    """Return whether ``atom`` is an ``_action_lib(A,P,C)``; any symbol of an answer can be passed."""
     return atom.match(*ACTION)
 
 
 class DatedActions:
-    """Extract from the symbols of answers each ``_action_lib(A,P,C)`` whose C is a number.
+    """Extracts the ``_action_lib(A,P,C)`` from the symbols of answers, if C is a number.
 
-    Most symbols of an answer were in the previous one, so its other symbols are cached and tested once.
+    Consecutive answers share most symbols, so the symbols of the last answer that are no actions are cached.
     """
 
     def __init__(self) -> None:
@@ -62,13 +62,13 @@ def _is_dated_action(atom: clingo.Symbol) -> bool:
 
 
 def steps_claimed(claim: clingo.Symbol, cycle: int) -> int:
-    """Return N where ``claim`` is ``_steps(N,cycle)`` for a number N, else 0."""
+    """Return N if ``claim`` is ``_steps(N,cycle)`` for a number N, else 0."""
     steps, of = claim.arguments
     return steps.number if steps.type is clingo.SymbolType.Number and of == clingo.Number(cycle) else 0
 
 
 def no_plan_from(cycle: int) -> clingo.Symbol:
-    """Return the claim that from ``cycle`` on there is no plan, however many steps it may have."""
+    """Return the claim that there is no plan from ``cycle`` on, of any length."""
     return clingo.Function(STEPS.name, [clingo.Supremum, clingo.Number(cycle)])
 
 
@@ -83,37 +83,37 @@ def cycle_alone(term: Node) -> Node:
 
 
 def closing_text(parts: Sequence[Part], opened: Container[Signature] = ()) -> Source:
-    """Return the rules for every way in which the heads of ``parts`` write the cycle of an action.
+    """Return rules for each form in which heads of ``parts`` write the cycle of an action.
 
-    ``opened`` are the predicates that the program declares external as a whole.
+    ``opened`` lists the predicates that the program declares external as a whole.
     """
     returns = RETURN in opened
     return Source("<program>", "".join(_rules(*place, returns) for place in _cycles(parts)))
 
 
 def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
-    """Return part name, parameter and cycle argument (_VARIABLE where it is not simple) of each action in a head."""
+    """Return part name, parameter and cycle argument (_VARIABLE for complex ones) of each action in a head."""
     found: Set[Tuple[str, str, str]] = set()
     for part in parts:
-        # a volatile head is a head of its step all the same; the rules must outlast the window
+        # the rules must outlast the window of a volatile rule
         name = "cumulative" if part.name == "volatile" else part.name
         for statement, one in part.atoms:
             if one.head and statement.ast_type == ASTType.Rule and one.signature == ACTION:
                 cycle = one.term.arguments[2]
-                found.add((name, part.parameter, str(cycle) if _is_one(cycle) else _VARIABLE))
+                found.add((name, part.parameter, str(cycle) if _has_one_value(cycle) else _VARIABLE))
     return sorted(found)
 
 
-def _is_one(term: Node) -> bool:
-    """Tell whether ``term`` has one value at a step, whatever else its rule says."""
+def _has_one_value(term: Node) -> bool:
+    """Return whether ``term`` has exactly one value at a step, independent of the rest of its rule."""
     if term.ast_type == ASTType.BinaryOperation:
-        return _is_one(term.left) and _is_one(term.right)
+        return _has_one_value(term.left) and _has_one_value(term.right)
     return bool(term.ast_type == ASTType.SymbolicTerm)
 
 
 def _rules(name: str, parameter: str, cycle: str, returns: bool) -> str:
     header = f"{name}({parameter})" if parameter else name
     domain = f" : _action_lib(_,_,{_VARIABLE})" if cycle == _VARIABLE else ""
-    # clingo would go through the actions of all steps at each step where the cycle is a variable
+    # with a variable cycle clingo would instantiate the actions of all steps at each step
     success = _SUCCESS.format(cycle=cycle) if returns and cycle != _VARIABLE else ""
     return _RULES.format(header=header, cycle=cycle, domain=domain, beyond=BEYOND.name) + success

@@ -1,7 +1,7 @@
-"""Faults of a program that clingo does not see: they would show as a plan that never comes, or in the middle of a run.
+"""Checks for faults of a program that clingo does not report.
 
-A program that uses rosoclingo's keywords is held to them; any other one, written for oClingo, is only warned of what
-is odd.
+Without these checks such a fault would show in the middle of a run, or as a plan that is never found. If the program
+uses rosoclingo's keywords, most findings are errors. In other programs, written for oClingo, they are warnings.
 """
 
 from typing import Dict, List, Sequence, Set, Tuple
@@ -29,11 +29,11 @@ _FORMS = {
     "_steps": "(Number,C)",
 }
 KEYWORDS = {name: Signature(name, form.count(",") + 1) for name, form in _FORMS.items()}
-"""The predicates by which a program talks to rosoclingo."""
+"""The predicates through which a program communicates with rosoclingo's core."""
 
 
 def uses_keywords(parts: Sequence[Part]) -> bool:
-    """Tell whether a program is written for rosoclingo's core."""
+    """Return whether a program is written for rosoclingo's core."""
     return any(place.occurrence.signature.name in KEYWORDS for place in places(parts))
 
 
@@ -51,12 +51,12 @@ def wrong_arities(parts: Sequence[Part]) -> List[Fault]:
 
 
 def missing_parts(parts: Sequence[Part]) -> List[Fault]:
-    """Return a fault for the cumulative and for the volatile part where there is none."""
+    """Return a fault if the program has no cumulative part, and one if it has no volatile part."""
     present = {part.name for part in parts}
     first = parts[0].header.location.begin.filename
     mends = {
-        "cumulative": "write #program cumulative(t). and what holds at each step t",
-        "volatile": "write #program volatile(t). and what a plan that ends at step t has to reach",
+        "cumulative": "write #program cumulative(t). before the rules for each step t",
+        "volatile": "write #program volatile(t). before the constraints on a plan that ends at step t",
     }
     missing = [name for name in mends if name not in present]
     return [Fault(first, 0, 0, f"the program has no {name} part", mends[name], "missing-part") for name in missing]
@@ -65,7 +65,7 @@ def missing_parts(parts: Sequence[Part]) -> List[Fault]:
 def late_externals(
     parts: Sequence[Part], opens: Set[Signature], heads: Set[Signature], constants: Dict[str, clingo.Symbol]
 ) -> List[Fault]:
-    """Return a fault for each rule that uses an external at a step that is declared only later."""
+    """Return a fault for each rule that uses an external before the step that declares it."""
     declared: Dict[Signature, List[Place]] = {}
     used: List[Place] = []
     for place in places(parts):
@@ -86,7 +86,7 @@ def _late(use: Place, declaration: Place) -> Tuple[str, str]:
     term, known = written(use.occurrence.term), written(declaration.occurrence.term)
     if not use.part.parameter:
         return (
-            f"external {term} is used in base but declared only step by step, so that the rule never sees it",
+            f"external {term} is used in base but declared in steps, so the rule never sees it",
             f"move the rule to the {declaration.part.name} part, or the #external to base",
         )
     return (
@@ -96,7 +96,7 @@ def _late(use: Place, declaration: Place) -> Tuple[str, str]:
 
 
 def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol]) -> bool:
-    """Tell whether the use can't see what the declaration declares at the same step or before."""
+    """Return whether the declaration comes at a later step than the use."""
     if not declaration.part.parameter:
         return False
     if not use.part.parameter:

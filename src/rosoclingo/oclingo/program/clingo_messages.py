@@ -1,4 +1,4 @@
-"""clingo's messages as faults: file, line, what is wrong and, for the common ones, what to write instead."""
+"""Conversion of clingo's messages into faults, with a proposed fix for common ones."""
 
 import re
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ _VALUE = re.compile(r"\.\[false\]$")
 _GUARD = re.compile(r";?__oclingo_volatile\([^)]*\)")
 _SCRIPT = re.compile(r"\w+ support not available")
 _ODD = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
-_PROJECTED = (  # how clingo, and this package, write "_"
+_PROJECTED = (  # how clingo and this package write anonymous variables
     (re.compile(r"\bAny__[0-9]+\b"), "_"),
     (re.compile(r"#p_(\w+)\("), r"\1("),
     (re.compile(r"#b\(([^()]*)\)"), r"\1"),
@@ -25,10 +25,10 @@ _PROJECTED = (  # how clingo, and this package, write "_"
 )
 
 ParameterAt = Callable[[str, int], str]
-"""Returns the step parameter of the part that line LINE of FILE stands in."""
+"""Returns the step parameter of the program part at a file and line."""
 
 StatementAt = Callable[[str, int, int], str]
-"""Returns the statement at a line and column of a file, as its author wrote it, or an empty text."""
+"""Returns the source text of the statement at a file, line and column, or an empty string."""
 
 
 def _no_statement(file: str, line: int, column: int) -> str:
@@ -37,29 +37,29 @@ def _no_statement(file: str, line: int, column: int) -> str:
 
 @dataclass
 class Messages:
-    """Collects what clingo says while it parses, grounds or solves; pass :meth:`log` as its logger.
+    """Collects clingo's messages while it parses, grounds or solves; pass :meth:`log` as its logger.
 
     Attributes:
-        said: the messages, each with its code.
-        remarked: how many of them were asked for.
+        received: the messages, each with its code.
+        reported: the number of messages that :meth:`new_remarks` has processed.
 
     """
 
-    said: List[Tuple[clingo.MessageCode, str]] = field(default_factory=list)
-    remarked: int = 0
+    received: List[Tuple[clingo.MessageCode, str]] = field(default_factory=list)
+    reported: int = 0
 
     def log(self, code: clingo.MessageCode, text: str) -> None:
-        """Take a message."""
-        self.said.append((code, text.strip()))
+        """Record a message."""
+        self.received.append((code, text.strip()))
 
     def clear(self) -> None:
-        """Forget all messages."""
-        self.said.clear()
-        self.remarked = 0
+        """Discard all messages."""
+        self.received.clear()
+        self.reported = 0
 
     def text(self) -> str:
         """Return all messages as one text."""
-        return "\n".join(text for _, text in self.said)
+        return "\n".join(text for _, text in self.received)
 
     def faults(
         self,
@@ -67,14 +67,14 @@ class Messages:
         parameter_at: ParameterAt = lambda file, line: "t",
         statement_at: StatementAt = _no_statement,
     ) -> List[Fault]:
-        """Return the errors among the messages; where there is none what ``error`` itself says, then all messages."""
-        errors = [text for code, text in self.said if code == clingo.MessageCode.RuntimeError]
-        found = errors or [str(error).strip(), *(text for _, text in self.said)]
+        """Return the errors among the messages; without any, the text of ``error`` and all messages."""
+        errors = [text for code, text in self.received if code == clingo.MessageCode.RuntimeError]
+        found = errors or [str(error).strip(), *(text for _, text in self.received)]
         return [_fault(text, parameter_at, statement_at) for text in found]
 
     def new_remarks(self, parameter_at: ParameterAt) -> List[Fault]:
-        """Return what clingo has said, since this was asked last, that is odd but no error."""
-        fresh, self.remarked = self.said[self.remarked :], len(self.said)
+        """Return the warnings that clingo has issued since the last call."""
+        fresh, self.reported = self.received[self.reported :], len(self.received)
         return [_fault(text, parameter_at) for code, text in fresh if code in _ODD]
 
 
@@ -104,11 +104,11 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no
     elif message.startswith("operation undefined:"):
         kind = "undefined-operation"
         message = (
-            "undefined operation " + message.split("\n", 1)[-1].strip() + ": the instances that need it are left out"
+            "undefined operation " + message.split("\n", 1)[-1].strip() + ": clingo omits the instances that need it"
         )
-        mend = "see to it that both sides are numbers, and no divisor is 0"
+        mend = "make sure that both sides are numbers and no divisor is 0"
     elif _SCRIPT.match(message):
-        message, mend = "#script is not run: a program is data here", "state what the script computes as facts"
+        message, mend = "scripts are not executed", "write the results of the script as facts"
     elif message.startswith("no definition found for theory atom:"):
         message = f"no #theory defines the theory atom &{message.split()[-1]}, and none is interpreted"
         mend = "write rules about atoms with the step, or an aggregate like #sum"

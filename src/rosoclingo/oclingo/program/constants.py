@@ -1,4 +1,4 @@
-"""The values of a program's constants, and values that are given to them by name and cannot be."""
+"""Values of a program's constants, and checks of values that users set by name."""
 
 from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
 
@@ -15,9 +15,9 @@ from rosoclingo.oclingo.program.survey import Survey
 def constant_values(
     parts: Sequence[Part], given: Mapping[str, clingo.Symbol], control: Optional[clingo.Control]
 ) -> Dict[str, clingo.Symbol]:
-    """Return the values of a program's constants, those that are ``given`` first.
+    """Return the values of a program's constants; ``given`` values take precedence over definitions.
 
-    Without ``control``, where clingo does not take the program, they are what simple definitions say.
+    Pass no ``control`` if clingo rejects the program. Then only constants with simple definitions have values.
     """
     found: Dict[str, clingo.Symbol] = {}
     definitions = [one for part in parts for one in part.statements if one.ast_type == ASTType.Definition]
@@ -31,14 +31,14 @@ def constant_values(
 
 
 class _Constant(NamedTuple):
-    """A ``#const`` of the program: where it stands, and its own value, None where that is no simple term."""
+    """A ``#const`` of the program: its place and its value, None if that is not a simple term."""
 
     place: str
     value: Optional[clingo.Symbol]
 
 
 def given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fault]:
-    """Return what is wrong with values that are given to a program's constants by name."""
+    """Return faults of the values that users set for constants by name."""
     found: List[Fault] = []
     own = own_constants(survey)
     mentioned = _mentioned(survey) if given.keys() - own.keys() else ()
@@ -53,7 +53,7 @@ def given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fau
 
 
 def likely_constant(name: str, own: Collection[str]) -> str:
-    """Return which of a program's ``own`` constants may be meant by ``name``, or which there are."""
+    """Suggest a similar constant of the program for ``name``; if there is none, list all of them."""
     return likely_word(name, own) or (f"its constants are {', '.join(sorted(own))}" if own else "it has none")
 
 
@@ -69,7 +69,7 @@ def _compare(place: str, name: str, value: clingo.Symbol, constant: _Constant) -
 
 
 def own_constants(survey: Survey) -> Dict[str, _Constant]:
-    """Return the program's constants by name."""
+    """Return the program's ``#const`` definitions by name."""
     found: Dict[str, _Constant] = {}
     for _, one, _ in survey.statements:
         if one.ast_type == ASTType.Definition:
@@ -80,7 +80,7 @@ def own_constants(survey: Survey) -> Dict[str, _Constant]:
 
 
 def _mentioned(survey: Survey) -> Set[str]:
-    """Return the names of all constants in the statements."""
+    """Return the names of all constants that occur in statements."""
     nodes = (node for _, statement, _ in survey.statements for node in statement.nodes)
     symbols = (node.symbol for node in nodes if node.ast_type == ASTType.SymbolicTerm)
     return {one.name for one in symbols if one.type is clingo.SymbolType.Function and not one.arguments}

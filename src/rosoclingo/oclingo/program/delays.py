@@ -1,8 +1,8 @@
-"""After how many cycles what is seen bears on actions: read from a program's rules, where times are ``t + c``.
+"""Delays in cycles between a fact and the first action that it can affect, computed from a program's rules.
 
-A fact of cycle T may matter to the choice of an action of cycle T at once, ``{ _action_lib(go,X,t) } :- not low(t).``,
-or, where what is observed in a cycle counts from the next one on, to those of cycle T+1 and later. Shortest paths over
-the rules, from a predicate to what it helps to define, tell which.
+A fact of cycle T can affect the actions of the same cycle, as in ``{ _action_lib(go,X,t) } :- not low(t).``. If the
+program uses observations from the next cycle on, the fact affects only actions of cycle T+1 and later. Times in rules
+have the form ``t + c``. The delay is the length of a shortest path from the predicate over the rules that depend on it.
 """
 
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -17,14 +17,14 @@ from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import Signature
 
-#: Distances below are all the same: a path that leads so far back leads to the past.
+#: Smallest distance that is distinguished: all paths that lead this far back end in the past.
 _FAR_BACK = -3
 
 _Distances = Dict[Signature, int]
 
 
 class _Timed(NamedTuple):
-    """An atom of a rule at a variable (of that ``name``) of the rule plus ``offset``, at the step for no name."""
+    """An atom of a rule whose time is variable ``name`` plus ``offset``; without a name, the step plus ``offset``."""
 
     signature: Signature
     head: bool
@@ -34,7 +34,7 @@ class _Timed(NamedTuple):
 
 
 class Delays:
-    """The delays of all predicates, from the rules of ``parts``; ``constants`` are the program's."""
+    """Computes the delays of predicates from the rules of ``parts`` and the program's ``constants``."""
 
     def __init__(self, parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> None:
         self._known: Dict[Signature, int] = {}
@@ -49,9 +49,9 @@ class Delays:
         self._after_actions = self._spread(self._sources())
 
     def of(self, signature: Signature) -> Optional[int]:
-        """Return 0 or 1, the least number of cycles from such a fact to an action that it bears on.
+        """Return 0 or 1, the least number of cycles from a fact of the predicate to an action that it affects.
 
-        0 where no rule tells. None where nothing tells that the last argument is a cycle.
+        Return 0 if no rule determines the delay, and None if the last argument is not known to be a cycle.
         """
         if signature in self._timed and signature not in self._known:
             self._known[signature] = self._delay(signature)
@@ -71,9 +71,9 @@ class Delays:
         if statement.ast_type != ASTType.Rule or part.name == "volatile":
             return
         heads = [one for one in atoms if one.head]
-        # a rule that waits for the end of an action does not restrict actions to come
-        over = [one[3:] for one in atoms if one.positive and one.signature == RETURN]
-        bodies = [one for one in atoms if not one.head and (one.signature == RETURN or one[3:] not in over)]
+        # a rule that waits for the return of an action does not restrict later actions
+        awaited = [one[3:] for one in atoms if one.positive and one.signature == RETURN]
+        bodies = [one for one in atoms if not one.head and (one.signature == RETURN or one[3:] not in awaited)]
         if statement.head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction):
             self._choices.update(one.signature for one in heads)
         if not any(one.head for one in found):
@@ -82,7 +82,7 @@ class Delays:
         self._edges += [(body.signature, head.signature, head.offset - body.offset) for head, body in pairs]
 
     def _share_times(self) -> None:
-        """Where one side of an edge has a time, what both have as their last argument is one."""
+        """Propagate along edges that the last argument is a time."""
         before = -1
         while before < len(self._timed):
             before = len(self._timed)
@@ -91,7 +91,7 @@ class Delays:
                     self._timed |= {body, head}
 
     def _sources(self) -> _Distances:
-        """Return actions, and the guesses that decide on them as many cycles before."""
+        """Return the start distances: 0 for actions, and ``-n`` for choices that decide on actions n cycles later."""
         sources = {ACTION: 0}
         for guess in self._choices:
             ahead = self._spread({guess: 0}).get(ACTION)
@@ -100,7 +100,7 @@ class Delays:
         return sources
 
     def _spread(self, sources: _Distances) -> _Distances:
-        """Return the least time from ``sources`` to all that follows from them."""
+        """Return the least distance from ``sources`` to each predicate that depends on them."""
         found = dict(sources)
         changed = True
         while changed:
@@ -113,7 +113,7 @@ class Delays:
         return found
 
     def _least(self, atoms: List[_Timed], seen: _Distances) -> Iterator[int]:
-        """Yield the times from what is seen to the last of the actions that a constraint ties it to."""
+        """Yield the distances from seen atoms to the last action in the same constraint."""
         for one in atoms:
             if one.signature not in seen:
                 continue
@@ -129,7 +129,7 @@ class Delays:
 def _timed_atoms(
     part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
 ) -> List[_Timed]:
-    """Return the atoms of a statement whose last argument is a time."""
+    """Return the atoms of a statement whose last argument is a time, each with this time."""
     bounds = shortest_look_back(statement, part.parameter, constants) if part.parameter else {}
     timed: List[_Timed] = []
     for one in found:

@@ -1,8 +1,7 @@
-"""oClingo's own directives in program texts: found, taken out, and put into today's ``#program`` form.
+"""oClingo's directives in program texts, and their replacement by clingo's ``#program`` statements.
 
 clingo's parser does not know ``#base.``, ``#cumulative t.``, ``#volatile t : w.``, ``#external p/n.``, ``#forget t :
-term.`` and ``#iinit n.``. They are replaced here, line by line in place, so that clingo's messages keep their line
-numbers.
+term.`` and ``#iinit n.``. The replacement keeps all newlines, so that clingo's messages have the right line numbers.
 """
 
 import re
@@ -30,12 +29,12 @@ _FORMS = {
     "#forget": (rf"{_NAME}:(?P<term>[^:]+)\.", "write #forget t : t-3."),
     "#iinit": (r"(?P<term>[^:]+)\.", "write #iinit 1."),
 }
-"""Each directive without its spaces, and how it is written."""
+"""For each directive, a pattern for the rest of its text without spaces, and a fix for malformed ones."""
 
 
 @dataclass(frozen=True)
-class Placed:
-    """A directive's term, its step parameter, "" where it has none, and its place."""
+class DirectiveTerm:
+    """The term of a directive, with its place and its step parameter ("" if it has none)."""
 
     value: str
     parameter: str
@@ -43,22 +42,22 @@ class Placed:
     line: int
 
     def number(self, constants: Mapping[str, clingo.Symbol], faults: List[Fault], step: int = 1) -> int:
-        """Return the value of the term under constants, at a step; 1 and a fault where it has none."""
+        """Return the number that the term denotes at a step; if there is none, add a fault and return 1."""
         try:
             term = parse(f"value({self.value}).", lambda code, text: None)[-1].head.atom.symbol.arguments[0]
         except RuntimeError:
-            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is no term"))
+            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is not a term"))
             return 1
         value = evaluate(term, {**constants, **({self.parameter: clingo.Number(step)} if self.parameter else {})})
         if value is None or value.type != clingo.SymbolType.Number:
-            mend = "write a number, or a name that a #const gives a number"
-            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is no number", mend))
+            mend = "write a number, or a constant that a #const defines as one"
+            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is not a number", mend))
             return 1
         return value.number
 
 
-class Opened(NamedTuple):
-    """A predicate of ``#external p/n.`` with the place where it stands."""
+class OpenExternal(NamedTuple):
+    """A predicate that ``#external p/n.`` opens, with the place of this directive."""
 
     signature: Signature
     file: str
@@ -67,17 +66,17 @@ class Opened(NamedTuple):
 
 @dataclass
 class Directives:
-    """What oClingo's directives in a program say, in order of appearance."""
+    """The oClingo directives of a program, in order of appearance."""
 
-    windows: List[Placed] = field(default_factory=list)
-    opened: List[Opened] = field(default_factory=list)
-    forgets: List[Placed] = field(default_factory=list)
-    first_steps: List[Placed] = field(default_factory=list)
+    windows: List[DirectiveTerm] = field(default_factory=list)
+    opened: List[OpenExternal] = field(default_factory=list)
+    forgets: List[DirectiveTerm] = field(default_factory=list)
+    first_steps: List[DirectiveTerm] = field(default_factory=list)
     faults: List[Fault] = field(default_factory=list)
 
 
 def take_directives(text: str, file: str, found: Directives) -> str:
-    """Return ``text`` in clingo's syntax, all lines kept, and add its directives to ``found``."""
+    """Return ``text`` in clingo's syntax with the same lines, and add its directives to ``found``."""
     all_tokens = tokens(text)
     pieces: List[str] = []
     copied = 0
@@ -89,10 +88,10 @@ def take_directives(text: str, file: str, found: Directives) -> str:
             pieces += [text[copied:begin], new, "\n" * text.count("\n", begin, end)]
             copied = end
             continue
-        for one in statement:  # clingo cuts such characters in its messages and gives up
+        for one in statement:  # clingo's module fails if a message cuts such a character
             strange = _STRANGE.match(text, one.start) if one.kind is TokenKind.UNKNOWN and one.start >= copied else None
             if strange:
-                message, mend = f"unexpected characters {strange[0]!r}", "only strings and comments may hold them"
+                message, mend = f"unexpected characters {strange[0]!r}", "only strings and comments can contain them"
                 found.faults.append(Fault(file, one.line, one.column, message, mend))
                 pieces.append(text[copied : strange.start()])
                 copied = strange.end()
@@ -100,22 +99,22 @@ def take_directives(text: str, file: str, found: Directives) -> str:
 
 
 def _replacement(statement: Sequence[SourceToken], file: str, found: Directives) -> Optional[str]:
-    """Return the text for clingo in place of a directive, None for any other statement; note its value."""
+    """Return clingo's text for a directive and record its value; None for any other statement."""
     word, line, words = statement[0].text, statement[0].line, [one.text for one in statement]
     if is_signature(statement):
-        found.opened.append(Opened(Signature(words[-4], int(words[-2]), words[1] != "-"), file, line))
+        found.opened.append(OpenExternal(Signature(words[-4], int(words[-2]), words[1] != "-"), file, line))
         return ""
     if word == "#include" and len(words) > 1 and statement[1].kind is TokenKind.STRING:
-        return ""  # the file has been added to the program's sources
+        return ""  # the collector has added the file to the program's sources
     if word not in _FORMS:
         return None
     form, mend = _FORMS[word]
     match = re.fullmatch(form, "".join(words[1:]))
     if match is None:
-        found.faults.append(Fault(file, line, 1, f"directive {word} is not written as it must be", mend))
+        found.faults.append(Fault(file, line, 1, f"directive {word} is malformed", mend))
         return None
     parts = {"name": "", "term": "1", **{name: part for name, part in match.groupdict().items() if part}}
-    placed = Placed(parts["term"], parts["name"], file, line)
+    placed = DirectiveTerm(parts["term"], parts["name"], file, line)
     if word == "#volatile":
         found.windows.append(placed)
         return f"#program {VOLATILE_PREFIX}{len(found.windows) - 1}({placed.parameter})."

@@ -1,6 +1,6 @@
-"""Where a statement that clingo cannot read was meant to end: a comma that stands for a dot, a dot that is not there.
+"""Locates a missing dot, or a comma in place of a dot, behind a syntax error.
 
-clingo reports such a fault where it cannot go on, which is in the next statement, at times lines below.
+clingo reports such an error where it cannot continue. That is in the next statement, which can be lines below.
 """
 
 from dataclasses import replace
@@ -13,8 +13,11 @@ from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, tokens
 _BREAKS = (TokenKind.DIRECTIVE, TokenKind.END)
 
 
-def ended_before(fault: Fault, text: str) -> Fault:
-    """Return a fault of clingo's parser at the place where a dot makes two statements of one; else as it is."""
+def locate_missing_dot(fault: Fault, text: str) -> Fault:
+    """Move a syntax error to the place where a dot would separate two valid statements.
+
+    Return any other fault unchanged.
+    """
     if not fault.message.startswith("syntax error, unexpected"):
         return fault
     found = tokens(text)
@@ -29,13 +32,14 @@ def ended_before(fault: Fault, text: str) -> Fault:
         if not (is_comma or breaks or behind.line > mark.line):
             continue
         if _accepted(found[first : n + (not is_comma)]) and (breaks or _accepted(found[n + 1 : after])):
-            what = "a comma stands" if is_comma else "a dot is missing"
-            message = f"{what} where a statement ends: what follows, up to {found[at].line}:{found[at].column}, is of"
+            problem = "a comma stands" if is_comma else "a dot is missing"
+            end = f"{found[at].line}:{found[at].column}"
+            message = f"{problem} where a statement ends: the text up to {end} belongs to the next statement"
             column = mark.column + (0 if is_comma else len(mark.text))
-            return replace(fault, line=mark.line, column=column, message=f"{message} another one", mend="write a dot")
+            return replace(fault, line=mark.line, column=column, message=message, mend="write a dot")
     return fault
 
 
 def _accepted(statement: Sequence[SourceToken]) -> bool:
-    """Return whether tokens with a dot behind them are a statement."""
+    """Return whether tokens form a statement if a dot follows."""
     return bool(statement) and accepted_by_clingo(" ".join(one.text for one in statement) + ".")

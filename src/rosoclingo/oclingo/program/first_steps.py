@@ -1,4 +1,4 @@
-"""A trial: the first steps are ground, to see which heads two of them define and what clingo says."""
+"""Trial grounding of the first steps, to find heads that two steps define and to collect clingo's messages."""
 
 from typing import Dict, List, Optional, Sequence, Set
 
@@ -17,18 +17,18 @@ _TRIAL_RULES = 50_000  # a fraction of a second of grounding
 
 
 class _TrialTooLargeError(Exception):
-    """A trial grounding has come to its bound."""
+    """A trial grounding exceeds its limit of rules."""
 
 
 class _Heads(Observer):
-    """Notes which atoms rules define; ends a grounding of too many rules, which may have no end."""
+    """Records which atoms rules define; aborts groundings with too many rules, which possibly never end."""
 
     def __init__(self) -> None:
         self.fresh: Set[int] = set()
         self._left = _TRIAL_RULES
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """A rule; raises _TrialTooLargeError where there are too many."""
+        """Record the head of a rule; raise _TrialTooLargeError if there are too many rules."""
         self._left -= 1
         if self._left < 0:
             raise _TrialTooLargeError
@@ -36,7 +36,7 @@ class _Heads(Observer):
 
 
 def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
-    """Return the predicates that rules of steps define without, or with differing, steps in them."""
+    """Return the predicates that rules of steps define without the step, or with different offsets to it."""
     offsets: Dict[Signature, Set[object]] = {}
     stepped: Set[Signature] = set()
     for place in places(parts):
@@ -49,18 +49,18 @@ def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol])
 
 
 class TrialGrounding:
-    """The first steps of a program, ground for a look at them; without their end where there is too much to ground.
+    """Grounds the first steps of a program; stops early if there is too much to ground.
 
     Attributes:
-        twice: an atom of each predicate that two steps define.
-        last: the last ground step, None if the program is too large.
+        twice: for each predicate that two steps define, one of these atoms.
+        last: the last grounded step, None if the program is too large.
 
     """
 
     def __init__(self, control: clingo.Control, first: int) -> None:
-        """Ground base and the steps from ``first`` on ``control``, which has the program loaded.
+        """Ground base and the steps from ``first`` on ``control``, into which the program is loaded.
 
-        Raises RuntimeError as clingo does, details go to the control's logger.
+        Raises RuntimeError like clingo; details go to the control's logger.
         """
         self.twice: Dict[Signature, str] = {}
         self.last: Optional[int] = None
@@ -77,16 +77,17 @@ class TrialGrounding:
                 twice |= observer.fresh & defined
                 defined |= observer.fresh
         except _TrialTooLargeError:
-            return  # what is too large for a trial is not judged: a real grounding tells
+            return  # no findings for large programs; the real grounding reports their errors
         self.last = step
         for one in control.symbolic_atoms if twice else ():
             if one.literal in twice:
                 self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
 
     def demands(self, signature: Signature) -> bool:
-        """Tell whether each answer has an atom of the predicate at the last step, its last argument.
+        """Return whether each answer has an atom of the predicate whose last argument is the last step.
 
-        Nothing is asserted, and no plan ends here. False if there is no answer at all, or the search takes too long.
+        The answers are without facts and without the goals of a plan. Return False if there is no answer at all, or if
+        the search takes too long.
         """
         if self.last is None:
             return False
@@ -96,7 +97,7 @@ class TrialGrounding:
         return self._has_answer(absent) is False and self._has_answer([]) is True
 
     def _has_answer(self, assumptions: Sequence[int]) -> Optional[bool]:
-        """Tell whether there is an answer, None if the search takes too long."""
+        """Return whether there is an answer, None if the search takes too long."""
         self._control.configuration.solve.opt_mode = "ignore"  # type: ignore[union-attr]
         with self._control.solve(assumptions, async_=True) as handle:
             done = handle.wait(_TRIAL_SECONDS)
@@ -104,12 +105,12 @@ class TrialGrounding:
             return handle.get().satisfiable if done else None
 
     def redefinitions(self, parts: Sequence[Part]) -> List[Fault]:
-        """Return the heads that two steps define."""
+        """Return a fault for each head that two steps define."""
         return [fault for one in sorted(self.twice) for fault in redefined_by(parts, self.twice[one], {one})]
 
 
 def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
-    """Return a fault for each rule of a step with a head of ``signatures``; ``name`` is the atom in question."""
+    """Return a fault for each rule of a step whose head is of ``signatures``; ``name`` is the redefined atom."""
     message = f"redefinition: {name} is defined by the rules of two steps"
     mend = "give the head the step, like p(t), or move the rule to base"
     return [

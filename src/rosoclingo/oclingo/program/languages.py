@@ -1,9 +1,11 @@
-"""Files of a program that are in a language of their own, by their names' endings: translated as they are read.
+"""Further languages of program files, selected by file suffix and translated on loading.
 
-A language is a module of :data:`LANGUAGES` with two functions: ``read(text, name)`` returns a :class:`Document`,
-whatever the text; ``translate_files(documents, included)`` a :class:`Translation` of each, or raises ProgramError with
-all their faults. ``included`` has for each document, for each of its ``includes``, the numbers of the documents that it
-brings in.
+A language is a module of :data:`LANGUAGES` with two functions:
+
+* ``read(text, name)`` returns a :class:`Document` for any text.
+* ``translate_files(documents, included)`` returns a :class:`Translation` of each document, or raises ProgramError with
+  the faults of all documents. ``included[i][j]`` lists the indices of the documents that the j-th include of document
+  i adds, directly or indirectly.
 """
 
 import importlib
@@ -12,11 +14,11 @@ from types import ModuleType
 from typing import Any, NamedTuple, Optional, Tuple
 
 LANGUAGES = {".golog": "rosoclingo.golog"}
-"""The modules that translate, by the ending of the files that they are for; each is imported where one is met."""
+"""The translating module for each file suffix; it is imported when such a file is loaded."""
 
 
 class Include(NamedTuple):
-    """A file's name as another one names it, with the line and column where it does so."""
+    """The name of an included file, with the line and column of the include."""
 
     name: str
     line: int
@@ -24,7 +26,7 @@ class Include(NamedTuple):
 
 
 class Document(NamedTuple):
-    """A file as its language reads it: its name, the files that it includes, and what is the language's own."""
+    """A parsed file: its name, its includes, and content in a form that only its language knows."""
 
     name: str
     includes: Tuple[Include, ...]
@@ -32,17 +34,17 @@ class Document(NamedTuple):
 
 
 class Translation(NamedTuple):
-    """A file as a reactive logic program: the text, one statement on a line, and the line and column each is of."""
+    """A file translated to a reactive logic program: one statement a line, and the original place of each line."""
 
     text: str
     places: Tuple[Tuple[int, int], ...]
 
     def place(self, line: int) -> Tuple[int, int]:
-        """Return the line and column of the file from which a line of the text comes."""
+        """Return the line and column of the original file for a line of the text."""
         return self.places[line - 1] if 0 < line <= len(self.places) else (1, 1)
 
 
 def language_of(name: str) -> Optional[ModuleType]:
-    """Return the language that a file of this name is in, None where that is clingo's, or gringo 3's."""
+    """Return the language of a file with this name, None for the languages of clingo and gringo 3."""
     module = LANGUAGES.get(PurePath(name).suffix)
     return importlib.import_module(module) if module else None

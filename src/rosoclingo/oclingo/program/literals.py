@@ -1,4 +1,4 @@
-"""Literals and their variables: what a rule needs to be true, and which variables base binds."""
+"""Body literals of rules, and the variables that the base part binds."""
 
 from typing import Iterator, List, Sequence, Set
 
@@ -11,13 +11,13 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 
 def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:
-    """Return the predicates that base alone defines."""
+    """Return the predicates that only base defines."""
     used = {one.signature for part in parts if part.parameter for _, one in part.atoms if one.head}
     return {one.signature for part in parts for _, one in part.atoms if one.head} - used
 
 
 def plain_literals(statement: Node) -> Iterator[Node]:
-    """Yield the positive literals of a body that are one atom each."""
+    """Yield the positive body literals that consist of a single atom."""
     for literal in statement.body if hasattr(statement, "body") else ():
         plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
         if plain and literal.atom.ast_type == ASTType.SymbolicAtom and len(list(atom_terms(literal.atom.symbol))) == 1:
@@ -25,7 +25,10 @@ def plain_literals(statement: Node) -> Iterator[Node]:
 
 
 def binds(literal: Node, parameter: str, fixed: Set[Signature]) -> bool:
-    """Tell whether the literal binds variables that stand alone in it to what base alone defines."""
+    """Return whether a literal binds its variables by a predicate that only base defines.
+
+    All arguments have to be variables or symbols other than the step.
+    """
     term = literal.atom.symbol
     alone = term.ast_type == ASTType.Function and all(_is_simple(one) for one in term.arguments)
     return alone and term_signature(term) in fixed and not mentions(term, parameter)
@@ -36,10 +39,10 @@ def _is_simple(term: Node) -> bool:
 
 
 def names_in(term: Node) -> List[str]:
-    """Return the names of the variables in a term or literal, each as often as it stands there."""
+    """Return the names of the variables in a term or literal, with repetitions."""
     return [one.name for one in term.nodes if one.ast_type == ASTType.Variable]
 
 
 def mentions(term: Node, name: str) -> bool:
-    """Tell whether a constant, such as the step, stands in a term, literal or statement."""
+    """Return whether a constant, such as the step, occurs in a term, literal or statement."""
     return any(one.ast_type == ASTType.SymbolicTerm and str(one) == name for one in term.nodes)

@@ -1,4 +1,4 @@
-"""Reactive logic programs as they are loaded: texts, parts, constants, and all that clingo has to be given."""
+"""Loaded reactive logic programs: texts, parts, constants, and the statements and options for clingo."""
 
 import json
 from functools import cached_property, partial
@@ -22,23 +22,23 @@ class LoadedProgram:
     """A reactive logic program in clingo's form, with the values of its directives.
 
     Attributes:
-        sources: the texts that it was made of.
-        texts: these and all that they include, in order.
+        sources: the texts from which it was loaded.
+        texts: these texts and all included ones, in order.
         parts: its statements, in order.
-        constants: values of ``#const`` names that were given from outside, as symbols.
+        constants: values that users set for ``#const`` names, as symbols.
         values: the values of all constants.
-        first_step: the first grounded step (1 unless ``#iinit`` says less).
+        first_step: the first grounded step: 1, or less by ``#iinit``.
         windows: the distinct lengths w of ``#volatile t : w.``, in steps.
         forgets: the ``#forget t : term.`` directives.
         open_signatures: the predicates of ``#external p/n.``
-        remarks: oddities that do not keep the program from being used.
+        remarks: warnings; the program can be used in spite of them.
 
     """
 
     def __init__(self, sources: Sequence[Source], constants: Mapping[str, str], whole: bool) -> None:
-        """Take the texts in order; with ``whole`` all that they include is among them.
+        """Load the texts in order; ``whole`` means that they contain all included files.
 
-        Raises ProgramError with all faults for which the texts cannot be read.
+        Raises ProgramError with all faults that prevent loading.
         """
         self.sources = tuple(sources)
         self.constants: Dict[str, clingo.Symbol] = parse_constants(constants)
@@ -66,26 +66,26 @@ class LoadedProgram:
             one.number(self.values, self._load_faults)
 
     def adapt_parts(self) -> None:
-        """Change the parts once they are read; subclasses that need other statements do so here."""
+        """Modify the parts after parsing; a hook for subclasses, which does nothing here."""
 
     @cached_property
     def advises(self) -> bool:
-        """Whether ``#heuristic`` statements tell the solver where to look first."""
+        """Whether the program has ``#heuristic`` statements."""
         return any(one.ast_type == ASTType.Heuristic for part in self.parts for one in part.statements)
 
     @property
     def warnings(self) -> List[str]:
-        """The remarks as text."""
+        """The remarks as texts."""
         return [str(one) for one in self.remarks]
 
     @property
     def fingerprint(self) -> str:
-        """A SHA-256 of texts and constants in hexadecimal, independent of where the files lie."""
+        """A hexadecimal SHA-256 of texts and constants, independent of file names."""
         constants = sorted((name, str(value)) for name, value in self.constants.items())
         return sha256(json.dumps([[one.text for one in self.texts], constants]).encode("ascii")).hexdigest()
 
     def load_into(self, control: clingo.Control) -> None:
-        """Add all statements to ``control``; raise RuntimeError as clingo does, details go to its logger."""
+        """Add all statements to ``control``; raise RuntimeError like clingo, whose logger receives the details."""
         with ProgramBuilder(control) as builder:
             for part in self.parts:
                 builder.add(part.header.ast)
@@ -96,7 +96,7 @@ class LoadedProgram:
                 control.add(*open_part(signature, fact))
 
     def open_part(self, atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
-        """Return the part to ground, with its arguments, that makes ``atom`` an external or a fact."""
+        """Return the program part that makes ``atom`` an external or a fact, with its arguments."""
         return open_part(signature_of(atom), fact).name, atom.arguments
 
     def guard(self, window: int, step: int) -> clingo.Symbol:
@@ -106,20 +106,20 @@ class LoadedProgram:
     def arguments(self) -> List[str]:
         """Return clingo's command line arguments for every control that loads the program.
 
-        They set the constants, enable ``#heuristic`` if there is one, and try false first for open atoms, so that
-        plans hold no useless actions. Equivalence preprocessing is off: over several solve calls of one control, clasp
-        3.3.10 to 3.4.0 (clingo 5.7.0 to 5.8.3) loses facts and answers with it.
+        They set the constants and enable ``#heuristic`` statements. Undecided atoms are first tried as false, so that
+        plans contain no useless actions. Equivalence preprocessing is off: with several solve calls on one control,
+        clasp 3.3.10 to 3.4.0 (clingo 5.7.0 to 5.8.3) loses facts and answers.
         """
         heuristic = ["--heuristic=Domain"] if self.advises else []
         constants = (f"-c{name}={value}" for name, value in self.constants.items())
         return ["-Wno-atom-undefined", "--sign-def=neg", "--eq=0", *heuristic, *constants]
 
     def is_open_signature(self, atom: clingo.Symbol) -> bool:
-        """Tell whether ``atom`` is of a signature that ``#external p/n.`` opens."""
+        """Return whether an ``#external p/n.`` opens the predicate of ``atom``."""
         return signature_of(atom) in self.open_signatures
 
     def parameter_at(self, file: str, line: int) -> str:
-        """Return the step parameter of the part that a line stands in, ``t`` where that is not known."""
+        """Return the step parameter of the part that contains a line, ``t`` if there is none."""
         for part in self.parts:
             for statement in part.statements if part.parameter else ():
                 begin, end = statement.location.begin, statement.location.end
@@ -128,15 +128,15 @@ class LoadedProgram:
         return "t"
 
     def forgotten_at(self, step: int) -> List[int]:
-        """Return the steps whose externals the program's ``#forget t : term.`` directives close at ``step``."""
+        """Return the steps whose externals ``#forget t : term.`` directives close at ``step``."""
         return [one.number(self.values, [], step) for one in self.forgets]
 
     def _control(self, messages: Messages) -> clingo.Control:
-        """Return a control with the program loaded; raise :class:`ProgramError` where clingo won't take it."""
+        """Return a control with the program loaded; raise :class:`ProgramError` if clingo rejects it."""
         control = clingo.Control(self.arguments(), logger=messages.log)
         try:
             self.load_into(control)
-            control.ground([("__oclingo_no_part", [])])  # now clingo looks for unsafe variables
+            control.ground([("__oclingo_no_part", [])])  # makes clingo check for unsafe variables
         except RuntimeError as error:
             as_written = partial(statement_at, self.texts)
             raise ProgramError(messages.faults(error, self.parameter_at, as_written)) from None

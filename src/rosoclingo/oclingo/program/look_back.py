@@ -1,6 +1,6 @@
-"""How terms depend on the step: ``t+1`` by its offset, a variable by comparisons like ``t-T < 60``.
+"""The relation of terms to the step: offsets of terms like ``t+1``, bounds of variables in ``t-T < 60``.
 
-Terms are read as sums ``a*t + b*T + c``, held as a mapping from names to factors, the constant under the empty name.
+A linear term ``a*t + b*T + c`` is a mapping from names to factors, with the constant under the empty name.
 """
 
 from typing import Dict, Iterable, Iterator, Optional, Tuple
@@ -15,7 +15,7 @@ Sum = Dict[str, int]
 
 
 def time_offset(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
-    """Return c where ``term`` is ``parameter + c`` for a constant c, None where it is anything else."""
+    """Return c if ``term`` equals ``parameter + c`` for a constant c, else None."""
     found = linear_form(term, parameter, constants)
     if found is None or set(found) - {""} != {parameter} or found[parameter] != 1:
         return None
@@ -23,28 +23,28 @@ def time_offset(term: Node, parameter: str, constants: Dict[str, clingo.Symbol])
 
 
 def time_offsets(arguments: Iterable[Node], parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[int, int]:
-    """Return the positions of the arguments that are the step plus a number, in order, each with this number."""
+    """Return the offsets of all arguments that are the step plus a number, by position."""
     found = {n: time_offset(one, parameter, constants) for n, one in enumerate(arguments if parameter else ())}
     return {position: offset for position, offset in found.items() if offset is not None}
 
 
 def longest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
-    """Return, for variables T that comparisons in the body bound, the greatest number that t - T can be.
+    """Return the maximum of t - T for each variable T that comparisons in the body bound.
 
-    That holds for values of T that are numbers; t is the step ``parameter``.
+    The bounds hold for values of T that are numbers; t is the step ``parameter``.
     """
     return _greatest(_differences(statement, parameter, constants), parameter)
 
 
 def shortest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
-    """Return, for variables T that comparisons in the body bound, the least number that t - T can be."""
+    """Return the minimum of t - T for each variable T that comparisons in the body bound."""
     differences = _differences(statement, parameter, constants)
     mirrored = ((_mirrored(difference), strict) for difference, strict in differences)
     return {name: -bound for name, bound in _greatest(mirrored, parameter).items()}
 
 
 def _greatest(differences: Iterable[Tuple[Sum, bool]], parameter: str) -> Dict[str, int]:
-    """Return, for each variable T that differences bound, the greatest number that t - T can be."""
+    """Return the maximum of t - T for each variable T that the differences bound."""
     bounds: Dict[str, int] = {}
     for difference, strict in differences:
         for name, bound in _bound(difference, parameter, strict):
@@ -53,7 +53,7 @@ def _greatest(differences: Iterable[Tuple[Sum, bool]], parameter: str) -> Dict[s
 
 
 def _differences(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Iterator[Tuple[Sum, bool]]:
-    """Yield what comparisons in the body say as sums with a bound on one side, and whether that bound is strict."""
+    """Yield each comparison of the body as a sum that is at most 0, or less than 0 if strict."""
     for left, operator, right in _comparisons(statement):
         sums = linear_form(left, parameter, constants), linear_form(right, parameter, constants)
         if sums[0] is None or sums[1] is None:
@@ -64,11 +64,11 @@ def _differences(statement: Node, parameter: str, constants: Dict[str, clingo.Sy
 
 
 def _mirrored(difference: Sum) -> Sum:
-    """Return the sum for -t and -T in place of t and T: what it says of T - t the result says of t - T."""
+    """Return the sum with -t and -T in place of t and T, so that a bound on T - t becomes one on t - T."""
     return {name: -number if name else number for name, number in difference.items()}
 
 
-# what each comparison says of the difference of its sides: that, with this sign, it is at most 0, or below 0
+# for each comparison: signs with which the difference of its sides is at most 0, or below 0 if strict
 _SIGNS: Dict[int, Tuple[Tuple[int, bool], ...]] = {
     ComparisonOperator.LessThan: ((1, True),),
     ComparisonOperator.LessEqual: ((1, False),),
@@ -79,7 +79,7 @@ _SIGNS: Dict[int, Tuple[Tuple[int, bool], ...]] = {
 
 
 def _comparisons(statement: Node) -> Iterator[Tuple[Node, int, Node]]:
-    """Yield the comparisons that hold for every instance of the statement: left side, operator, right side."""
+    """Yield the comparisons of the body as left side, operator and right side."""
     for literal in statement.body if hasattr(statement, "body") else ():
         plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
         if plain and literal.atom.ast_type == ASTType.Comparison:
@@ -90,7 +90,7 @@ def _comparisons(statement: Node) -> Iterator[Tuple[Node, int, Node]]:
 
 
 def _bound(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str, int]]:
-    """Yield the variable T, with the greatest t - T, where ``difference`` is f*(t - T) + c with a positive f."""
+    """Yield the variable T and the maximum of t - T if ``difference`` is f*(t - T) + c with a positive f."""
     names = set(difference) - {"", parameter}
     factor = difference.get(parameter, 0)
     if factor > 0 and len(names) == 1:
@@ -123,7 +123,7 @@ def linear_form(term: Node, parameter: str, constants: Dict[str, clingo.Symbol])
         if set(number) <= {""}:
             return _plus({}, other, number.get("", 0))
     value = evaluate(term, constants)
-    return None if value is None else {"": value.number}  # of two numbers it can be nothing else
+    return None if value is None else {"": value.number}  # an operation on two numbers yields a number
 
 
 def _plus(one: Sum, other: Sum, factor: int) -> Sum:

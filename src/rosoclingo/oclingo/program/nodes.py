@@ -1,7 +1,7 @@
-"""What :mod:`clingo.ast` knows of statements and terms, as plain Python values.
+"""Statements and terms of :mod:`clingo.ast` with cached attributes.
 
-Each attribute of clingo's nodes is fetched anew, through several calls into its library, whenever it is read. A
-program's rules are looked at many times: a :class:`Node` fetches each attribute once, when it is first read.
+An attribute of clingo's own nodes costs several calls into clingo's library on each access. Analyses read the rules of
+a program many times, so a :class:`Node` fetches each attribute once, on first access.
 """
 
 from inspect import signature
@@ -9,21 +9,21 @@ from typing import Any, Callable, Dict, FrozenSet, Iterator, List, Mapping, Opti
 
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
 
-#: The attributes of nodes of a kind, and those of them that have nodes; clingo works them out anew for each node.
+#: For each kind, all attributes and the attributes with child nodes; clingo would compute both for each node.
 _KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
 
 _COMMENTS = (getattr(ASTType, "Comment", None),)  # of clingo 5.7 and later
 
 
 class Node:
-    """A statement, literal or term: the attributes of its ``AST``, those that are nodes as ``Node``, rows as lists.
+    """A statement, literal or term with the attributes of its ``AST``: child nodes as ``Node``, sequences as lists.
 
     Attributes:
-        ast: clingo's own node, which nobody may change.
-        ast_type: its kind.
-        children: the nodes right below it, in order.
-        nodes: it and all below it, in order.
-        text: it in clingo's language.
+        ast: clingo's own node, which must not be modified.
+        ast_type: the kind of the node.
+        children: the direct child nodes, in order.
+        nodes: the node and all its descendants, in order.
+        text: the node in clingo's syntax.
 
     """
 
@@ -39,7 +39,7 @@ class Node:
         self._keys = keys
 
     def __getattr__(self, name: str) -> Any:
-        """Fetch an attribute that has not been read before."""
+        """Fetch and cache an attribute on first access."""
         if name == "children":
             value: Any = self._below()
         elif name == "nodes":
@@ -71,19 +71,19 @@ class Node:
             waiting += reversed(one.children)
 
     def __str__(self) -> str:
-        """Return it in clingo's language."""
+        """Return the node in clingo's syntax."""
         return str(self.text)
 
     def __eq__(self, other: object) -> bool:
-        """Compare as clingo does: wherever it stands."""
+        """Compare like clingo, which ignores locations."""
         return self.ast == other.ast if isinstance(other, Node) else NotImplemented
 
     def __hash__(self) -> int:
-        """Return what equal ones share."""
+        """Return a hash that ignores locations."""
         return hash(self.ast)
 
     def update(self, **attributes: Any) -> "Node":
-        """Return a copy with other values of some attributes; the others are shared."""
+        """Return a copy with new values of some attributes; it shares the others."""
         twin = Node(self.ast.update(**{name: _given(value) for name, value in attributes.items()}))
         made = {"_keys", "ast", "ast_type", "children", "nodes", "text", *attributes}
         twin.__dict__.update({name: value for name, value in self.__dict__.items() if name not in made})
@@ -91,7 +91,7 @@ class Node:
         return twin
 
     def move(self, place: Callable[[Position], Position]) -> None:
-        """Let it and all below it stand elsewhere."""
+        """Replace the positions of the node and its descendants by ``place`` of them."""
         for one in self.nodes:
             if "location" in one._keys[0]:
                 begin, end = one.location.begin, one.location.end
@@ -105,7 +105,7 @@ def _plain(value: Any) -> Any:
 
 
 def _of_nodes(attributes: Mapping[str, Any]) -> Dict[str, Any]:
-    """Return the attributes that are nodes: what is known of them need not be found again."""
+    """Return the attributes whose values are nodes, so that the copy shares their caches."""
     given = {name: value if isinstance(value, list) else [value] for name, value in attributes.items()}
     return {name: attributes[name] for name, row in given.items() if all(isinstance(one, Node) for one in row)}
 
@@ -117,9 +117,9 @@ def _given(value: Any) -> Any:
 
 
 def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> List[Node]:
-    """Return the statements of a text in clingo's language, ``#program base.`` before them.
+    """Return the statements of a text in clingo's language, after an initial ``#program base.``.
 
-    Raises RuntimeError where it can't be read; details go to the ``logger``.
+    Raises RuntimeError for invalid texts; details go to the ``logger``.
     """
     found: List[AST] = []
     parse_string(text, found.append, logger=logger)
@@ -127,7 +127,7 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
 
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:
-    """Return a new node, made by a constructor of :mod:`clingo.ast` from plain values."""
+    """Return a new node from a constructor of :mod:`clingo.ast` and its arguments."""
     made = Node(constructor(*map(_given, values)))
     made.__dict__.update(_of_nodes(dict(zip(signature(constructor).parameters, values))))
     return made

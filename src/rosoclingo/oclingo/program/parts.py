@@ -1,4 +1,4 @@
-"""Statements sorted into program parts, and volatile ones bound to the window in which they hold."""
+"""Program parts, and guards that limit volatile statements to their window."""
 
 import re
 from dataclasses import dataclass, field
@@ -11,11 +11,11 @@ from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.directives import VOLATILE_PREFIX, Directives
 from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
-from rosoclingo.oclingo.program.sources import Parsed
+from rosoclingo.oclingo.program.sources import ParsedSource
 from rosoclingo.oclingo.progression.terms import Signature
 
 PARTS = ("base", "cumulative", "volatile")
-_OTHER_SYSTEMS = {  # parts of clingo's incmode and of telingo, with their mends
+_OTHER_SYSTEMS = {  # parts of clingo's incmode and of telingo, with their equivalents
     "step": "clingo's incmode calls it step; write #program cumulative(t).",
     "check": "clingo's incmode calls it check; write #program volatile(t). for a plan's last step, without query(t)",
     "initial": "telingo's part; write #program base. with 0 for the step, as in at(home,0)",
@@ -24,7 +24,7 @@ _OTHER_SYSTEMS = {  # parts of clingo's incmode and of telingo, with their mends
     "final": "telingo's part; write #program volatile(t). with t for the step",
 }
 GUARD = "__oclingo_volatile"
-"""``__oclingo_volatile(W,T)``: true while the instance of step T of ``#volatile t : W.`` holds."""
+"""``__oclingo_volatile(W,T)``: true while the instance of ``#volatile t : W.`` for step T holds."""
 
 _GUARDED = (ASTType.Rule, ASTType.Minimize, ASTType.ShowTerm, ASTType.Edge, ASTType.Heuristic, ASTType.ProjectAtom)
 
@@ -37,7 +37,7 @@ class Part:
         name: base, cumulative or volatile.
         parameter: name of the step parameter, empty in base.
         header: the ``#program`` statement.
-        statements: the statements, guarded where the part is volatile, with the declaration of the guard before them.
+        statements: the statements; in volatile parts guarded, after the declaration of the guard.
 
     """
 
@@ -49,7 +49,7 @@ class Part:
 
     @cached_property
     def found(self) -> List[Tuple[Node, List[Occurrence]]]:
-        """Each statement with its atoms; to be asked for once the statements are complete."""
+        """Each statement with its atoms; cached, so read it only after the last statement was added."""
         return [(statement, occurrences(statement)) for statement in self.statements]
 
     @property
@@ -58,8 +58,8 @@ class Part:
         return ((statement, one) for statement, found in self.found for one in found)
 
 
-def rewrite(parsed: Sequence[Parsed], directives: Directives) -> List[Part]:
-    """Return the parts of the parsed sources in order; raise :class:`ProgramError` for parts of other names."""
+def rewrite(parsed: Sequence[ParsedSource], directives: Directives) -> List[Part]:
+    """Return the parts of the parsed sources in order; raise :class:`ProgramError` for unknown parts."""
     parts: List[Part] = []
     faults: List[Fault] = []
     for source in parsed:
@@ -86,9 +86,9 @@ def _open_part(header: Node, directives: Directives, faults: List[Fault]) -> Par
         mend = _OTHER_SYSTEMS.get(name, "a reactive program has the parts base, cumulative(t) and volatile(t)")
         message = f"unknown program part {text}"
         faults.append(Fault(begin.filename, begin.line, begin.column, message, mend, "unknown-part"))
-        window = ""  # without its parameter there is no guard
+        window = ""  # a guard needs the parameter
     parameter = parameters[0] if parameters else ""
-    # one name of the parameter for clingo as for us: parts of the same name may call it differently
+    # for clingo, volatile parts of all windows have the same name; their parameters can have different names
     renamed = make(Program, header.location, name, [Id(header.location, parameter)] if parameter else [])
     part = Part(name, parameter, renamed, window=window)
     if window:
@@ -105,21 +105,20 @@ _ANONYMOUS = re.compile(r"(?<!\w)_(?!\w)")
 
 
 class _Namer(Transformer):
-    """Names the anonymous variables of positive literals.
+    """Names the anonymous variables of positive literals, which does not change the meaning.
 
-    The meaning is the same; but clingo projects a ``_`` by a rule of its own that it grounds for all steps anew at
-    every step.
+    clingo projects a ``_`` by an auxiliary rule, which it would reground for all steps at each step.
     """
 
     def __init__(self) -> None:
         self._count = 0
 
     def visit_Literal(self, node: AST) -> AST:
-        """Go into positive literals alone: under ``not`` the projection is what is meant."""
+        """Visit only positive literals: under ``not`` the projection matters."""
         return node if node.sign != Sign.NoSign else node.update(**self.visit_children(node))
 
     def visit_Variable(self, node: AST) -> AST:
-        """Give ``_`` a name that is used nowhere else."""
+        """Replace ``_`` by a unique name."""
         if node.name != "_":
             return node
         self._count += 1
@@ -127,7 +126,7 @@ class _Namer(Transformer):
 
 
 def _add(part: Part, statement: Node) -> None:
-    if part.name != "base" and _ANONYMOUS.search(str(statement)):  # the text is quickly made, a visit is not
+    if part.name != "base" and _ANONYMOUS.search(str(statement)):  # cheaper than a visit
         statement = Node(_Namer().visit(statement.ast))
     if part.window and statement.ast_type in _GUARDED:
         guard = make(Literal, statement.location, Sign.NoSign, part.statements[0].atom)
@@ -136,9 +135,9 @@ def _add(part: Part, statement: Node) -> None:
 
 
 class OpenPart(NamedTuple):
-    """A program part that makes one atom of an open signature, its arguments given, an external or a fact.
+    """A program part that makes one atom of an open signature an external or a fact; its arguments are parameters.
 
-    Atoms that come by clingo's backend won't do: its grounder passes over some instances of rules that hold them.
+    Atoms that are added through clingo's backend do not work: the grounder omits some rule instances with them.
     """
 
     name: str
@@ -148,7 +147,7 @@ class OpenPart(NamedTuple):
 
 def open_part(signature: Signature, fact: bool) -> OpenPart:
     """Return the part for atoms of ``signature``."""
-    # the sign stands for itself, so that the names of two signatures always differ
+    # the sign is included, so that the names for two signatures always differ
     name = f"__oclingo_{'fact' if fact else 'open'}_{int(signature.positive)}_{signature.name}_{signature.arity}"
     parameters = [f"x{number}" for number in range(signature.arity)]
     atom = ("" if signature.positive else "-") + signature.name

@@ -1,4 +1,4 @@
-"""Atoms as rules write them: at which steps a rule could see a given ground atom, without grounding."""
+"""Patterns of atoms in rules: at which steps an instance can match a ground atom, without grounding."""
 
 from functools import cached_property
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence
@@ -13,32 +13,32 @@ from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
 FAR = 2**31 - 1
-"""The greatest number of clingo, so the last step."""
+"""The largest number of clingo, and thus the last step."""
 
 Constants = Dict[str, clingo.Symbol]
 
 
 class Pattern:
-    """An atom as a statement of a program part writes it.
+    """An atom in a statement of a program part, as a pattern for ground atoms.
 
     Attributes:
-        parameter: name of the part's step parameter, empty in base.
+        parameter: the name of the part's step parameter, empty in base.
 
     """
 
     def __init__(self, term: Node, parameter: str, statement: Node, constants: Constants) -> None:
-        """Take the atom's term, the part's parameter, the statement that the atom stands in, and all constants."""
+        """Store the atom's term, the part's parameter, the statement of the atom, and all constants."""
         self.parameter = parameter
         self._term, self._statement, self._constants = term, statement, constants
 
     @cached_property
     def offsets(self) -> Dict[int, int]:
-        """The positions of the arguments that are the parameter plus a number, in order, each with this number."""
+        """The offsets of all arguments that are the parameter plus a number, by position."""
         return time_offsets(self._arguments(), self.parameter, self._constants)
 
     @cached_property
     def _look_back(self) -> Dict[int, int]:
-        """The positions of arguments T such that t - T is at most a number, each with this number."""
+        """The maxima of t - T for arguments T that comparisons bound, by position."""
         names = {n: one.name for n, one in enumerate(self._arguments()) if one.ast_type == ASTType.Variable}
         wanted = names and self.parameter
         bounds = longest_look_back(self._statement, self.parameter, self._constants) if wanted else {}
@@ -48,16 +48,16 @@ class Pattern:
         return self._term.arguments if self._term.ast_type == ASTType.Function else ()
 
     def may_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
-        """Tell whether a ground instance at some step first..last (base: always grounded) could be ``atom``.
+        """Return whether an instance at some step first..last, or of base, could be ``atom``.
 
-        Never wrongly False; variables, intervals and terms without a known value count as a match.
+        False is always correct; variables, intervals and terms without a known value count as a match.
         """
         if not self.parameter:
             return self._fits(self._term, atom, None)
         return self.first_match(atom, first, last) is not None
 
     def first_match(self, atom: clingo.Symbol, first: int, last: int) -> Optional[int]:
-        """Return the first step in first..last whose ground instance could be ``atom``, None where there is none."""
+        """Return the first step in first..last whose instance could be ``atom``, None if there is none."""
         step = None
         for position, offset in self.offsets.items():
             value = atom.arguments[position]
@@ -71,7 +71,7 @@ class Pattern:
         return first if first <= last and self._fits(self._term, atom, step) else None
 
     def _fits(self, term: Node, symbol: clingo.Symbol, step: Optional[int]) -> bool:
-        """Tell whether a term could be a symbol at a step; None stands for any step."""
+        """Return whether a term can be a symbol at a step; None stands for any step."""
         is_function = symbol.type == clingo.SymbolType.Function
         if term.ast_type == ASTType.Function and not term.external:
             if not is_function or symbol.name != term.name or len(symbol.arguments) != len(term.arguments):
@@ -89,20 +89,20 @@ class Pattern:
 
 
 def may_match(patterns: Iterable[Pattern], atom: clingo.Symbol, first: int, last: int, base: bool = True) -> bool:
-    """Tell whether an instance of a pattern at some step first..last, or of ``base``, could be ``atom``."""
+    """Return whether an instance of a pattern at some step first..last, or of ``base``, could be ``atom``."""
     return any(one.may_match(atom, first, last) for one in patterns if one.parameter or base)
 
 
 def are_apart(patterns: Iterable[Pattern]) -> bool:
-    """Tell whether no two steps have an instance in common, since one argument shows the step."""
+    """Return whether one argument identifies the step, so that no two steps have a common instance."""
     steps: List[Dict[int, int]] = [one.offsets for one in patterns if one.parameter]
     return not steps or any(len({one.get(position) for one in steps}) == 1 for position in steps[0])
 
 
 def may_see_later(seen: Mapping[Signature, Iterable[Pattern]], defined: Mapping[Signature, Iterable[Pattern]]) -> bool:
-    """Tell whether a rule of some step could see an atom that a later step defines or declares; never wrongly False.
+    """Return whether a rule of some step could contain an atom that a later step defines or declares.
 
-    Where none does, steps can be ground one by one or together.
+    False is always correct. In that case steps can be grounded together instead of one by one.
     """
     return any(
         one.parameter

@@ -1,4 +1,4 @@
-"""Reactive logic programs: loaded from files, put into clingo's form, and known by their parts and externals."""
+"""Reactive logic programs: loading, checks, and analyses of their rules."""
 
 from functools import cached_property
 from pathlib import Path
@@ -28,12 +28,12 @@ PathLike = Union[str, Path]
 
 
 class ReactiveProgram(LoadedProgram):
-    """A loaded program with the analyses of its rules that solvers and checks need.
+    """A loaded program with the analyses of its rules for solvers and checks.
 
     Attributes:
-        faults: why it cannot be used; only a ``lenient`` program can have some.
-        survey: its statements by predicates.
-        trial: its ground first steps, None before they are ground.
+        faults: the errors of a ``lenient`` program; other programs have none.
+        survey: the statements by predicate.
+        trial: the trial grounding of the first steps, None before it.
 
     """
 
@@ -44,14 +44,14 @@ class ReactiveProgram(LoadedProgram):
         whole: bool = False,
         lenient: bool = False,
     ) -> None:
-        """Take the texts in order; with ``whole`` all that they include is among them.
+        """Load the texts in order; ``whole`` means that they contain all included files.
 
-        Raises ProgramError with all faults that can be found without grounding; a ``lenient`` one, which is for
-        inspection only, has those in its ``faults`` that do not keep it from being read.
+        Raises ProgramError with all faults that can be found without grounding. A ``lenient`` program is for inspection
+        only: if it can be parsed, its errors are in ``faults``.
         """
         super().__init__(sources, constants or {}, whole)
         self.trial: Optional[TrialGrounding] = None
-        self._said: Optional[List[Fault]] = None  # clingo's messages about the first steps, once they are ground
+        self._said: Optional[List[Fault]] = None  # clingo's messages about the first steps, None before their grounding
         self.survey = Survey(self.parts, self.values, self._directives.opened)
         self.faults = tuple(self._check())
         if self.faults and not lenient:
@@ -59,31 +59,31 @@ class ReactiveProgram(LoadedProgram):
 
     @classmethod
     def from_files(cls, files: Iterable[PathLike], constants: Optional[Mapping[str, str]] = None) -> "ReactiveProgram":
-        """Load ``files`` in order; raise :class:`ProgramError` naming each file that cannot be read or used."""
+        """Load ``files`` in order; raise :class:`ProgramError` with the faults of all files."""
         return cls([Source.from_file(Path(file)) for file in files], constants)
 
     @classmethod
     def from_text(
         cls, text: str, name: str = "<text>", constants: Optional[Mapping[str, str]] = None
     ) -> "ReactiveProgram":
-        """Take one text; ``name`` stands for the file in messages."""
+        """Load a single text; messages use ``name`` as file name."""
         return cls([Source(name, text)], constants)
 
     def declares_external(self, name: str, arity: int) -> bool:
-        """Tell whether some external of this name and arity is declared."""
+        """Return whether the program declares an external of this name and arity."""
         return Signature(name, arity) in self.external_signatures
 
     def defines(self, name: str, arity: int) -> bool:
-        """Tell whether some rule has a head of this name and arity."""
+        """Return whether a rule has a head of this name and arity."""
         return Signature(name, arity) in self.head_signatures
 
     @cached_property
     def step_signatures(self) -> Set[Signature]:
-        """The predicates that rules in the parts of steps define."""
+        """The predicates that rules in cumulative and volatile parts define."""
         return {one.signature for part in self.parts if part.parameter for _, one in part.atoms if one.head}
 
     def delay_of(self, name: str, arity: int) -> Optional[int]:
-        """Return after how many cycles (0 or 1) such a fact bears on actions; None where it has no cycle.
+        """Return the delay in cycles, 0 or 1, until such a fact can affect actions; None if it has no cycle.
 
         The cycle is the last argument; see :mod:`~rosoclingo.oclingo.program.delays`.
         """
@@ -94,7 +94,7 @@ class ReactiveProgram(LoadedProgram):
         return Delays(self.parts, self.values)
 
     def time_position(self, name: str, arity: int) -> Optional[int]:
-        """Return which argument of such an atom, or of such a term that is shown, is its cycle; None where none is."""
+        """Return the position of the cycle in such atoms or shown terms, None if they have none."""
         found = self._time_positions.get(Signature(name, arity))
         if found is None and self.delay_of(name, arity) is not None:
             return arity - 1
@@ -105,31 +105,31 @@ class ReactiveProgram(LoadedProgram):
         return time_positions(self.parts, self.values)
 
     def may_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
-        """Tell whether a rule of base or steps ``first`` to ``last`` could have an instance with one of ``atoms``.
+        """Return whether a rule of base or of steps ``first`` to ``last`` could have an instance with one of ``atoms``.
 
-        Heads count for open externals alone.
+        Heads count only if the predicate is an open external.
         """
         return any(self._may("seen", atom, first, last) for atom in atoms)
 
     def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
-        """Tell whether ``atom``, true before, matters to the steps from ``first`` on (or to base, if it can see it)."""
+        """Return whether an instance from step ``first`` on could contain ``atom``; base counts for open externals."""
         return self._may("seen", atom, first, base=self.is_open_signature(atom))
 
     def may_declare(self, atom: clingo.Symbol, first: int, last: int = FAR) -> bool:
-        """Tell whether some step ``first`` to ``last`` could declare ``atom`` external."""
+        """Return whether some step ``first`` to ``last`` could declare ``atom`` external."""
         return self._may("declared", atom, first, last, base=False)
 
     def is_declared_after(self, atom: clingo.Symbol, step: int) -> bool:
-        """Whether steps after ``step`` may declare ``atom`` external, and base and the steps up to it do not."""
+        """Return whether only steps after ``step`` could declare ``atom`` external."""
         known = self._may("declared", atom, self.first_step, step)
         return not known and self.may_declare(atom, step + 1)
 
     def may_define(self, atom: clingo.Symbol, first: int) -> bool:
-        """Tell whether base or some step from ``first`` on could define ``atom``, or declare it external."""
+        """Return whether base or some step from ``first`` on could define ``atom`` or declare it external."""
         return self.is_open_signature(atom) or any(self._may(one, atom, first) for one in ("defined", "declared"))
 
     def may_act(self, cycle: int, first: int) -> bool:
-        """Tell whether base or some step from ``first`` on could have an action of ``cycle``; never wrongly False."""
+        """Return whether base or a step from ``first`` on could have an action of ``cycle``; never wrongly False."""
         atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])
         return ACTION in self.open_signatures or may_match(self._action_cycles, atom, first, FAR)
 
@@ -141,28 +141,28 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def steps_apart(self) -> bool:
-        """Whether no step sees atoms that a later one defines, so that steps can be ground together."""
+        """Whether no step uses atoms of later steps, so that steps can be grounded together."""
         return not any(may_see_later(self._patterns["seen"], self._patterns[one]) for one in ("defined", "declared"))
 
     @cached_property
     def heads_apart(self) -> bool:
-        """Whether each step defines atoms of its own, so that clingo may search between any two of them."""
+        """Whether each step defines its own atoms, so that clingo can search after the grounding of any step."""
         return all(map(are_apart, self._patterns["defined"].values()))
 
     @property
     def defines_externals(self) -> bool:
-        """Whether a rule of the program may define an external."""
+        """Whether a rule of the program can define an external."""
         return not self.external_signatures.isdisjoint(self.head_signatures)
 
     def declaring_step(self, atom: clingo.Symbol, steps: range) -> int:
-        """Return which of ``steps``, where it was declared external, declared ``atom``."""
+        """Return the step, one of ``steps``, that declared the external ``atom``."""
         patterns = (one for one in self._patterns["declared"].get(signature_of(atom), ()) if one.parameter)
         found = (one.first_match(atom, steps[0], steps[-1]) for one in patterns)
         return min((step for step in found if step is not None), default=steps[0])
 
     @cached_property
     def signatures(self) -> Set[Signature]:
-        """All predicates that the program mentions."""
+        """All predicates of the program."""
         return {one.signature for one in places(self.parts)}
 
     @cached_property
@@ -172,12 +172,12 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def external_signatures(self) -> Set[Signature]:
-        """All predicates that some external declares."""
+        """All predicates that ``#external`` statements declare."""
         return {one.signature for one in places(self.parts) if one.declares} | self.open_signatures
 
     @cached_property
     def dependencies(self) -> Dependencies:
-        """Which predicates depend on which."""
+        """The positive dependencies between predicates."""
         found = Dependencies()
         for part in self.parts:
             for statement, atoms in part.found:
@@ -199,7 +199,7 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def _patterns(self) -> Dict[str, Dict[Signature, List[Pattern]]]:
-        """The atoms that rules can see, declare external and define."""
+        """The patterns of atoms that statements use, declare external and define."""
         found: Dict[str, Dict[Signature, List[Pattern]]] = {"seen": {}, "declared": {}, "defined": {}}
         for place in places(self.parts):
             one = place.occurrence
@@ -214,7 +214,7 @@ class ReactiveProgram(LoadedProgram):
         return may_match(self._patterns[role].get(signature_of(atom), ()), atom, first, last, base)
 
     def _check(self) -> List[Fault]:
-        """Return all faults that show before anything is grounded, or in the first steps; note remarks."""
+        """Return all faults that show in the program or in its first steps; add warnings to the remarks."""
         faults = checks.wrong_arities(self.parts) + self._load_faults
         odd = checks.missing_parts(self.parts)
         late = checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self.values)
@@ -229,24 +229,24 @@ class ReactiveProgram(LoadedProgram):
         return faults
 
     def redefinition_of(self, atom: str) -> List[Fault]:
-        """Return a fault for each rule that may have defined ``atom``, so far defined by another step's, once more."""
+        """Return a fault for each rule that could be the second step's definition of ``atom``."""
         suspects = suspicious_heads(self.parts, self.values)
         try:
             named = {signature_of(parse_atom(atom))}
-        except ProgressionError:  # clingo has no name for it
+        except ProgressionError:  # clingo did not name the atom
             named = suspects
         found = redefined_by(self.parts, atom or "an atom", named)
         return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice", kind="redefinition")]
 
     def said_of_steps(self) -> List[Fault]:
-        """Return clingo's messages about the first steps; ground them if nobody has."""
+        """Return clingo's messages about the first steps; ground these steps if necessary."""
         if self._said is None and not self.faults:
             messages = Messages()
             self._try(self._control(messages), messages)
         return self._said or []
 
     def _try(self, control: clingo.Control, messages: Messages) -> List[Fault]:
-        """Ground the first steps; return the faults that show, and note clingo's messages."""
+        """Ground the first steps, record clingo's messages and return the faults."""
         self._said = []
         try:
             self.trial = TrialGrounding(control, self.first_step)

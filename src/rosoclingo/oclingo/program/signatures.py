@@ -1,7 +1,4 @@
-"""The atoms of statements, their signatures and dependencies, and the values of simple terms.
-
-Works on :mod:`clingo.ast` statements.
-"""
+"""Atoms of :mod:`clingo.ast` statements, their signatures and dependencies, and values of simple terms."""
 
 import operator
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -15,7 +12,7 @@ from rosoclingo.oclingo.progression.updates import Statement
 
 
 class Occurrence(NamedTuple):
-    """An atom in a statement: term and predicate, whether it stands in a head, whether it is a positive body atom."""
+    """An atom in a statement: its term and predicate, and whether it is a head or a positive body atom."""
 
     term: Node
     signature: Signature
@@ -49,7 +46,7 @@ def term_signature(term: Node) -> Signature:
 
 
 def parted(term: Node) -> Tuple[Signature, List[Node]]:
-    """Return an atom's predicate and its arguments."""
+    """Return the signature and the arguments of an atom's term."""
     return term_signature(term), arguments_of(term)
 
 
@@ -63,12 +60,12 @@ def atom_terms(term: Node) -> Iterator[Node]:
 
 
 def occurrences(statement: Node) -> List[Occurrence]:
-    """Return all atoms of ``statement``; in aggregates and conditions those without a sign count as positive."""
+    """Return all atoms of ``statement``; in aggregates and conditions, atoms without a sign count as positive."""
     found: List[Occurrence] = []
     if statement.ast_type == ASTType.Rule:
         if statement.head.ast_type != ASTType.TheoryAtom:
             _collect(statement.head, True, found)
-    elif hasattr(statement, "atom"):  # an #external declares its atom, a #heuristic or #project only speaks of it
+    elif hasattr(statement, "atom"):  # an #external declares its atom, a #heuristic or #project only refers to it
         _note(statement.atom, statement.ast_type == ASTType.External, False, found)
     for literal in getattr(statement, "body", ()):
         _collect(literal, False, found)
@@ -88,7 +85,7 @@ def _collect(node: Node, head: bool, found: List[Occurrence]) -> None:
     if isinstance(condition, Sequence):
         for one in condition:
             _collect(one, False, found)
-    else:  # in the head's aggregate it is a literal with its own condition
+    else:  # in a head aggregate, the condition is a conditional literal
         _collect(condition, head, found)
     for one in getattr(inner, "elements", ()):
         _collect(one, head, found)
@@ -110,7 +107,7 @@ def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
 
 
 def evaluate(term: Node, values: Dict[str, clingo.Symbol]) -> Optional[clingo.Symbol]:
-    """Return the value of a ground term under constants and parameters, None where it has none or is not simple."""
+    """Return the value of a ground term under constants and parameters, None for undefined or complex terms."""
     if term.ast_type == ASTType.SymbolicTerm:
         symbol = term.symbol
         if symbol.type == clingo.SymbolType.Function and not symbol.arguments and symbol.positive:
@@ -129,7 +126,7 @@ def evaluate(term: Node, values: Dict[str, clingo.Symbol]) -> Optional[clingo.Sy
 
 
 def _quotient(a: int, b: int) -> Optional[int]:
-    """Return a/b cut off towards 0, as clingo does."""
+    """Return a/b, rounded towards 0 like clingo."""
     return None if b == 0 else abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
 
 
@@ -139,7 +136,7 @@ def _remainder(a: int, b: int) -> Optional[int]:
 
 
 def _power(a: int, b: int) -> Optional[int]:
-    """Return a**b; clingo takes negative exponents for 0."""
+    """Return a**b; like clingo, 0 for negative exponents."""
     if b < 0:
         return None if a == 0 else 0
     return a**b if abs(a) < 2 or b < 32 else None
@@ -164,24 +161,24 @@ _BINARY: Dict[int, Callable[[int, int], Optional[int]]] = {
 
 
 class Dependencies:
-    """Which predicates depend positively on which; edges are added as rules come."""
+    """A graph of positive dependencies between predicates, to which rules add edges."""
 
     def __init__(self) -> None:
         self._users: Dict[Signature, Set[Signature]] = {}
 
     def copy(self) -> "Dependencies":
-        """Return a copy that shares nothing that changes."""
+        """Return an independent copy."""
         twin = Dependencies()
         twin._users = {body: set(heads) for body, heads in self._users.items()}
         return twin
 
     def add(self, heads: Iterable[Signature], bodies: Iterable[Signature]) -> None:
-        """Let each of ``heads`` depend on each of ``bodies``."""
+        """Add edges from each of ``bodies`` to each of ``heads``."""
         for body in bodies:
             self._users.setdefault(body, set()).update(heads)
 
     def reaches(self, source: Signature, targets: Set[Signature]) -> bool:
-        """Tell whether one of ``targets`` is, or depends through rules on, ``source``."""
+        """Return whether one of ``targets`` equals ``source`` or depends on it."""
         seen, waiting = {source}, [source]
         while waiting:
             signature = waiting.pop()

@@ -1,4 +1,4 @@
-"""Program texts: read from files with what they include, translated from other languages, parsed by clingo."""
+"""Program texts: reading of files and their includes, translation from other languages, parsing by clingo."""
 
 import os
 import re
@@ -14,7 +14,7 @@ from rosoclingo.oclingo.gringo3 import included_files, translate_program
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, statements, tokens
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.directives import Directives, take_directives
-from rosoclingo.oclingo.program.endings import ended_before
+from rosoclingo.oclingo.program.endings import locate_missing_dot
 from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.progression.terms import parse_term
@@ -24,7 +24,7 @@ _CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
 
 @dataclass(frozen=True)
 class Source:
-    """A program text with the name that messages give to it; ``folder`` is where its includes are looked for."""
+    """A program text with its name in messages; ``folder`` is the first folder for its includes."""
 
     name: str
     text: str
@@ -32,18 +32,18 @@ class Source:
 
     @classmethod
     def from_file(cls, path: Path) -> "Source":
-        """Read a file; raise :class:`ProgramError` where it can't be read or is no UTF-8 text."""
+        """Read a file; raise :class:`ProgramError` if that fails or the file is not UTF-8 text."""
         try:
             return cls(str(path), path.read_text(encoding="utf-8"), path.parent)
         except OSError as error:
             raise ProgramError([Fault(str(path), 0, 0, f"can't be read: {error.strerror}")]) from None
         except UnicodeDecodeError as error:
-            message = f"no UTF-8 text: {error.reason} at byte {error.start}"
+            message = f"not UTF-8 text: {error.reason} at byte {error.start}"
             raise ProgramError([Fault(str(path), 0, 0, message, "save the file as UTF-8")]) from None
 
 
-class Parsed(NamedTuple):
-    """A source after parsing."""
+class ParsedSource(NamedTuple):
+    """A source with its parsed statements."""
 
     source: Source
     statements: List[Node]
@@ -51,10 +51,11 @@ class Parsed(NamedTuple):
 
 def read_sources(
     sources: Sequence[Source], found: Directives, remarks: List[Fault], whole: bool = False
-) -> List[Parsed]:
-    """Parse ``sources`` and what they include, in either dialect; add oClingo's directives to ``found``.
+) -> List[ParsedSource]:
+    """Parse ``sources`` and the files that they include; add oClingo's directives to ``found``.
 
-    With ``whole`` all that they include is among them. Raises ProgramError with all the faults of all files.
+    The texts can be in any supported language. ``whole`` means that ``sources`` contain all included files. Raises
+    ProgramError with the faults of all files.
     """
     collector = Collector(sources if whole else ())
     for source in sources:
@@ -81,11 +82,11 @@ class LoadedFile:
     """A text of a program.
 
     Attributes:
-        source: the text as it is.
-        document: how its language reads it, if it has one of its own.
-        text: it in clingo's language or gringo 3's.
-        translation: where the lines of this text come from, if it was translated.
-        includes: the files that it includes, None for those that are not there.
+        source: the original text.
+        document: the parsed text if it is in a further language, such as Golog.
+        text: the text in the language of clingo or gringo 3.
+        translation: the origin of the lines of this text, if it was translated.
+        includes: the included files, None for missing ones.
 
     """
 
@@ -97,9 +98,9 @@ class LoadedFile:
 
 
 class Collector:
-    """Follows includes, each file once; the files of a program are translated together.
+    """Collects files and their includes, each file once, and translates them together.
 
-    Files are read; but if all texts of a program are given, an included one is that of its name among them.
+    Included files are read from disk. If all texts of a program are given, they are looked up by name among these.
     """
 
     def __init__(self, given: Sequence[Source] = ()) -> None:
@@ -109,7 +110,7 @@ class Collector:
         self.faults: List[Fault] = []
 
     def add(self, source: Source) -> LoadedFile:
-        """Take a source and all that it includes, unless it was included or named before; return its file."""
+        """Add a source and its includes, unless it was added before; return its file."""
         path = Path(source.name).resolve()
         known = (one for one in self.files if Path(one.source.name).resolve() == path)
         before = next((one for one in known if one.source.text == source.text), None)
@@ -125,16 +126,16 @@ class Collector:
         return file
 
     def _find(self, source: Source, wanted: Include) -> Optional[Source]:
-        """Return the file that a source includes, None if it is not there or cannot be read."""
+        """Return the file that a source includes, None if it is missing or unreadable."""
         if self._given:
-            beside = os.path.join(os.path.dirname(source.name), wanted.name)
-            found = (self._given.get(os.path.normpath(name)) for name in (beside, wanted.name))
+            relative = os.path.join(os.path.dirname(source.name), wanted.name)
+            found = (self._given.get(os.path.normpath(name)) for name in (relative, wanted.name))
             return next((one for one in found if one is not None), None)
         folders = [folder for folder in (source.folder, Path()) if folder is not None]
         path = next((folder / wanted.name for folder in folders if (folder / wanted.name).is_file()), None)
         if path is None:
             mend = f"looked in {' and '.join(dict.fromkeys(str(folder.resolve()) for folder in folders))}"
-            message = f"included file {wanted.name!r} is not there"
+            message = f"included file {wanted.name!r} does not exist"
             self.faults.append(Fault(source.name, wanted.line, wanted.column, message, mend))
         elif path.resolve() not in self._unreadable:
             try:
@@ -145,12 +146,12 @@ class Collector:
         return None
 
     def translate(self) -> None:
-        """Translate what is in a language of its own."""
+        """Translate the files in further languages."""
         files = [one for one in self.files if one.document is not None]
         language = language_of(files[0].source.name) if files else None
         if language is None:
             return
-        included = [[self._brought(other, files) for other in one.includes] for one in files]
+        included = [[self._indices_of_included(other, files) for other in one.includes] for one in files]
         try:
             found = language.translate_files([one.document for one in files], included)
             for one, translation in zip(files, found):
@@ -160,8 +161,8 @@ class Collector:
             for one in files:
                 one.text = ""
 
-    def _brought(self, file: Optional[LoadedFile], wanted: Sequence[LoadedFile]) -> List[int]:
-        """Return the places among the ``wanted`` files of those that an include brings in."""
+    def _indices_of_included(self, file: Optional[LoadedFile], wanted: Sequence[LoadedFile]) -> List[int]:
+        """Return the indices in ``wanted`` of the files that an include adds, directly or indirectly."""
         found: List[int] = []
         waiting, seen = [file], {file}
         while waiting:
@@ -176,26 +177,26 @@ class Collector:
 
 def _parse(
     source: Source, text: str, found: Directives, faults: List[Fault], translation: Optional[Translation] = None
-) -> Parsed:
+) -> ParsedSource:
     name, messages = source.name, Messages()
     try:
         statements = parse(take_directives(text, name, found), messages.log)
     except RuntimeError as error:
-        faults.extend(ended_before(_named(fault, name), text) for fault in messages.faults(error))
-        return Parsed(source, [])
+        faults.extend(locate_missing_dot(_named(fault, name), text) for fault in messages.faults(error))
+        return ParsedSource(source, [])
 
     def place(one: Position) -> Position:
-        """Return where it stands in the file, which may have been translated."""
+        """Return the position in the original file."""
         line, column = (one.line, one.column) if translation is None else translation.place(one.line)
         return Position(name, line, column)
 
     for statement in statements:
         statement.move(place)
-    return Parsed(source, statements)
+    return ParsedSource(source, statements)
 
 
 def _remark(name: str, text: str) -> Fault:
-    """Return what the translation says of a file, NAME:LINE:COLUMN: MESSAGE."""
+    """Return a warning of the translation, NAME:LINE:COLUMN: MESSAGE, as a fault."""
     line, column, message = text[len(name) + 1 :].split(":", 2)
     return Fault(name, int(line), int(column), message.strip(), kind="translation")
 
@@ -206,9 +207,9 @@ def _named(fault: Fault, name: str) -> Fault:
 
 
 def statement_at(sources: Sequence[Source], file: str, line: int, column: int) -> str:
-    """Return the statement at a place of one of the ``sources``, as written there but on one line; else "".
+    """Return the statement at a place of one of the ``sources`` on a single line, "" if there is none.
 
-    A translation keeps lines, but not columns, so the last statement that begins before the place counts.
+    A translation keeps lines but not columns, so the result is the last statement that begins before the place.
     """
     text = next((one.text for one in sources if one.name == file and language_of(file) is None), "")
     all_tokens = tokens(text)
@@ -225,17 +226,19 @@ def statement_at(sources: Sequence[Source], file: str, line: int, column: int) -
 
 
 def parse_constants(constants: Mapping[str, str]) -> Dict[str, clingo.Symbol]:
-    """Return the values of ``-c NAME=VALUE`` constants as symbols; raise :class:`ProgramError` naming each bad one."""
+    """Return the values of ``-c NAME=VALUE`` constants as symbols; raise ProgramError with all faults."""
     faults, values = [], {}
     for name, value in constants.items():
         place = f"constant {name}={value}"
         if not _CONSTANT.match(name):
-            faults.append(Fault(place, 0, 0, f"{name!r} is no name for a constant", "start in lower case"))
+            faults.append(
+                Fault(place, 0, 0, f"{name!r} is not a valid name of a constant", "start with a lower-case letter")
+            )
             continue
         try:
             values[name] = parse_term(str(value))
         except ProgressionError as error:
-            faults.append(Fault(place, 0, 0, f"the value is no term: {error.message}"))
+            faults.append(Fault(place, 0, 0, f"the value is not a term: {error.message}"))
     if faults:
         raise ProgramError(faults)
     return values

@@ -1,4 +1,4 @@
-"""A program as the lint looks at it: its statements, and who defines, declares, uses and shows which predicate."""
+"""An index of a program's statements for checks: where each predicate is defined, declared, used and shown."""
 
 import re
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
@@ -7,7 +7,7 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.directives import Opened
+from rosoclingo.oclingo.program.directives import OpenExternal
 from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
@@ -16,20 +16,20 @@ from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import Signature
 
 OWN = "__oclingo"
-"""How the names of rosoclingo's own predicates begin."""
+"""Prefix of the names of rosoclingo's internal predicates."""
 
 MADE = ("<program>", "<string>")
-"""Files of statements that rosoclingo adds to a program."""
+"""File names of statements that rosoclingo adds to a program."""
 
 _BRACKETS = re.compile(r"\(([^(),]*[-+*/][^(),]*)\)(?=[,)])")
 _ANONYMOUS = re.compile(r"\bAny__[0-9]+\b")
 
 LABELS = "~labels"
-"""The file of the facts by which the core tells a program its labels."""
+"""File name of the facts with which the core passes its labels to a program."""
 
 
 class Place(NamedTuple):
-    """An atom in a program."""
+    """An atom in a program, with its part and statement."""
 
     part: Part
     statement: Node
@@ -62,17 +62,17 @@ def fault_at(node: Node, kind: str, message: str, mend: str) -> Fault:
 
 
 def written(term: Node) -> str:
-    """Return the term as text, without clingo's brackets around sums and its names of anonymous variables."""
+    """Return the term as text, without clingo's brackets around sums and with ``_`` for anonymous variables."""
     return _ANONYMOUS.sub("_", _BRACKETS.sub(r"\1", str(term)))
 
 
 def shows(statement: Node) -> bool:
-    """Tell whether a statement says what of an answer is shown."""
+    """Return whether a statement is a ``#show``."""
     return statement.ast_type in (ASTType.ShowSignature, ASTType.ShowTerm)
 
 
 def label_facts(labels: Iterable[str]) -> Source:
-    """Return what the core adds to a program of the names of its labels."""
+    """Return the facts about labels that the core adds to a program."""
     return Source(LABELS, "".join(f"label({label}).\n" for label in labels))
 
 
@@ -84,28 +84,28 @@ def places(parts: Sequence[Part]) -> Iterator[Place]:
 
 
 class Survey:
-    """What the statements of a program are about; rosoclingo's own ones are left out.
+    """An index of the statements of a program, without those that rosoclingo adds.
 
     Attributes:
         parts: the program's parts.
         constants: the values of its constants.
         opened: the predicates of ``#external p/n.``, each with its place.
         statements: the statements with their parts and atoms.
-        defining: for each predicate its atoms in heads of rules.
-        declaring: for each predicate its atoms in ``#external`` statements.
-        using: for each predicate its other atoms.
+        defining: for each predicate, its atoms in heads of rules.
+        declaring: for each predicate, its atoms in ``#external`` statements.
+        using: for each predicate, its other atoms.
         shown: the predicates of ``#show p/n.``, each with its statement.
-        shows: whether there is any ``#show``; without, all is shown.
-        unvalued: constants that have a definition, but no value that is known.
+        shows: whether there is any ``#show``; otherwise all atoms are shown.
+        unvalued: constants with a definition but without a known value.
         silenced: the predicates of ``#defined p/n.``
 
     """
 
     def __init__(
-        self, parts: Sequence[Part], constants: Mapping[str, clingo.Symbol], opened: Sequence[Opened] = ()
+        self, parts: Sequence[Part], constants: Mapping[str, clingo.Symbol], opened: Sequence[OpenExternal] = ()
     ) -> None:
         self.parts, self.constants = parts, dict(constants)
-        self.opened: Dict[Signature, Opened] = {one.signature: one for one in opened}
+        self.opened: Dict[Signature, OpenExternal] = {one.signature: one for one in opened}
         self.statements: List[Tuple[Part, Node, List[Occurrence]]] = []
         self.defining: Dict[Signature, List[Place]] = {}
         self.declaring: Dict[Signature, List[Place]] = {}
@@ -123,7 +123,7 @@ class Survey:
         self.statements.append((part, statement, found))
         kind = statement.ast_type
         self.shows |= shows(statement)
-        if kind == ASTType.ShowSignature and statement.name:  # "#show." is one without a name
+        if kind == ASTType.ShowSignature and statement.name:  # "#show." has no name
             self.shown.setdefault(Signature(statement.name, statement.arity, bool(statement.positive)), statement)
         if kind == ASTType.Definition and statement.name not in self.constants:
             self.unvalued.add(statement.name)
@@ -136,24 +136,24 @@ class Survey:
                 where.setdefault(one.signature, []).append(place)
 
     def steps(self, place: Place) -> Dict[int, int]:
-        """Return the arguments of an atom that are the step plus a number, each with this number."""
+        """Return the offsets of all arguments of an atom that are the step plus a number, by position."""
         return time_offsets(place.occurrence.arguments, place.part.parameter, self.constants)
 
     def number(self, term: Node) -> Optional[int]:
-        """Return the number that a ground term is, None for any other term."""
+        """Return the number that a ground term denotes, None for any other term."""
         value = evaluate(term, self.constants)
         return value.number if value is not None and value.type is clingo.SymbolType.Number else None
 
     @property
     def known(self) -> Set[Signature]:
-        """The predicates that a rule or an external may make true."""
+        """The predicates that a rule or an external can make true."""
         return {*self.defining, *self.declaring, *self.opened}
 
     def is_external(self, signature: Signature) -> bool:
-        """Tell whether the program declares such externals."""
+        """Return whether the program declares externals of the predicate."""
         return signature in self.declaring or signature in self.opened
 
     @property
     def first_file(self) -> str:
-        """The file in which the program begins."""
+        """The first file of the program."""
         return str(self.parts[0].header.location.begin.filename) if self.parts else "<program>"

@@ -1,4 +1,4 @@
-"""Which argument of an atom is its time: the one that heads in the parts of steps write as ``t + c``."""
+"""The time argument of predicates: the argument that heads of cumulative and volatile parts write as ``t + c``."""
 
 from typing import Dict, Iterator, Sequence, Set
 
@@ -13,10 +13,10 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 
 def time_positions(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Dict[Signature, int]:
-    """Return the position of the time in the arguments of predicates, and of terms that are shown.
+    """Return the position of the time argument of predicates and of shown terms.
 
-    Of several arguments that all heads write as times it is the last one; where heads disagree there is none. It is the
-    same under classical negation. Tuples have the empty name. ``constants`` are the program's.
+    If all heads write several arguments as times, the last one counts; if heads disagree, there is no time argument.
+    Classical negation makes no difference. Tuples have the empty name. ``constants`` are the program's.
     """
     found: Dict[Signature, Set[int]] = {}
     for part in parts:
@@ -29,7 +29,7 @@ def time_positions(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -
 
 
 def _heads(part: Part) -> Iterator[Node]:
-    """Yield what the statements of a part define, declare or show."""
+    """Yield the terms that the statements of a part define, declare or show."""
     yield from (one.term for _, one in part.atoms if one.head)
     for statement in part.statements:
         if statement.ast_type == ASTType.ShowTerm:

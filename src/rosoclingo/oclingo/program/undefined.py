@@ -1,4 +1,4 @@
-"""Predicates that nothing defines."""
+"""Warnings about predicates that no rule and no external defines."""
 
 from typing import Collection, List, Set
 
@@ -9,13 +9,13 @@ from rosoclingo.oclingo.program.survey import Survey, fault_at
 from rosoclingo.oclingo.progression.terms import Signature
 
 QUERY = Signature("query", 1)
-"""What clingo's incmode sets at a plan's last step."""
+"""The external that clingo's incmode sets at the last step of a plan."""
 
 _PRIME = "'"
 
 
 def undefined(survey: Survey) -> List[Fault]:
-    """Return, once for each, the predicates that the program mentions though nothing can make them true."""
+    """Return one warning for each predicate that the program uses although nothing can make it true."""
     found: List[Fault] = []
     defined = survey.known
     for signature in dict.fromkeys([*survey.using, *survey.shown]):
@@ -38,7 +38,7 @@ def _mend(signature: Signature, known: Set[Signature]) -> str:
 
 
 def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
-    """Return the mend for a primed predicate, which telingo reads at another step; "" for any other predicate."""
+    """Return a fix for a primed predicate of telingo, which refers to another step; "" for any other predicate."""
     name = signature.name
     plain = name.strip(_PRIME)
     if plain == name or all(one.name != plain for one in known):
@@ -51,6 +51,6 @@ def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
 
 
 def query_mend(signature: Signature) -> str:
-    """Return the mend for incmode's ``query(t)`` that nothing declares, "" for any other predicate."""
-    last = "in clingo's incmode it is true at a plan's last step; leave it out in volatile(t), which is that step's"
+    """Return a fix for incmode's ``query(t)``, "" for any other predicate."""
+    last = "in clingo's incmode it is true at a plan's last step; omit it in volatile(t), which holds only there"
     return last if signature == QUERY else ""

@@ -1,12 +1,12 @@
-"""How a program reads the updates of its stream.
+"""Preparation of stream updates for a program: failure facts, closed cycles, and updates that report only success.
 
-Beside a return that is no success a program may read ``_failed(A,V,C)``, if it declares it. Success is the parameter of
-an action that was committed, anything else is a reason. A program could say so itself,
+If a program declares ``_failed(A,V,C)``, each return that is no success adds such a fact. A return is a success if its
+value is the parameter of a committed action; any other value is a reason. A program could define failures itself,
 
     failed(A,V,t) :- _return(A,V,t), not _action_lib(A,V,t).
 
-but would be ground for every value that may come; ``_failed/3`` comes when something has failed, and costs nothing
-before. If nothing was committed for the cycle, it comes with each return: the rule above still tells.
+but this rule would be grounded for every possible value. ``_failed/3`` costs nothing until an action fails. Without any
+commitment for the cycle, each return adds it; then programs can still use the rule above.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Item, Ove
 
 
 def with_failures(program: ReactiveProgram, update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
-    """Return the update as ``program`` is to see it; ``before`` are the statements that hold for ever before it."""
+    """Return the update with ``_failed`` facts if ``program`` uses them; ``before``: earlier permanent statements."""
     if FAILED not in program.open_signatures:
         return update
     returns = {one.head for one in _lasting(update) if one.head is not None and signature_of(one.head) == RETURN}
@@ -39,7 +39,7 @@ def with_failures(program: ReactiveProgram, update: StreamUpdate, before: Iterab
 def closed_cycles(update: StreamUpdate, first: int, step: int) -> Dict[int, FrozenSet[clingo.Symbol]]:
     """Return the cycles from ``first`` on that ``update`` closes, with their executed actions.
 
-    No cycle after the update's step, or else the present ``step``, is closed.
+    It can close cycles up to its step, or up to the present ``step`` if it has none.
     """
     last = step if update.step is None else update.step
     cycles = (
@@ -52,9 +52,9 @@ def closed_cycles(update: StreamUpdate, first: int, step: int) -> Dict[int, Froz
 
 
 def reports_only_success(update: StreamUpdate, before: Iterable[Statement]) -> bool:
-    """Return whether ``update`` holds nothing but commitments and returns that report success.
+    """Return whether ``update`` contains only commitments and returns that report success.
 
-    ``before`` are the earlier statements that never lapse.
+    ``before`` are the earlier permanent statements.
     """
     as_planned = _successes(update, before)
     plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)
@@ -73,13 +73,13 @@ def _failure_of(answer: clingo.Symbol) -> clingo.Symbol:
 
 
 def _successes(update: StreamUpdate, before: Iterable[Statement]) -> Set[clingo.Symbol]:
-    """Return the returns that tell of success: those of the actions that must be in every plan."""
+    """Return the returns that report success: those of committed actions."""
     actions = (one.body[0].atom for one in (*before, *_lasting(update)) if _demands_action(one))
     return {clingo.Function(RETURN.name, action.arguments) for action in actions}
 
 
 def _lasting(update: StreamUpdate) -> Iterator[Statement]:
-    """Yield the facts and constraints of the update that hold for ever."""
+    """Yield the permanent facts and constraints of the update."""
     for section, statement in update.sections():
         if isinstance(section, Cumulative) and (statement.head is None or not statement.body):
             yield statement

@@ -202,4 +202,4 @@ class ReactiveGrounding:
 
     def new_remarks(self) -> Iterable[str]:
         """Return what clingo has said of the program since the last call."""
-        return map(str, self.messages.new_remarks(self.program.parameter_at)) if self.messages.said else ()
+        return map(str, self.messages.new_remarks(self.program.parameter_at)) if self.messages.received else ()

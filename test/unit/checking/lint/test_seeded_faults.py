@@ -240,7 +240,7 @@ SEEDS = [
     ("paper", "paper.lp", "#program cumulative(t).", "@#program step(t).", "unknown-part", "#program cumulative(t)."),
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#include <incmode>.", "not-interpreted", "#include <incmode>"),
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh(@@top(5)).", "not-interpreted", "no script defines @top"),
-    ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#script (lua)\nx = 1\n#end.", "syntax", "#script is not run"),
+    ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#script (lua)\nx = 1\n#end.", "syntax", "scripts are not executed"),
     (
         "lift",
         "lift.lp",

@@ -57,7 +57,7 @@ def test_nothing_is_said_of_what_something_defines(text):
 def test_operations_without_a_value_are_told_at_the_start_where_clingo_knows():
     text = "q(a).\n" + STEPS + "#program cumulative(s).\np(s) :- q(X), X = s/0.\n"
     (found,) = remarks(text)
-    assert found.startswith("f.lp:6:19: undefined operation (s/0): the instances that need it are left out")
+    assert found.startswith("f.lp:6:19: undefined operation (s/0): clingo omits the instances that need it")
     assert ReactiveSolver(ReactiveProgram.from_text(text, "f.lp")).solve().warnings == (), "and not again"
 
 

@@ -104,11 +104,11 @@ def test_all_faults_at_once():
         ("#program foo(t).\n", 1, "unknown program part foo(t)"),
         ("#program base(t).\n", 1, "unknown program part base(t)"),
         ("#cumulative T.\n", 1, "write #cumulative t."),
-        ("#volatile t : w.\n", 1, "'w' is no number"),
-        ("#iinit x.\n", 1, "'x' is no number"),
-        ("#iinit 1-y.\n", 1, "'1-y' is no number"),
-        ("#iinit 1-.\n", 1, "'1-' is no term"),
-        ("#cumulative t.\n#forget t : x.\n", 2, "'x' is no number"),
+        ("#volatile t : w.\n", 1, "'w' is not a number"),
+        ("#iinit x.\n", 1, "'x' is not a number"),
+        ("#iinit 1-y.\n", 1, "'1-y' is not a number"),
+        ("#iinit 1-.\n", 1, "'1-' is not a term"),
+        ("#cumulative t.\n#forget t : x.\n", 2, "'x' is not a number"),
         (STEPS + "_action_lib(a,b) :- m(1).\n", 4, "_action_lib(Action,Parameter,C)"),
         ("_action_lib(a,b,1).\n", 0, "no cumulative part"),
         (STEPS + "#program cumulative(t).\nw :- m(t).\n", 5, "redefinition: w is defined by the rules of two steps"),
@@ -121,12 +121,12 @@ def test_all_faults_at_once():
         (
             "_status(1,accepted,1) :- e(1).\n#program cumulative(t).\n#external e(t).\n",
             1,
-            "used in base but declared only step by step",
+            "used in base but declared in steps",
         ),
         ('#include "nowhere.lp".\n' + STEPS, 1, "nowhere.lp"),
         ("a § b.\n" + STEPS, 1, "unexpected characters"),
         ("#begin_lua\n#end_lua.\n" + STEPS, 1, "scripts"),
-        ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "#script is not run"),
+        ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "scripts are not executed"),
     ],
 )
 def test_faults_name_line_and_mend(text, line, words):
@@ -212,13 +212,13 @@ def test_anonymous_variables_may_differ():
 
 
 def test_bad_constants():
-    assert "'N' is no name" in faults("a.", N="1")[0][2]
-    assert "the value is no term: X is a variable" in faults("a.", n="X")[0][2]
+    assert "'N' is not a valid name" in faults("a.", N="1")[0][2]
+    assert "the value is not a term: X is a variable" in faults("a.", n="X")[0][2]
 
 
 def test_bad_files(tmp_path):
     (tmp_path / "bytes.lp").write_bytes(b"a.\xff")
-    with pytest.raises(ProgramError, match="no UTF-8 text"):
+    with pytest.raises(ProgramError, match="not UTF-8 text"):
         ReactiveProgram.from_files([tmp_path / "bytes.lp"])
     with pytest.raises(ProgramError, match="can't be read"):
         ReactiveProgram.from_files([tmp_path / "none.lp"])
