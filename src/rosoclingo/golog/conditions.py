@@ -99,7 +99,7 @@ class Bindings:
         if kind == "negative":
             return "-" + self._operand(parts[0], names)
         if kind not in ("constant", "compound"):
-            raise self.fault(term, "a condition where a term belongs", "write a name, a number or a variable")
+            raise self.fault(term, "expected a term, found a condition", "write a name, a number or a variable")
         return term.text + (f"({','.join(self.term(one, names) for one in parts)})" if parts else "")
 
     def _operand(self, term: SyntaxNode, names: Names) -> str:
@@ -132,7 +132,7 @@ def alternatives(condition: SyntaxNode, names: Names, scope: Bindings, positive:
         operator = condition.text if positive else _OPPOSITE[condition.text]
         return [[_compared(parts[0], operator, parts[1], names, scope)]]
     elif kind != "compound":
-        raise scope.fault(condition, "a term where a condition belongs", "write =, !=, <, <=, > or >= after it")
+        raise scope.fault(condition, "expected a condition, found a term", "write =, !=, <, <=, > or >= after it")
     elif positive or all(one.text != "_" for one in _variables(condition)):
         return [[_fluent(condition, names, scope, positive)]]
     known = frozenset(names[one] for one in free_variables(condition) if one in names)
@@ -223,5 +223,5 @@ def unbound(literals: Sequence[Literal], known: Iterable[str], wanted: Iterable[
 
 
 def variables_of(literal: Literal) -> FrozenSet[str]:
-    """Return all variables of a literal that can be bound outside it."""
+    """Return the variables of a literal, without those that its condition binds itself."""
     return literal.needs | literal.binds if isinstance(literal, PlainLiteral) else literal.variables

@@ -118,12 +118,12 @@ _WANTED: Sequence[Tuple[str, str, str]] = (
     ("NAME", "the procedure's name", "names begin with a lower-case letter"),
     ("NUMBER", "the number of attempts", "write retry 3 {...}"),
     ("STRING", "a file's name", 'write include "FILE";'),
-    ("_ARROW", "'->'", "write -> like all X: CONDITION -> CONDITION"),
+    ("_ARROW", "'->'", "write -> as in all X: CONDITION -> CONDITION"),
     ("SEMICOLON", "';'", "write ;"),
-    ("COLON", "':'", "write : like pick X: CONDITION {...}, or pick X in 1..3 {...}"),
+    ("COLON", "':'", "write : as in pick X: CONDITION {...}, or pick X in 1..3 {...}"),
     ("LBRACE", "'{'", "write {"),
     ("RPAR", "')'", "write )"),
-    ("_DOTS", "'..'", "write .. like X in 1..3"),
+    ("_DOTS", "'..'", "write .. as in X in 1..3"),
     ("WHEN", "'when'", "write when CONDITION {...}"),
     ("RBRACE", "'}'", "write }"),
     ("ON_CANCEL", "'on cancel'", "write do {...} on cancel {...}"),
@@ -134,7 +134,7 @@ _WANTED: Sequence[Tuple[str, str, str]] = (
     ("WITH", "'with'", "write with {...} for another part of interleave"),
     ("OVER", "'over'", "write over {...} for another part of prefer"),
 )
-"""Accepted token types, their description in messages, and the fix; the first row with all types accepted counts."""
+"""Token types, their description in messages, and a fix; the first row whose types are all accepted applies."""
 
 _INSTEAD = {
     "?": "write test CONDITION;",
@@ -253,12 +253,12 @@ def _explained(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str
     if token in _WORDS and types == "WHILE":
         mend = _MISPLACED.get(token, "actions cannot have this name")
     elif token in _WORDS and not what.startswith("'"):
-        shown += " is a keyword"
-    return token, f"{shown} in place of {what}, after '{tokens[at - 1]}'", mend
+        shown = f"the keyword {shown}"
+    return token, f"expected {what} after '{tokens[at - 1]}', found {shown}", mend
 
 
 def _open(tokens: Sequence[Token]) -> List[Token]:
-    """Return the opening braces without a closing one."""
+    """Return the opening braces that have no closing brace."""
     found: List[Token] = []
     for token in tokens:
         if token == "{":

@@ -80,7 +80,7 @@ def _begin(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Se
 
 
 class _Bound(NamedTuple):
-    """A parameter lies above (direction -1) or below (1) a number, None, or another parameter."""
+    """A bound of a parameter: it is above (direction -1) or below (1) a number or the ``other`` parameter."""
 
     name: str
     direction: int

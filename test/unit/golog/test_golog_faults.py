@@ -1,4 +1,4 @@
-"""What is wrong with a control program is told by line and column, with the mend; nothing else ever comes of a text."""
+"""Errors in control programs: places, messages and fixes. Any text is either translated or has errors."""
 
 import subprocess
 import sys
@@ -16,38 +16,44 @@ from rosoclingo.oclingo.program.sources import Source
 
 FAULTS = [
     ("proc p { a", 1, 8, "the bracket '{' is never closed", "write }"),
-    ("proc p { a b; }", 1, 12, "'b' in place of ';', after 'a'", "write ;"),
+    ("proc p { a b; }", 1, 12, "expected ';' after 'a', found 'b'", "write ;"),
     ("a;", 1, 1, "'a' outside a procedure", "write proc NAME(X)"),
-    ("proc P { }", 1, 6, "'P' in place of the procedure's name", "lower-case letter"),
-    ("proc p(x) { }", 1, 8, "'x' in place of a variable", "upper-case letter"),
-    ("proc while { }", 1, 6, "'while' is a keyword", "lower-case letter"),
-    ("proc p { else { } }", 1, 10, "'else' in place of a statement", "directly after"),
+    ("proc P { }", 1, 6, "expected the procedure's name after 'proc', found 'P'", "lower-case letter"),
+    ("proc p(x) { }", 1, 8, "expected a variable after '(', found 'x'", "upper-case letter"),
+    (
+        "proc while { }",
+        1,
+        6,
+        "expected the procedure's name after 'proc', found the keyword 'while'",
+        "lower-case letter",
+    ),
+    ("proc p { else { } }", 1, 10, "expected a statement after '{', found 'else'", "directly after"),
     ("proc p { a(X); }", 1, 12, "variable X is unbound", "pick"),
     ("proc p { a(_); }", 1, 12, "variable _ is unbound", "pick"),
-    ("proc p {\n  if f a; }", 2, 8, "'a' in place of '{'", "write {"),
-    ("proc p { test 3; }", 1, 15, "a term where a condition belongs", "write =, !=, <"),
-    ("proc p { a((f)); a(X < 3 and f); }", 1, 22, "'<' in place of ')'", "write )"),
-    ("proc p { test (f and g) + 1 < 2; }", 1, 16, "a condition where a term belongs", "a number"),
+    ("proc p {\n  if f a; }", 2, 8, "expected '{' after 'f', found 'a'", "write {"),
+    ("proc p { test 3; }", 1, 15, "expected a condition, found a term", "write =, !=, <"),
+    ("proc p { a((f)); a(X < 3 and f); }", 1, 22, "expected ')' after 'X', found '<'", "write )"),
+    ("proc p { test (f and g) + 1 < 2; }", 1, 16, "expected a term, found a condition", "a number"),
     ("proc p { test f(1) in 1..3; }", 1, 15, "'in' needs a variable on its left side", "X in 1..3"),
     ("proc p { f?; }", 1, 11, "'?' is not part of the language", "test"),
     ("proc p { a | b; }", 1, 12, "'|' is not part of the language", "interleave"),
     ('proc p { a("x); }', 1, 12, "the string does not end on its line", 'write "'),
-    ("proc p { choose { a; } }", 1, 24, "'}' in place of 'or'", "write or"),
-    ("proc p { pick X { a; } }", 1, 17, "'{' in place of ':'", "write :"),
+    ("proc p { choose { a; } }", 1, 24, "expected 'or' after '}', found '}'", "write or"),
+    ("proc p { pick X { a; } }", 1, 17, "expected ':' after 'X', found '{'", "write :"),
     ("proc p { pick X: not f(X) { a; } }", 1, 15, "no fluent determines the values of X", "1..3"),
     ("proc p { pick X: f { a(X); } }", 1, 15, "no fluent determines the values of X", "1..3"),
     ("proc p { test some X: X > 3; }", 1, 20, "no fluent determines the values of X", "1..3"),
-    ("proc p { retry { a; } }", 1, 16, "'{' in place of the number of attempts", "retry 3"),
-    ("proc p { do { a; } }", 1, 20, "'}' in place of 'on cancel'", "on cancel"),
+    ("proc p { retry { a; } }", 1, 16, "expected the number of attempts after 'retry', found '{'", "retry 3"),
+    ("proc p { do { a; } }", 1, 20, "expected 'on cancel' after '}', found '}'", "on cancel"),
     (
         "proc p { interrupts { when f { a; } } b; }",
         1,
         39,
-        "'b' in place of 'until'",
+        "expected 'until' after '}', found 'b'",
         "until CONDITION; after the interrupts: they end when it holds",
     ),
-    ("proc p { try { a; } }", 1, 21, "'}' in place of 'else'", "write else"),
-    ("proc p { test all X: f(X); }", 1, 26, "';' in place of '->'", "write ->"),
+    ("proc p { try { a; } }", 1, 21, "expected 'else' after '}', found '}'", "write else"),
+    ("proc p { test all X: f(X); }", 1, 26, "expected '->' after ')', found ';'", "write ->"),
     ("proc p { q(1); }\nproc q { }", 1, 10, "procedure q has 0 arguments, not 1", "number of arguments"),
     ("proc p { }\nproc p { }", 2, 6, "procedure p with 0 arguments is already defined in line 1", "rename"),
     ("proc p(X,X) { }", 1, 10, "two parameters X", "rename"),
@@ -65,13 +71,13 @@ FAULTS = [
     ("include 'x.lp';", 1, 9, "'x.lp' is not a string", 'write "x.lp"'),
     ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is not a keyword", "is else meant?"),
     ("proc p { whille f { a; } }", 1, 10, "'whille' is not a keyword", "is while meant?"),
-    ("proc p { stars b; }", 1, 16, "'b' in place of ';', after 'stars'", "write ;"),
-    ('include "x.lp"', 1, 15, "the end of the file in place of ';'", "write ;"),
+    ("proc p { stars b; }", 1, 16, "expected ';' after 'stars', found 'b'", "write ;"),
+    ('include "x.lp"', 1, 15, "expected ';' after '\"x.lp\"', found the end of the file", "write ;"),
 ]
 
 
 @pytest.mark.parametrize(("text", "line", "column", "message", "mend"), FAULTS)
-def test_fault_has_its_place_and_the_mend(text, line, column, message, mend):
+def test_translate_reports_place_message_and_fix(text, line, column, message, mend):
     with pytest.raises(ProgramError) as caught:
         translate(text, "x.golog")
     fault = caught.value.faults[0]
@@ -81,24 +87,24 @@ def test_fault_has_its_place_and_the_mend(text, line, column, message, mend):
     assert mend in fault.mend
 
 
-def test_a_string_in_single_quotes_is_one_fault():
+def test_string_in_single_quotes_is_one_error():
     with pytest.raises(ProgramError) as caught:
         translate("include 'x.lp';\nproc p { a('it'); }", "x.golog")
     assert [(fault.line, fault.column) for fault in caught.value.faults] == [(1, 9), (2, 12)]
 
 
-def test_all_faults_are_told_at_once():
+def test_translate_reports_all_errors_at_once():
     with pytest.raises(ProgramError) as caught:
         translate("proc p { a(X); }\nproc q { if }\nproc r { ? }\nproc s { s; }", "x.golog")
     assert [fault.line for fault in caught.value.faults] == [1, 2, 3, 4]
 
 
-def test_recursion_behind_an_action_is_no_fault():
+def test_recursion_after_an_action_is_accepted():
     translate("proc p { a; p; }\nproc q { choose { } or { a; q; b; } }\nproc r { while f { a; r; } }", "x.golog")
 
 
-def counting(head, body):
-    """A procedure that calls itself."""
+def translate_procedure(head, body):
+    """Translate a program with a single procedure."""
     return translate(f"proc {head} {{ {body} }}", "x.golog")
 
 
@@ -112,8 +118,8 @@ def counting(head, body):
         ("p(N, M)", "if N > 0 { if M > 0 { p(N - 1, M + 1); a; p(N - 1, 7); } }"),
     ],
 )
-def test_recursion_that_counts_to_a_bound_is_no_fault(head, body):
-    counting(head, body)
+def test_recursion_that_counts_to_a_bound_is_accepted(head, body):
+    translate_procedure(head, body)
 
 
 @pytest.mark.parametrize(
@@ -134,13 +140,13 @@ def test_recursion_that_counts_to_a_bound_is_no_fault(head, body):
         ("p(N)", "if N > 0 { p(N - 1); } p(N);"),
     ],
 )
-def test_recursion_that_may_pass_its_bound_is_a_fault(head, body):
+def test_recursion_that_can_pass_its_bound_is_rejected(head, body):
     with pytest.raises(ProgramError, match="can call itself endlessly"):
-        counting(head, body)
+        translate_procedure(head, body)
 
 
 @pytest.mark.slow
-def test_programs_of_any_length_are_read():
+def test_long_programs_are_translated():
     text = "proc p(X) { choose { a; }" + " or { b(X); }" * 300 + "a; " * 1500 + "}\n"
     text += "".join(f"proc p{number}(X) {{ while f(X) {{ a; p{number + 1}(X); }} }}\n" for number in range(300))
     ReactiveProgram([Source("long.golog", text)])
@@ -183,7 +189,7 @@ WORDS = [
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=25).map(" ".join) | st.text(max_size=30))
-def test_any_text_is_translated_or_has_faults_with_places(text):
+def test_any_text_is_translated_or_has_errors(text):
     try:
         translate("proc p { " + text, "x.golog")
     except ProgramError as error:
@@ -194,20 +200,20 @@ def test_any_text_is_translated_or_has_faults_with_places(text):
             assert fault.mend, fault
 
 
-def test_a_file_is_read_like_any_other_and_its_faults_are_those_of_the_program():
+def test_program_reports_errors_of_golog_files():
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram([Source("mail.golog", "proc p {\n  a b;\n}")])
     assert [(one.file, one.line, one.column) for one in caught.value.faults] == [("mail.golog", 2, 5)]
 
 
-def test_a_file_that_is_not_there_is_told_at_its_include():
+def test_missing_file_is_reported_at_its_include():
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram([Source("mail.golog", '\n\ninclude "nowhere.lp";')])
     assert [(one.file, one.line) for one in caught.value.faults] == [("mail.golog", 3)]
 
 
 @pytest.mark.parametrize(("name", "text"), [("mail.golog", "proc p { a; }"), ("old.lp", "#hide.")])
-def test_a_missing_lark_is_told_with_how_to_install_it(name, text):
+def test_missing_lark_is_reported_with_install_command(name, text):
     code = "import sys; sys.modules['lark'] = None\nfrom rosoclingo.oclingo import ReactiveProgram\n"
     code += f"from rosoclingo.oclingo.program.sources import Source\nReactiveProgram([Source({name!r}, {text!r})])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
@@ -225,23 +231,23 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_the_command_prints_the_translation(folder, capsys):
+def test_command_prints_the_translation(folder, capsys):
     assert main([str(folder / "good.golog")]) == 0
     assert "golog_body(p,do(a),_step) :- golog_call(p,_step).\n" in capsys.readouterr().out
 
 
-def test_the_command_only_checks(folder, capsys):
+def test_command_with_check_prints_no_translation(folder, capsys):
     assert main(["--check", str(folder / "good.golog"), str(ENCODINGS / "golog" / "elevator.golog")]) == 0
     assert capsys.readouterr().out == ""
 
 
-def test_the_command_shows_the_line_of_a_fault(folder, capsys):
+def test_command_shows_the_line_of_an_error(folder, capsys):
     assert main([str(folder / "bad.golog")]) == 1
     shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("bad.golog:2:4: 'b' in place of ';', after 'a' (write ;)")
+    assert shown[0].endswith("bad.golog:2:4: expected ';' after 'a', found 'b' (write ;)")
     assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 
-def test_the_command_tells_of_a_file_that_is_not_there(folder, capsys):
+def test_command_reports_a_missing_file(folder, capsys):
     assert main([str(folder / "none.golog"), str(folder / "good.golog")]) == 2
     assert "can't be read" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Control programs that use procedures of other files."""
+"""Control programs that call procedures of included files."""
 
 import pytest
 from core_driver import Driver
@@ -21,7 +21,7 @@ golog_holds(act(A),t) :- act(A).
 
 
 def files(folder, **texts):
-    """Write files NAME.golog, all with the domain beside them, and return the first one's path."""
+    """Write files NAME.golog and their domain into a folder; return the path of the first file."""
     (folder / "domain.lp").write_text(DOMAIN)
     paths = [folder / f"{name}.golog" for name in texts]
     for path, text in zip(paths, texts.values()):
@@ -30,7 +30,7 @@ def files(folder, **texts):
 
 
 def done(program, goal):
-    """What is done for a goal."""
+    """Return the actions that a program executes for a goal."""
     driver, found = Driver(settings=CoreSettings(), program=program).goal("g", goal), []
     while driver.core.awaited:
         found.append(str(driver.core.awaited[0].parameter))
@@ -40,7 +40,7 @@ def done(program, goal):
 
 
 def faults(path):
-    """The faults of a program: file, line, column, message and mend."""
+    """Return the errors of a program: file, line, column, message and fix."""
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_files([path])
     return [
@@ -64,7 +64,7 @@ def test_procedures_of_included_files_are_called(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_file_that_is_named_as_well_is_read_once(tmp_path):
+def test_file_that_is_named_and_included_is_loaded_once(tmp_path):
     path = files(tmp_path, **DAY)
     more = [tmp_path / "more.golog", tmp_path / "round.golog"]
     assert done(ReactiveProgram.from_files([path, *more]), "run(day)") == "a c b"
@@ -72,7 +72,7 @@ def test_a_file_that_is_named_as_well_is_read_once(tmp_path):
 
 
 @pytest.mark.slow
-def test_files_of_one_name_in_two_folders_keep_their_conditions_apart(tmp_path):
+def test_files_with_equal_names_have_separate_conditions(tmp_path):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "day.golog").write_text("proc other { if act(d) { a; } else { b; } }")
     path = files(tmp_path, day='include "domain.lp"; include "other/day.golog"; proc day { if act(c) { other; } c; }')
@@ -80,7 +80,7 @@ def test_files_of_one_name_in_two_folders_keep_their_conditions_apart(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_recorded_program_is_the_same(tmp_path):
+def test_recorded_program_executes_the_same_actions(tmp_path):
     program = ReactiveProgram.from_files([files(tmp_path, **DAY)])
     kept = RunProgram.parse(RunProgram.of("run", program, {}).text())
     for path in tmp_path.iterdir():
@@ -112,38 +112,42 @@ def test_a_recorded_program_is_the_same(tmp_path):
             ("x.golog", 1, 32),
             "p can call itself endlessly without an action in between",
         ),
-        ({"x": 'include "y.golog"; proc p { }', "y": "proc q { a b; }"}, ("y.golog", 1, 12), "'b' in place of ';'"),
+        (
+            {"x": 'include "y.golog"; proc p { }', "y": "proc q { a b; }"},
+            ("y.golog", 1, 12),
+            "expected ';' after 'a', found 'b'",
+        ),
         ({"x": 'proc p { }\n  include "y.golog";'}, ("x.golog", 2, 11), "included file 'y.golog' does not exist"),
     ],
 )
-def test_what_is_wrong_has_its_file_line_and_column(tmp_path, texts, place, message):
+def test_errors_have_file_line_and_column(tmp_path, texts, place, message):
     (found,) = faults(files(tmp_path, **texts))
     assert found[:3] == place
     assert message in found[3]
 
 
 @pytest.mark.slow
-def test_procedures_of_files_that_are_not_included_are_no_procedures(tmp_path):
-    """What is no procedure is an action, and procedures of one name are told wherever they are."""
+def test_procedures_of_unrelated_files_are_not_called(tmp_path):
+    """Names without an included procedure are actions; duplicate procedures are errors in any file."""
     path = files(tmp_path, x='include "domain.lp"; proc p { q; }', y="proc q { }", z="proc p { }")
-    with pytest.raises(ProgramError, match=r"already defined in x\.golog, line 1"):
+    with pytest.raises(ProgramError, match=r"already defined in .*x\.golog, line 1"):
         ReactiveProgram.from_files([path, path.with_name("z.golog")])
     program = ReactiveProgram.from_files([path, path.with_name("y.golog")])
     driver = Driver(settings=CoreSettings(horizon_limit=3), program=program).goal("g", "run(p)")
     assert driver.states("g")[-1] == "aborted"
 
 
-def test_the_command_follows_includes(tmp_path, capsys):
+def test_command_follows_includes(tmp_path, capsys):
     path = files(tmp_path, x='include "y.golog"; proc p { q; }', y="proc q { a; }")
     assert main([str(path)]) == 0
     assert "golog_body(p,call(q),_step)" in capsys.readouterr().out
     path.with_name("y.golog").write_text("proc q {\n a b; }")
     assert main(["--check", str(path)]) == 1
     shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("y.golog:2:4: 'b' in place of ';', after 'a' (write ;)")
+    assert shown[0].endswith("y.golog:2:4: expected ';' after 'a', found 'b' (write ;)")
     assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 
-def test_the_command_takes_control_programs_alone(tmp_path, capsys):
+def test_command_rejects_files_of_other_languages(tmp_path, capsys):
     assert main([str(tmp_path / "x.lp")]) == 2
     assert "not the name of a control program (end the file name with .golog)" in capsys.readouterr().err

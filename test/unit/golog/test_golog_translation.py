@@ -1,4 +1,4 @@
-"""Control programs as text: what they are translated to means what they say."""
+"""Random control programs: the translated rules allow exactly the traces of the semantics."""
 
 import pytest
 from golog_interpreter import Interpreter
@@ -29,7 +29,7 @@ STATES = st.frozensets(st.sampled_from(FLUENTS))
 
 
 def interrupts_end(program):
-    """The text has no interrupts alone: those that end at once are the definitions' ``every``, before an await."""
+    """Rewrite ``every`` for the interpreter like the text does: interrupts that can end at once, before an await."""
     if isinstance(program, tuple):
         inner = tuple(interrupts_end(one) for one in program)
         if inner[:1] == ("every",):
@@ -39,7 +39,7 @@ def interrupts_end(program):
 
 
 def check(program, state, longest):
-    """The translated text allows the traces that the definitions allow."""
+    """Compare the traces of the translated text with those of the interpreter."""
     text = program_text("main", program)
     rules = translate(text, "main.golog").text.replace("#program cumulative(_step).", "").replace("_step", "t")
     wanted = Interpreter(Toy, PROCEDURES).traces(interrupts_end(program), state, longest)
@@ -49,12 +49,12 @@ def check(program, state, longest):
 @pytest.mark.slow
 @RUNS
 @given(programs(), STATES, st.integers(0, 3))
-def test_traces_are_those_of_the_definitions(program, state, longest):
+def test_translation_has_the_traces_of_the_interpreter(program, state, longest):
     check(program, state, longest)
 
 
-def test_long_rows_are_whole():
-    """Of a row only so much is in one term; what is behind it is left after that."""
+def test_long_sequences_are_complete():
+    """A long sequence is split into several terms, without losing actions."""
     names = "acaccaacacac"
     program = ("do", (names[-1],))
     for name in reversed(names[:-1]):
@@ -63,7 +63,7 @@ def test_long_rows_are_whole():
 
 
 def some(condition):
-    """There is a value with which a condition on X holds."""
+    """Return the condition that some value of X satisfies a condition."""
     return ("some", "X", (1, 2), condition)
 
 
@@ -75,12 +75,12 @@ def some(condition):
         some(("and", ("h", "X"), some(("not", ("h", "X"))))),
     ],
 )
-def test_quantifiers_have_variables_of_their_own(condition):
+def test_quantifiers_have_separate_variables(condition):
     check(("test", condition), frozenset({("h", 1)}), 0)
 
 
-def test_a_variable_may_have_the_name_of_another_one_with_a_number():
-    """Of the two that are called X the inner one gets another name, which is none of the program's."""
+def test_renamed_variables_do_not_clash():
+    """The inner one of two variables X gets a new name, which differs from X_1."""
     text = "proc main { pick X in {1, 2} { pick X_1 in {1, 2} { test some X: X in {1, 2} and X != X_1; } e(2); } }"
     rules = translate(text, "main.golog").text.replace("#program cumulative(_step).", "").replace("_step", "t")
     assert encoded_traces(("call", "main", ()), frozenset(), 1, rules) == {(("e", 2),)}
@@ -89,5 +89,5 @@ def test_a_variable_may_have_the_name_of_another_one_with_a_number():
 @pytest.mark.slow
 @RUNS
 @given(asking, STATES)
-def test_conditions_mean_what_they_say(program, state):
+def test_conditions_have_the_truth_values_of_the_interpreter(program, state):
     check(program, state, 1)

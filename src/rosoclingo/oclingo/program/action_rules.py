@@ -5,7 +5,7 @@ cycle, or from the steps beyond the horizon of a search. Constraints on the atom
 the rules of this module the latter.
 
 A successful action returns its parameter. If a program opens all of ``_return/3``, the rules also declare these returns
-step by step. Otherwise such a return could be an atom that grounded steps had to see, which requires regrounding.
+step by step. Without these declarations, a return of a grounded step could require regrounding.
 """
 
 from typing import Callable, Container, FrozenSet, Iterable, List, Sequence, Set, Tuple
@@ -43,7 +43,7 @@ def is_action(atom: clingo.Symbol) -> bool:
 class DatedActions:
     """Extracts the ``_action_lib(A,P,C)`` from the symbols of answers, if C is a number.
 
-    Consecutive answers share most symbols, so the symbols of the last answer that are no actions are cached.
+    Consecutive answers share most symbols, so the other symbols of the last answer are cached.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Locates a missing dot, or a comma in place of a dot, behind a syntax error.
+"""Locates the missing dot, or the comma in place of a dot, that causes a syntax error.
 
 clingo reports such an error where it cannot continue. That is in the next statement, which can be lines below.
 """

@@ -21,7 +21,7 @@ class _TrialTooLargeError(Exception):
 
 
 class _Heads(Observer):
-    """Records which atoms rules define; aborts groundings with too many rules, which possibly never end."""
+    """Records which atoms rules define; aborts groundings with too many rules, which might not terminate."""
 
     def __init__(self) -> None:
         self.fresh: Set[int] = set()

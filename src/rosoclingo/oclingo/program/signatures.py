@@ -31,7 +31,7 @@ def bare(term: Node) -> Node:
 
 
 def arguments_of(atom: Node) -> List[Node]:
-    """Return the arguments of an atom's term, which may be classically negated."""
+    """Return the arguments of an atom's term, with or without classical negation."""
     return list(bare(atom).arguments) if bare(atom).ast_type == ASTType.Function else []
 
 
