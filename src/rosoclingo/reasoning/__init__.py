@@ -1,1 +1,1 @@
-"""The core: goals, input feeder, action extractor and the cycle that joins them (pure)."""
+"""The core: goals, input feeder, action extractor, and the cycle that connects them."""

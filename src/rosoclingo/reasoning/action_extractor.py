@@ -1,4 +1,4 @@
-"""The action extractor of Fig. 4: it reads the task plan out of an answer."""
+"""The action extractor of Fig. 4: it reads the task plan from an answer."""
 
 from functools import lru_cache
 from typing import FrozenSet, List, NamedTuple, Tuple
@@ -9,9 +9,9 @@ from rosoclingo.reasoning.keywords import ACTION_LIB, Action, KeywordError, acti
 
 
 class TaskPlan(NamedTuple):
-    """The actions of an answer by cycle, and what was wrong with it.
+    """The actions of an answer, ordered by cycle, and its malformed actions as texts.
 
-    Of the past it holds what the solver still knows; what was done is told from the core's own record of it.
+    Compacted cycles are missing. The core has its own record of executed actions.
     """
 
     actions: Tuple[Action, ...] = ()
@@ -22,21 +22,21 @@ class TaskPlan(NamedTuple):
         return tuple(action for action in self.actions if action.cycle == cycle)
 
     def after(self, cycle: int) -> Tuple[Action, ...]:
-        """The actions later than a cycle."""
+        """The actions after a cycle."""
         return tuple(action for action in self.actions if action.cycle > cycle)
 
     def steps_after(self, cycle: int) -> int:
-        """How many cycles after ``cycle`` it goes on."""
+        """The number of cycles from ``cycle`` to the last action."""
         return max(0, self.actions[-1].cycle - cycle) if self.actions else 0
 
     def remaining(self, cycle: int) -> Tuple[Action, ...]:
-        """The actions of a cycle and later."""
+        """The actions from a cycle on."""
         return tuple(action for action in self.actions if action.cycle >= cycle)
 
 
-@lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
+@lru_cache(maxsize=2)  # the answer stays the same while all actions succeed
 def extract_plan(answer: FrozenSet[Symbol]) -> TaskPlan:
-    """The task plan of an answer; ``_action_lib`` atoms of another form are left out and told as faults."""
+    """Return the task plan of an answer; malformed ``_action_lib`` atoms are reported as its faults."""
     actions: List[Action] = []
     faults: List[str] = []
     for atom in answer:

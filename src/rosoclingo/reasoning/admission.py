@@ -1,15 +1,15 @@
-"""Admission: which of the live goals the program has, and how long the core searches for a plan with them.
+"""Admission: it decides which goals the program has, and how long the core searches for a plan.
 
-The oldest goals are admitted first, in batches, since the program is reground each time. A batch has as many goals as
-a plan is expected for within ``SHARE`` of the time limit of a search; planning time grows with the square of the
-number of goals, goals times steps. The share is large since a plan for some goals passes the places of others.
+The oldest goals are admitted first. They are admitted in batches, because the program is reground for each batch. The
+size of a batch is chosen such that the expected planning time is ``SHARE`` of the time limit of a search. Planning time
+grows with the square of the number of goals. The share is large because plans for several goals share their routes.
 
-Fairness: a plan can defer a goal as long as new ones come. Once ``overtaking_limit`` newer goals have ended before a
-goal, no newer goal is admitted until it has ended. In a plan for many goals any can be the last, so that as many as
-were planned for together may end before it.
+Fairness: plans could defer a goal forever while new goals arrive. Once ``overtaking_limit`` newer goals have ended
+before a goal, no newer goal is admitted until it has ended. In a plan for many goals any of them can be the last, so
+the limit of a goal is at least the number of goals in its plan.
 
-If no plan is found in time, the newest goals wait again. A goal without a plan in time even alone is planned for
-alone, after all others, with twice the time each time.
+If no plan is found in time, the newest goals are queued again. A goal without a plan in time even alone is planned for
+alone, after all others. Its time limit doubles with each attempt.
 """
 
 import math
@@ -18,34 +18,34 @@ from typing import Callable, Container, List, Optional, Sequence
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.records import Record
 
-#: Limit of the patience for a goal without a plan in time, a power of two.
+#: Maximum patience for a goal without a plan in time, a power of two.
 MOST_PATIENCE = 8
 
 #: Goals in the first batch, before a planning time is known.
 FIRST = 8
 
-#: The part of the time limit of a search that a plan with new goals is to take.
+#: The target time for planning with new goals, as a part of the time limit of a search.
 SHARE = 0.6
 
-#: Limits of the growth of the room for goals with one plan, before and after a search took too long.
+#: Maximum growth of the room for goals by one plan, before and after a search took too long.
 FASTER, SLOWLY = 4.0, 1.25
 
-#: Limit of the shrinkage of the room with one plan.
+#: Maximum shrinkage of the room by one plan.
 FEWER = 0.5
 
-#: Limit of the goals that join a plan in force, relative to the goals that the program has.
+#: Maximum number of goals that join a running plan, relative to the number of goals that the program has.
 MOST_JOINING = 1.5
 
 
 class Admission:
-    """Decides which of the ``live`` goals, oldest first, wait. The program has all others, or they are on their way.
+    """Decides which of the ``live`` goals, oldest first, are queued. All others are with the program or being fed.
 
-    The program has at most ``at_once`` goals at a time, and a search is to take ``seconds``; 0 for no limit.
+    The program has at most ``at_once`` goals at a time. A search can take ``seconds``. 0 for no limit.
 
     Attributes:
         now: the time in seconds.
         stuck: the number of searches in a row without a plan in time and without a goal to defer.
-        left: whether an arrival interrupted the last search.
+        left: whether an arrival has interrupted the last search.
 
     """
 
@@ -59,40 +59,40 @@ class Admission:
 
     @property
     def size(self) -> Optional[int]:
-        """The number of goals that the program can have at a time, None for no limit."""
+        """The maximum number of goals that the program can have at a time, None for no limit."""
         return min((one for one in (self._room, self._most) if one), default=None)
 
     @property
     def waiting(self) -> List[Goal]:
-        """The goals that wait, oldest first."""
+        """The queued goals, oldest first."""
         return [goal for goal in self._live() if goal.waits]
 
     @property
     def served(self) -> List[Goal]:
-        """The goals that do not wait, oldest first."""
+        """The goals that are not queued, oldest first."""
         return [goal for goal in self._live() if not goal.waits]
 
     def end(self, goal: Goal) -> None:
-        """Record that a live goal ends; it has overtaken the older ones unless it waited."""
+        """Record that a live goal ends; it has overtaken the older goals unless it was queued."""
         live = self._live()
         for other in live[: live.index(goal)] if not goal.waits else ():
             other.overtaken += 1
 
-    # -- who is admitted
+    # -- admitted goals
 
     @property
     def first(self) -> Optional[Goal]:
-        """The goal that comes first, since it has been overtaken too often."""
+        """The goal that has priority because it has been overtaken too often, None for none."""
         due = (goal for goal in self._live() if 0 < self._limit <= goal.overtaken >= goal.together)
         return next((goal for goal in due if not goal.cancelling and goal.rests_until <= self.now), None)
 
     @property
     def tried(self) -> Optional[Goal]:
-        """A goal with the program that had no plan in time alone: no other one joins it."""
+        """A goal of the program that had no plan in time alone, None for none; no other goal joins it."""
         return next((goal for goal in self._movable if goal.tries), None)
 
     def admit(self) -> List[Goal]:
-        """Return the waiting goals whose turn it is."""
+        """Return the queued goals that are admitted now."""
         served, ready, first = len(self.served), self._ready, self.first
         if self.tried is not None or not ready:
             return []
@@ -101,7 +101,7 @@ class Admission:
             fit = [min(ready, key=lambda goal: goal.tries)]
         room = len(fit) if self._room is None else self._room - served
         if self._room is not None and room < min(len(fit), math.ceil(self._room / 2)):
-            return []  # until they are a batch
+            return []  # wait for a full batch
         if self._most:
             room = min(room, self._most - served)
         alone = next((place for place, goal in enumerate(fit, 1) if goal.tries), len(fit))
@@ -109,7 +109,7 @@ class Admission:
 
     @property
     def joinable(self) -> List[Goal]:
-        """The waiting goals that can join a plan in force at once, oldest first, whatever room there is."""
+        """The queued goals that can join a running plan, oldest first, even if there is no room."""
         served = len(self.served)
         if self.tried is not None or not served:
             return []
@@ -118,7 +118,7 @@ class Admission:
 
     @property
     def _ready(self) -> List[Goal]:
-        """The waiting goals, oldest first, that do not rest and are not newer than the goal that comes first."""
+        """The queued goals, oldest first, that do not rest and are not newer than a goal with priority."""
         live, first = self._live(), self.first
         older = live if first is None else live[: live.index(first) + 1]
         return [goal for goal in older if goal.waits and goal.rests_until <= self.now]
@@ -130,7 +130,7 @@ class Admission:
     # -- after a search
 
     def found(self, seconds: Optional[float] = None) -> None:
-        """Record a plan for all goals of the program; it took ``seconds``, None if none of them is new."""
+        """Record a plan for the program's goals, found in ``seconds``; None if none of the goals is new."""
         planned, self.left = [goal for goal in self.served if goal.fed], False
         for goal in planned:
             goal.tries, goal.together = 0, max(goal.together, len(planned))
@@ -142,10 +142,11 @@ class Admission:
             self._room = math.ceil(len(planned) * max(FEWER, min(factor, self._growth)))
 
     def too_many(self, fresh: Sequence[Goal]) -> List[Goal]:
-        """Return the goals to defer, as no plan was found in time: the newest, at least half of them.
+        """Return the goals to defer if no plan was found in time: the newest half.
 
-        If the ``fresh`` goals, which are new to the program, are fewer, only these: there was a plan for the others. A
-        single fresh goal is tried alone next. A single goal is deferred if another one can have its turn.
+        The ``fresh`` goals are new to the program. If they are fewer than half, only they are deferred, because there
+        was a plan for the others. A single fresh goal is tried alone next. If the program has only one goal, it is
+        deferred if another goal can take its place.
         """
         goals, self.left = self._movable, False
         if len(goals) > 1:
@@ -159,14 +160,14 @@ class Admission:
         return self.in_vain()
 
     def in_vain(self) -> List[Goal]:
-        """Return the goals of the program, if each was in vain already and one waits that was less often."""
+        """Return the program's goals if they should yield to a queued goal with fewer failed searches, else none."""
         goals = self._movable
         least = min((goal.tries for goal in goals), default=0)
         rivals = any(goal.tries < least for goal in self._ready)
         return goals if rivals and not all(goal.in_hand for goal in goals) else []
 
     def defer(self, goals: Sequence[Goal]) -> None:
-        """Let goals wait again; a single one that took too long says nothing of the room for others."""
+        """Queue goals again. If none is left, the room for goals is reset: one slow goal says nothing about others."""
         for goal in goals:
             goal.waits = True
         self.limit(len(self.served))
@@ -175,22 +176,22 @@ class Admission:
         self.go_on()
 
     def limit(self, number: int) -> None:
-        """Record that there was no plan in time, or no update; there is room for ``number`` goals."""
+        """Limit the room to ``number`` goals after a search or an update took too long."""
         self._room, self._growth = max(1, number), SLOWLY
 
     def stay(self, goals: Sequence[Goal]) -> None:
-        """Record that no goal can be deferred, nor these, which are in hand: the next search has more time."""
+        """Record that no goal can be deferred, and that ``goals`` are in hand: the next search has more time."""
         self.stuck += bool(goals or not self._movable)  # the tries of a single goal are counted
         for goal in goals:
             goal.in_hand = True
 
     def give_time(self) -> None:
-        """Record that the solver accepted no update in time: the next search has more."""
+        """Record that the solver accepted no update in time: the next search has more time."""
         self.left = False
         self.stuck += 1
 
     def go_on(self) -> None:
-        """Record that there is something else to plan for."""
+        """Record that the next search is for other goals, and reset its time limit."""
         self.stuck = 0
         for goal in self._live():
             goal.in_hand = False
@@ -205,16 +206,16 @@ class Admission:
 
     @property
     def unhurried(self) -> bool:
-        """Whether a search can go on until something arrives, since there is nothing else to plan for."""
+        """Whether a search can continue until an arrival, because there are no other goals to plan for."""
         nothing_else = any(goal.in_hand for goal in self._live()) or len(self._movable) + len(self._ready) <= 1
         return self.patience > 1 and not self.in_vain() and nothing_else
 
     def why_left(self, cancelled: Container[str], new: bool) -> str:
-        """Return why a search is interrupted, empty if it is not: cancels of goals of these keys, or a ``new`` goal.
+        """Return why an arrival interrupts the search, empty if it does not.
 
-        The cancel of a goal that the program has, or is to have, interrupts it. So does a new goal if the search is for
-        a goal that found no plan alone before, and that does not come first. No arrival interrupts the next search,
-        unless all its goals are cancelled.
+        Arrivals are cancels of the goals with the keys ``cancelled``, or a ``new`` goal. The cancel of an admitted goal
+        interrupts the search. A new goal does so if the search is for a goal without priority that found no plan alone
+        before. No arrival interrupts the next search, unless all its goals are cancelled.
         """
         unwanted = [goal for goal in self.served if goal.cancelling or goal.key in cancelled]
         if self.left and len(unwanted) < len(self.served):
@@ -222,9 +223,9 @@ class Admission:
         if any(goal.key in cancelled for goal in unwanted):
             return "a goal was cancelled"
         yields = self.tried is not None and self.first not in self._movable and not (self.left or self.stuck)
-        return "a goal has come" if new and yields else ""
+        return "a goal has arrived" if new and yields else ""
 
-    # -- what is written down
+    # -- persisted state
 
     def record(self) -> Record:
         """Return the state as plain values."""

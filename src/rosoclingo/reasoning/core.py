@@ -1,4 +1,4 @@
-"""The core of Fig. 4: clients' goals and the interfaces' facts go in, the actions of each cycle come out."""
+"""The core of Fig. 4: it receives goals and facts, and sends the actions of each cycle."""
 
 from contextlib import suppress
 from typing import Callable, ClassVar, List, Optional, Sequence, Tuple
@@ -35,15 +35,17 @@ from rosoclingo.reasoning.stream_planner import (
 
 
 class Core:
-    """The cycle: solve, dispatch the actions planned for now, await their returns, feed what happened, solve again.
+    """The cycle: solve, dispatch the actions planned for now, await their returns, feed them back, and solve again.
 
-    ``observer`` hears of everything, in order. Time (``now``) is in seconds of whatever clock the caller keeps. The
-    caller passes on what arrives (``add_goal``, ``cancel_goal``, ``receive``), calls ``poll`` as time passes and
-    ``advance`` until it returns False. Nothing here blocks except the search in ``start`` and ``advance``.
-    After a search, one loop walks the table :attr:`responses`: what is tried in each situation.
+    The caller passes on arrivals by ``add_goal``, ``cancel_goal`` and ``receive``. It calls ``poll`` as time passes,
+    and ``advance`` until that returns False. Only the searches in ``start`` and ``advance`` block. After each search, a
+    loop walks the table :attr:`responses`, which lists the steps to try in each situation.
 
-    ``watch`` can end each search, ``watch_recovery`` the one for the goals to give up and the reasons why. The wait for
-    a plan with new goals while the plan in force goes on is ended by ``watch_joining``; None: it is not ended.
+    The ``observer`` receives all events, in order. Times (``now``) are in seconds of any clock.
+
+    ``watch`` can end any search, and ``watch_recovery`` the search for goals to abort and for the reasons.
+    ``watch_joining`` ends the wait for a plan with new goals while the current plan continues; None waits until the
+    plan is found.
     """
 
     def __init__(
@@ -67,9 +69,10 @@ class Core:
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
         self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, watch_joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
-        self._plan: Optional[TaskPlan] = TaskPlan()  # None where the search was left: there is to be another
-        self._latest = (0, TaskPlan())  # the plan that was used last, and its cycle
-        self._step, self._waits, self._improvable = 0, 0, False  # the last: whether there may be a shorter plan
+        self._plan: Optional[TaskPlan] = TaskPlan()  # None after an interrupted search, which has to be repeated
+        self._latest = (0, TaskPlan())  # the last executed plan and its cycle
+        self._step, self._waits = 0, 0
+        self._improvable = False  # whether a shorter plan can exist
 
     @property
     def cycle(self) -> int:
@@ -83,7 +86,7 @@ class Core:
 
     @property
     def queue(self) -> Admission:
-        """Which of the live goals wait for their turn, and how long a search may take for the others."""
+        """The admission of goals: it queues goals, and sets the time limit of searches for the others."""
         return self._goals.queue
 
     @property
@@ -97,15 +100,15 @@ class Core:
         return self._execution.awaited
 
     def add_goal(self, key: str, text: str) -> None:
-        """Take the goal ``text`` under the client's handle ``key``; it is rejected with the reason if it cannot be."""
+        """Add the goal ``text`` under the client's handle ``key``, or reject it with a reason."""
         self._goals.add(key, text)
 
     def cancel_goal(self, key: str) -> None:
-        """Cancel a goal; without effect on one that has ended."""
+        """Cancel a goal; has no effect if the goal has ended."""
         self._goals.cancel(key)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
-        """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""
+        """Accept facts from the interface ``origin``; invalid facts are reported as problems and ignored."""
         self._execution.receive(origin, facts)
 
     def poll(self, now: float) -> None:
@@ -131,7 +134,7 @@ class Core:
         self._announce.plan(result, self._shown())
 
     def advance(self, now: float) -> bool:
-        """Start the next cycle if there is reason to; False when the core waits for something to arrive."""
+        """Start the next cycle if there is a reason to; return False if the core waits for an arrival."""
         if self.awaited:
             self._preempt()
         elif self._due():
@@ -140,9 +143,10 @@ class Core:
         return False
 
     def improve(self, stopped: Callable[[], bool]) -> bool:
-        """While actions run and nothing waits, shorten the plan, what runs stays; tell whether more may be found.
+        """Shorten the plan while actions run and nothing waits; return whether a shorter plan can still exist.
 
-        It returns with each better plan, and soon after ``stopped``, asked every few milliseconds, says so.
+        Running actions stay in the plan. The call returns with each better plan, and soon after ``stopped``, which is
+        polled every few milliseconds, returns True.
         """
         if not self.awaited or self._feeder.pending or self._ahead.join is not None:
             return False
@@ -156,23 +160,23 @@ class Core:
         return self._improvable
 
     def prepare(self) -> None:
-        """While actions run, have the answer prepared to what may come, or a plan with goals that wait."""
+        """Prefetch the answer to a likely update, or a plan with queued goals, while actions run."""
         self._ahead.prepare(self._planner, self._latest[1], self._announce.published + 1)
 
     def abandon(self, why: str) -> None:
-        """Abort every goal; the program is to hear of it."""
+        """Abort every goal, and cancel the goals in the program with the next update."""
         self._goals.drop(self._goals.fed, why)
         self._goals.end(self._goals.live, Outcome.ABORTED, why)
 
     def _preempt(self) -> None:
-        """Something has arrived while actions run: end those that are of no use any more."""
+        """Preempt running actions that an arrival has made useless."""
         with suppress(DisturbedError):
             found = self._preemption.unwanted(self._planner) if self._settings.preempt else ()
             if found:
                 self._tell(ActionsPreempted(self.cycle, found))
 
     def _due(self) -> bool:
-        """Whether something happened, an action has ended, a search was left, or the plan has something later only."""
+        """Whether a new cycle is due: after arrivals, ended actions, or an interrupted search, or as the plan asks."""
         return self._feeder.pending or bool(self._execution.under_way) or self._plan is None or self._later()
 
     def _later(self) -> bool:
@@ -192,13 +196,13 @@ class Core:
         self._respond(State(Situation.DUE, batch, now))
 
     def _respond(self, state: State) -> None:
-        """Walk the table until the cycle has begun or the core waits."""
+        """Try the steps of the table until the cycle has begun or the core waits."""
         while state.situation is not Situation.SETTLED:
             steps = (row.step for row in self.responses if row.situation is state.situation)
             try:
                 state = next(filter(None, (step(self, state) for step in steps)))
             except UndecidedError:
-                why = f"{state.why}, and it was not found out in time which goals cannot be met"
+                why = f"{state.why}, and the goals that cannot be met were not found in time"
                 state = state._replace(situation=Situation.TIMEOUT, why=why)
             except DisturbedError as disturbance:
                 self._problem(str(disturbance))
@@ -230,7 +234,10 @@ class Core:
         return self._offer(state, ask, state.batch.indispensable)
 
     def _offer(self, state: State, ask: Callable[[StreamUpdate], SolveResult], update: StreamUpdate) -> Optional[State]:
-        """Offer an update to the solver; None if it is not accepted again. Refused goals end, dropped ones do not."""
+        """Send an update to the solver; return None if it fails again in the same way.
+
+        Goals of a refused update are rejected; goals of a dropped update stay.
+        """
         batch = state.batch
         try:
             result = ask(update)
@@ -250,7 +257,7 @@ class Core:
         return None if again else state._replace(situation=situation)
 
     def _wait(self, state: State) -> State:
-        """The update comes again, with more time."""
+        """Send the update again later, with more time."""
         self._plan, self._planner = TaskPlan(), self._planner.restarted()
         self.queue.give_time()
         self._feeder.wait(state.now)
@@ -258,13 +265,13 @@ class Core:
 
     def _abandon(self, state: State) -> State:
         self._plan, self._planner = TaskPlan(), self._planner.restarted()
-        self.abandon("is given up: the solver accepts no more updates")
+        self.abandon("is aborted: the solver accepts no more updates")
         self._feeder.forget_executed()
         self._feeder.wait()
         return state.settled
 
     def _accept(self, state: State, batch: Batch) -> State:
-        """Record the facts of an update in force; omitted ones come later unless it was refused for them."""
+        """Record the facts of an accepted update; omitted facts are fed again unless the solver refused them."""
         self._step, present = batch.step, self._planner.in_force.heads
         for fact in self._feeder.taken(batch, present, state.situation is Situation.REFUSED):
             self._problem(f"{fact.sent} is dropped: the solver accepts no update with it", fact.origin)
@@ -275,7 +282,7 @@ class Core:
     # -- there is an answer, or none
 
     def _answered(self, state: State, result: SolveResult) -> State:
-        """Return the state after a search on a stream that is new to the core."""
+        """Return the state after the search for a new update."""
         self._plan, batch = TaskPlan(), state.batch
         for warning in result.warnings:
             self._problem(warning)
@@ -305,16 +312,16 @@ class Core:
         return self._adopt(state._replace(why=""), settled.recovery)
 
     def _dispatch(self, state: State) -> Optional[State]:
-        """Go on with the answer; None if its plan was deferred too often."""
+        """Execute the plan of the answer; return None if it was deferred too often."""
         self._announce.update(self._step, self._planner.in_force)
-        self._use(state.result, state.now, any(goal.fed for goal in state.batch.goals))  # some may be left out
+        self._use(state.result, state.now, any(goal.fed for goal in state.batch.goals))  # some can be left out
         for problem in refusals(state.result.answers[0], state.batch.facts):
             self._problem(*problem)
         deferred = not self._execution.under_way and self._waits >= self._planner.lookahead and self._later()
         return None if deferred else state.settled
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
-        """Go on with an answer: what is due does not wait until all that follows from it is told."""
+        """Dispatch the actions that are due before reporting the rest of the answer."""
         since, plan = self._latest[0] + 1, self._follow(result)
         actions = plan.at(self._step)
         if actions:
@@ -332,16 +339,16 @@ class Core:
         self._announce.progress(self._step, self._goals.fed, shown)
 
     def _follow(self, result: SolveResult) -> TaskPlan:
-        """Go on with the plan of an answer."""
+        """Adopt the plan of an answer."""
         plan = self._plan = extract_plan(result.answers[0])
         self._latest = self._step, plan
         return plan
 
     def _lose_patience(self, state: State) -> State:
-        """A cycle without actions ends at once; a plan that is deferred for longer than it can be is none."""
-        self._problem(f"the plan was put off {self._waits} times in a row: it is given up")
+        """Drop a plan that the program has deferred for more cycles than a plan can have steps."""
+        self._problem(f"the plan was deferred {self._waits} times in a row: it is dropped")
         self._plan = TaskPlan()
-        self._goals.drop(self._goals.fed, "cannot be met: the program keeps putting off its plan")
+        self._goals.drop(self._goals.fed, "cannot be met: the program keeps deferring its plan")
         return state.settled
 
     def _impasse(self, batch: Batch) -> Impasse:
@@ -370,7 +377,7 @@ class Core:
         return self._answered(state._replace(batch=Batch(found.update), no_plan=None), found.result)
 
     def _repair(self, state: State) -> Optional[State]:
-        """Take the fewest observations otherwise, once."""
+        """Redate or drop the fewest observations, once for each update."""
         if state.no_plan is not None:
             return None
         found = repair(self._planner, self._impasse(state.batch))
@@ -385,16 +392,16 @@ class Core:
         if found is None:
             return None
         self._planner, updates, result = found
-        self._problem(f"ERROR: the program has no answer after all that was done and told: {state.why}; it begins anew")
+        self._problem(f"ERROR: the program has no answer with its history: {state.why}; it forgets its history")
         old = [goal for goal in self._goals.fed if goal not in state.batch.goals]
-        self._goals.end(old, Outcome.ABORTED, "is given up: the program begins anew")
+        self._goals.end(old, Outcome.ABORTED, "is aborted: the program forgets its history")
         self._goals.again(state.batch.goals)
         self._execution.forget_all()
         self._announce.updates(self._step, updates)
         return self._answered(state._replace(batch=Batch(self._planner.in_force), no_plan=None), result)
 
     def _cancel_all(self, state: State) -> State:
-        self._problem(f"no answer was found, whatever goals are given up: {state.why}")
+        self._problem(f"no answer was found, even without goals: {state.why}")
         self._goals.drop(self._goals.fed, f"cannot be met: {state.why}")
         self._planner = self._planner.restarted()
         return state.settled
@@ -402,7 +409,7 @@ class Core:
     # -- no answer in time
 
     def _keep_plan(self, state: State) -> Optional[State]:
-        """Keep the last plan where it still is one, deferred by the cycles in which nothing was done."""
+        """Keep the last plan if it is still valid, deferred by the cycles without actions."""
         cycle, plan = self._latest
         actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
         result = self._planner.still(actions) if actions and not state.batch.known_goals else None
@@ -415,7 +422,7 @@ class Core:
         return state._replace(deferred=True)
 
     def _defer(self, chosen: Sequence[Goal], why: str) -> bool:
-        """Take goals out of the program until it is their turn again; return whether there are any."""
+        """Withdraw goals from the program until they are admitted again; return whether there are any."""
         published, done, look = self._announce.published, self._execution.executed, self._watch_recovery()
         planner, text = defer(self._planner, self._goals, chosen, why, published, done, look)
         deferred, self._planner = planner is not self._planner, planner
@@ -428,10 +435,10 @@ class Core:
         return state.settled
 
     def _shown(self) -> Tuple[Action, ...]:
-        """What is told of the plan: the last actions done, whatever the solver knows of them, and those that remain."""
+        """The actions to report: the last executed ones, even after compaction, and the rest of the plan."""
         return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
 
-    #: What is tried in each situation, in this order; the last row of each situation always applies.
+    #: The steps to try in each situation, in this order. The last row of each situation always applies.
     responses: ClassVar[Tuple[Response, ...]] = (
         Response(Situation.DUE, "send the update", _send),
         Response(Situation.REFUSED, "send it without new goals, which are rejected", _send_without_goals),
@@ -446,7 +453,7 @@ class Core:
         ),
         Response(Situation.PLAN, "dispatch the actions of the cycle", _dispatch),
         Response(Situation.PLAN, "abort all goals, if the program keeps deferring its plan", _lose_patience),
-        Response(Situation.NO_PLAN, "give up the fewest goals, the newest first", _give_up_goals),
+        Response(Situation.NO_PLAN, "abort the fewest goals, the newest first", _give_up_goals),
         Response(Situation.NO_PLAN, "redate or drop the fewest observations", _repair),
         Response(Situation.NO_PLAN, "begin again: the program forgets its history", _forget_history),
         Response(Situation.NO_PLAN, "cancel all goals", _cancel_all),

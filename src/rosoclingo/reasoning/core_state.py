@@ -1,4 +1,4 @@
-"""How the core is doing, in a few values: fed by its events."""
+"""The health of the core, for ``/diagnostics``."""
 
 from enum import IntEnum
 from typing import Dict, List, NamedTuple, Optional, Sequence
@@ -6,19 +6,19 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 from rosoclingo.reasoning.events import PlanMade, Problem
 from rosoclingo.reasoning.log_throttle import LogThrottle
 
-#: Seconds for which a problem makes the core's state a warning.
+#: Seconds for which a problem sets the level to WARN.
 FRESH = 10.0
 
 
 class Level(IntEnum):
-    """As ``diagnostic_msgs/DiagnosticStatus`` has them."""
+    """The levels of ``diagnostic_msgs/DiagnosticStatus``."""
 
     OK = 0
     WARN = 1
 
 
 class Report(NamedTuple):
-    """A level, a line, and values by name."""
+    """A level, a message of one line, and values by name."""
 
     level: Level
     message: str
@@ -26,7 +26,7 @@ class Report(NamedTuple):
 
 
 class Health:
-    """Remembers the latest plan and the latest problem. ``now`` is in seconds of a clock that only goes forward."""
+    """Keeps the latest plan and the latest problem. ``now`` is in seconds of a monotonic clock."""
 
     def __init__(self) -> None:
         self._throttle = LogThrottle()
@@ -34,16 +34,16 @@ class Health:
         self._trouble = float("-inf")
 
     def plan_made(self, event: PlanMade) -> None:
-        """There is an answer."""
+        """Record the latest plan."""
         self._plan = event
 
     def problem(self, event: Problem, now: float) -> str:
-        """Something is wrong; the line for the log, empty where it was said before."""
+        """Record a problem; return the line for the log, empty if it was logged before."""
         self._trouble = now
         return self._throttle.take(event, now)
 
     def counted(self, now: float) -> List[str]:
-        """Lines for the log: how many problems were not said, a minute after."""
+        """Return log lines with the number of problems that were not logged in the last minute."""
         return self._throttle.counted(now)
 
     def report(
@@ -56,10 +56,10 @@ class Health:
         missing: str = "",
         waiting: int = 0,
     ) -> Report:
-        """The present state.
+        """Return the present state.
 
-        ``awaited`` are the actions under way, ``interfaces`` those that were announced, ``missing`` tells of one that
-        an action waits for in vain, ``waiting`` goals wait for their turn.
+        ``awaited`` are the running actions, ``interfaces`` the announced interfaces. ``missing`` is a message about an
+        interface that an action needs but no node has, empty for none. ``waiting`` is the number of queued goals.
         """
         plan = self._plan or PlanMade(cycle, 1, ())
         values = {

@@ -1,4 +1,4 @@
-"""Deferral: take goals out of the program as if it had never had them, unless something was done for them."""
+"""Deferral: withdraw goals from the program, unless actions were executed for them."""
 
 from typing import Any, Callable, List, Optional, Sequence, Tuple
 
@@ -20,12 +20,13 @@ def defer(
     executed: Sequence[Action],
     look: Callable[[], Any],
 ) -> Tuple[Planner, str]:
-    """Let those of the ``chosen`` goals wait that are not in hand; if all are, the others; ``why`` is the reason.
+    """Queue the ``chosen`` goals that are not in hand, for the reason ``why``; if all are, other goals.
 
-    Cancelled goals end instead if nothing was done for them. Nothing was done for goals that came after the last of the
-    ``executed`` actions. ``published`` is the cycle of the last reported update. The search for others ends when
-    ``look()`` is not None. Returns the planner that goes on, and a text about the goals. Raises DisturbedError, with
-    nothing changed.
+    A goal is in hand if an action was executed for it. No action was executed for goals that arrived after the last of
+    the ``executed`` actions. Cancelled goals among these end instead. For older goals, a search decides; it ends when
+    ``look()`` is not None. ``published`` is the cycle of the last reported update.
+
+    Returns the planner without the goals, and a text about them. Raises DisturbedError, with nothing changed.
     """
     first = max([planner.log.keep_from, *(action.cycle + 1 for action in executed)])
     fed = manager.fed
@@ -34,7 +35,7 @@ def defer(
     if cancelled:
         planner = planner.restarted(requests_of(cancelled))
         manager.take_out(cancelled, published)
-        return planner, f"{why}: {len(cancelled)} of {len(fed)} goals are taken out, as they were cancelled"
+        return planner, f"{why}: {len(cancelled)} of {len(fed)} goals are withdrawn because they were cancelled"
     others = [goal for goal in fed if goal not in chosen and not goal.cancelling] if chosen else []
     for goals in (chosen, others):
         old = [
@@ -45,7 +46,7 @@ def defer(
         if gone:
             planner = planner.restarted(requests_of(gone))
             number = len({*fed, *gone})
-            manager.defer(gone, f"{number} goals were too much: {why}", published)
+            manager.defer(gone, f"{number} goals were too many: {why}", published)
             return planner, f"{why}: {len(gone)} of {number} goals wait"
     manager.queue.stay(chosen)
     return planner, f"{why}: the search goes on"
@@ -61,10 +62,10 @@ def _withdrawable(
 ) -> List[Goal]:
     """Return those of the ``goals`` that are not in hand.
 
-    A goal is in hand unless it makes no difference whether it is withdrawn, as if it had never been told, or cancelled:
-    with all other goals cancelled there is a plan of the same length. What was picked up for a goal has to be
-    brought back when that is cancelled; and without its request it could never have been picked up. The trial retracts
-    the success returns, since a program can use them as evidence that the action was possible.
+    A goal is not in hand if withdrawing it and cancelling it are equivalent: with all other goals cancelled, there is a
+    plan of the same length. For example, a package that was picked up for a goal has to be brought back when the goal
+    is cancelled; without the request, it could never have been picked up. The trial retracts success returns, because a
+    program can derive from them that an action was possible.
     """
     step = planner.log.step + 1
     successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.keep_from)

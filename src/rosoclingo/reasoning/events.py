@@ -1,4 +1,4 @@
-"""What the core tells its observers: one frozen value per thing that happened, in the order it happened."""
+"""Events of the core, which its observers receive in order."""
 
 from dataclasses import dataclass
 from typing import Callable, FrozenSet, Iterable, Optional, Tuple
@@ -14,18 +14,17 @@ from rosoclingo.reasoning.present import Present
 
 @dataclass(frozen=True)
 class Event:
-    """Anything that happened, in ``cycle``."""
+    """The base of all events: something happened in ``cycle``."""
 
     cycle: int
 
 
 @dataclass(frozen=True)
 class UpdateSent(Event):
-    """A stream update is in force and starts ``cycle``; each is told once.
+    """The solver has accepted a stream update, which starts ``cycle``. Each update is reported once.
 
-    ``text`` is the update as the paper prints it: what happened. ``stream`` is all that the solver took: the bound of
-    the search and what is past as well; one after the other they are an online progression, which gives the same plans
-    where each was the shortest.
+    ``text`` is the update as the paper prints it. ``stream`` also contains the bound of the search and the closed
+    cycles. The streams of a run form an online progression. It reproduces the plans if these were the shortest ones.
     """
 
     text: str
@@ -34,11 +33,10 @@ class UpdateSent(Event):
 
 @dataclass(frozen=True)
 class PlanMade(Event):
-    """The solver's answer for the cycle: the plan's actions by cycle, after the last few that are done.
+    """The solver has answered.
 
-    Without a plan there are only these.
-
-    ``ground`` and ``solve`` are seconds of wall time.
+    ``actions`` are the last executed actions, followed by the plan if there is one. ``ground`` and ``solve`` are the
+    times for grounding and solving, in seconds of wall time.
     """
 
     horizon: int
@@ -49,9 +47,9 @@ class PlanMade(Event):
 
 @dataclass(frozen=True)
 class StateChanged(Event):
-    """What the latest answer shows of the present is another since this cycle.
+    """The beliefs have changed.
 
-    ``atoms`` hold now: those without a time, and those of the cycle, in which the constant ``now`` stands for it.
+    ``atoms`` are the shown atoms without a time, and those of the cycle with the constant ``now`` in its place.
     """
 
     atoms: FrozenSet[Symbol]
@@ -59,35 +57,35 @@ class StateChanged(Event):
 
 @dataclass(frozen=True)
 class ActionsDispatched(Event):
-    """The actions of the cycle, to be run together."""
+    """The actions of the cycle, which are executed together."""
 
     actions: Tuple[Action, ...]
 
 
 @dataclass(frozen=True)
 class ActionsPreempted(Event):
-    """Actions under way that are no longer wanted; their returns are awaited as ever."""
+    """Running actions that the plan no longer needs. The core still awaits their returns."""
 
     actions: Tuple[Action, ...]
 
 
 @dataclass(frozen=True)
 class ReturnTaken(Event):
-    """The answer of an interface to an action of this cycle."""
+    """An interface has returned the result of an action of this cycle."""
 
     atom: Symbol
 
 
 @dataclass(frozen=True)
 class FactTaken(Event):
-    """Another fact about the world."""
+    """An interface has reported another fact about the world."""
 
     atom: Symbol
 
 
 @dataclass(frozen=True)
 class GoalChanged(Event):
-    """A goal took a transition; ``outcome`` and ``message`` are set when that ended it."""
+    """The state of a goal has changed; ``outcome`` and ``message`` are set if the goal has ended."""
 
     key: str
     term: Symbol
@@ -99,7 +97,7 @@ class GoalChanged(Event):
 
 @dataclass(frozen=True)
 class GoalUnmet(Event):
-    """A goal is given up, as nothing on ``stream`` is a plan for it: what there is to tell about why."""
+    """A goal is aborted because there is no plan for it after ``stream``."""
 
     key: str
     term: Symbol
@@ -108,7 +106,7 @@ class GoalUnmet(Event):
 
 @dataclass(frozen=True)
 class GoalRefused(Event):
-    """A client's goal that was never entered, with its text and the reason."""
+    """A goal was rejected on arrival, with its text and the reason."""
 
     key: str
     text: str
@@ -117,10 +115,10 @@ class GoalRefused(Event):
 
 @dataclass(frozen=True)
 class GoalProgress(Event):
-    """A live goal after an answer: its status, and the plan after the last few actions that are done.
+    """The state of a live goal after an answer, with the last executed actions and the plan.
 
-    ``waits`` tells why a goal that the program has not been told of has to wait; it is told once, without a plan.
-    ``remark`` is the program's text about a goal that it has accepted.
+    ``waits`` is the reason why the goal is queued; it is reported once, without a plan. ``remark`` is the program's
+    text about an accepted goal.
     """
 
     key: str
@@ -131,15 +129,15 @@ class GoalProgress(Event):
 
     @property
     def position(self) -> int:
-        """How many of the actions are of past cycles."""
+        """The number of actions of past cycles."""
         return sum(action.cycle < self.cycle for action in self.actions)
 
 
 @dataclass(frozen=True)
 class Problem(Event):
-    """Something that should not be; ``message`` says what, where and what was done about it.
+    """A problem; ``message`` states its cause, its place and the reaction of the core.
 
-    ``origin`` names its interface, empty for none.
+    ``origin`` is the interface that caused it, empty for none.
     """
 
     message: str
@@ -150,13 +148,13 @@ Observer = Callable[[Event], None]
 
 
 class Announcer:
-    """Makes the events of a core's cycles, for an ``observer``. ``cycle`` gives the logical time point.
+    """Sends the events of a core's cycles to an ``observer``.
 
-    ``present`` reads what holds now out of answers.
+    ``cycle`` returns the logical time, ``present`` extracts beliefs from answers.
 
     Attributes:
         published: the cycle of the last reported update.
-        state: what holds now, None if that was never reported.
+        state: the reported beliefs, None before the first report.
 
     """
 
@@ -166,18 +164,18 @@ class Announcer:
         self.published = 0
 
     def update(self, step: int, update: StreamUpdate) -> None:
-        """Tell the update in force, the first of a step alone."""
+        """Report an accepted update, unless another update of this step was reported before."""
         if self.published < step:
             self.updates(step, [update])
 
     def updates(self, step: int, updates: Iterable[StreamUpdate]) -> None:
-        """Tell all that leads to a step."""
+        """Report several updates that lead to a step."""
         self.published = step
         for update in updates:
             self._tell(UpdateSent(step, str(update.plain), str(update)))
 
     def plan(self, result: SolveResult, shown: Tuple[Action, ...]) -> None:
-        """Tell what a search has given."""
+        """Report the result of a search, and the beliefs if they have changed."""
         cycle, seconds = self._cycle(), result.statistics
         self._tell(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
         state = self._present.of(result.answers[0], cycle) if result.answers else self.state
@@ -186,15 +184,15 @@ class Announcer:
             self.present()
 
     def present(self) -> None:
-        """Tell what holds now, if that is known."""
+        """Report the beliefs, if they are known."""
         if self.state is not None:
             self._tell(StateChanged(self._cycle(), self.state))
 
     def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
-        """Tell how each of the goals stands."""
+        """Report the progress of each goal."""
         for goal in goals:
             self._tell(GoalProgress(step, goal.key, goal.state, shown, remark=goal.remark))
 
     def problem(self, message: str, origin: str = "") -> None:
-        """Tell of something that should not be."""
+        """Report a problem."""
         self._tell(Problem(self._cycle(), message, origin))

@@ -1,4 +1,4 @@
-"""Reasons in words: why a goal is given up, by ``_explain(What,Text,C)``, and a fact refused, by ``_refuse/3``."""
+"""Explanations of the program: ``_explain/3`` for unmet goals, and ``_refuse/3`` for refused facts."""
 
 from functools import lru_cache
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
@@ -13,14 +13,14 @@ from rosoclingo.reasoning.observations import Observation
 
 
 def text_of(term: Symbol) -> str:
-    """A term as text: the content of a string, the pieces of a tuple joined, else the term as it is written."""
+    """Return the text of a term: the content of a string, the joined pieces of a tuple, or the term itself."""
     if term.type is SymbolType.Function and not term.name:
         return "".join(text_of(piece) for piece in term.arguments)
     return name_of(term)
 
 
 class Explanations:
-    """All explanations of an answer; ``faults`` holds what was none."""
+    """The explanations in an answer; ``faults`` are messages about malformed ones."""
 
     def __init__(self, answer: FrozenSet[Symbol] = frozenset()) -> None:
         self.faults: List[str] = []
@@ -29,7 +29,7 @@ class Explanations:
             self._enter(atom)
 
     def of(self, what: Symbol) -> Optional[str]:
-        """What is said of a goal, by its identifier, or of an observation; of several the one of the latest cycle."""
+        """Return the latest explanation of a goal, given by its identifier, or of an observation; None for none."""
         return self._texts[what][1] if what in self._texts else None
 
     def _enter(self, atom: Symbol) -> None:
@@ -47,8 +47,8 @@ T = TypeVar("T")
 class UnmetGoal(NamedTuple):
     """``goal`` and the goals ``together`` cannot be met after ``observations``.
 
-    ``sure`` tells that they could be with any of the observations left out; otherwise that was not found out in time.
-    ``note`` is a remark on the observations.
+    ``sure`` is true if they could be met without any one of the observations, and false if this was not decided in
+    time. ``note`` is a remark on the observations.
     """
 
     goal: Goal
@@ -58,7 +58,7 @@ class UnmetGoal(NamedTuple):
     note: str = ""
 
     def text(self, explanations: Explanations, why: str) -> str:
-        """The one in words, the program's where it has some; ``why`` is told where nothing else is known."""
+        """Return the reason as text, with the explanations of the program; ``why`` is used if there is no other."""
         others = _joined(self.together, str)
         seen = _joined(self.observations, lambda one: explanations.of(one.atom) or str(one))
         reason = explanations.of(self.goal.identifier) or ("" if seen or others else why)
@@ -74,9 +74,9 @@ class UnmetGoal(NamedTuple):
 
 
 def streams_of(unmet: Sequence[UnmetGoal], stream: Stream) -> Iterator[Tuple[UnmetGoal, Stream]]:
-    """Yield each of the goals with the stream that tells why it is given up: less the others that are, for themselves.
+    """Yield each unmet goal with a stream that explains it: without the goals that are unmet for other reasons.
 
-    ``stream`` is the one that has no plan for all.
+    ``stream`` is the original stream, without a plan for all goals.
     """
     for one in unmet:
         others = (other.goal for other in unmet if other.goal is not one.goal and other.goal not in one.together)
@@ -90,7 +90,7 @@ def _joined(things: Sequence[T], words: Callable[[T], str]) -> str:
 
 
 def refusals(answer: FrozenSet[Symbol], facts: Iterable[Observation]) -> Iterator[Tuple[str, str]]:
-    """Yield why no heed is taken of some of the ``facts`` of an update, and who told them, given its answer."""
+    """Yield a message and the origin for each fact of an update that the program refuses in its answer."""
     texts = _read(answer)
     for fact in facts if texts else ():
         if fact.atom in texts:
@@ -100,8 +100,8 @@ def refusals(answer: FrozenSet[Symbol], facts: Iterable[Observation]) -> Iterato
             )
 
 
-@lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
+@lru_cache(maxsize=2)  # the answer stays the same while all actions succeed
 def _read(answer: FrozenSet[Symbol]) -> Dict[Symbol, Symbol]:
-    """The texts of what is refused."""
+    """Return the refused facts with the texts."""
     refused = (atom.arguments for atom in answer if is_keyword(atom, REFUSE) and len(atom.arguments) == 3)
     return {fact: text for fact, text, _ in refused}

@@ -1,4 +1,4 @@
-"""The goals that were given up for want of a plan, with what there is to tell about why: the latest ones."""
+"""The latest goals that were aborted for lack of a plan, with the streams that explain why."""
 
 import json
 from itertools import accumulate
@@ -11,18 +11,18 @@ from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.keywords import identifier_of
 from rosoclingo.reasoning.records import Record, group, symbol_of, text_of
 
-#: Limit of the remembered goals, and of the bytes that they can take in a record, in which the latest come first.
+#: Maximum number of goals, and maximum size of their record in bytes; the latest goals are recorded first.
 KEPT, ROOM = 20, 256 * 1024
 
 
 class GivenUpGoals:
-    """Remembers the last :data:`KEPT` aborted goals; a record has those of them that fit in :data:`ROOM`."""
+    """Keeps the last :data:`KEPT` unmet goals; a record contains the latest of them, up to :data:`ROOM` bytes."""
 
     def __init__(self) -> None:
-        self._goals: Dict[str, Tuple[GoalUnmet, Record, int]] = {}  # by key, each with its record and the bytes of that
+        self._goals: Dict[str, Tuple[GoalUnmet, Record, int]] = {}  # key -> event, record, size of the record in bytes
 
     def add(self, event: GoalUnmet) -> None:
-        """Remember a goal, the latest one."""
+        """Add a goal as the latest one."""
         stream = stream_to_message(event.stream)
         value = {"cycle": event.cycle, "term": text_of(event.term), "stream": stream}
         self._goals.pop(event.key, None)
@@ -36,7 +36,7 @@ class GivenUpGoals:
         return [one.term for one, *_ in self._goals.values()]
 
     def find(self, name: str) -> Optional[GoalUnmet]:
-        """Return the goal of that key, text or identifier that was given up last."""
+        """Return the latest goal with this key, text or identifier, None if there is none."""
         if name in self._goals:
             return self._goals[name][0]
         text = name.replace(" ", "")
@@ -44,13 +44,13 @@ class GivenUpGoals:
         return next((one for one in events if text in (str(one.term), str(identifier_of(one.term)))), None)
 
     def record(self) -> Record:
-        """Return the goals as sections of plain values that JSON knows."""
+        """Return the goals as sections of JSON values."""
         latest = list(reversed(list(self._goals.items())))
         sizes = accumulate(size for _, (_, _, size) in latest)
         fitting = [(f"unmet:{key}", value) for (key, (_, value, _)), size in zip(latest, sizes) if size <= ROOM]
         return dict(reversed(fitting))
 
     def restore(self, record: Record) -> None:
-        """Remember the goals of a :meth:`record`, which may lack them."""
+        """Add the goals of a :meth:`record`, if it has any."""
         for key, goal in group(record, "unmet").items():
             self.add(GoalUnmet(goal["cycle"], key, symbol_of(goal["term"]), stream_from_message(goal["stream"])))

@@ -1,4 +1,4 @@
-"""Clients' goals: checked on arrival, kept while they live, passed to the feeder as requests, ended with a reason."""
+"""The goal manager: it checks the goals of clients, passes them to the feeder and ends them with a reason."""
 
 from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 
@@ -17,18 +17,18 @@ from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import Record, group, symbol_of
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Seconds that a goal rests at first which alone was dropped by the solver; then twice as many, and so on.
+#: Seconds that a goal rests after the solver has dropped it alone. The rest doubles each further time.
 REST = 10.0
 
-#: So often at the most.
+#: Maximum number of times that the rest doubles.
 MOST_DOUBLINGS = 6
 
 
 class GoalManager:
-    """The goals of all clients. ``tell`` hears of each change, ``cycle`` gives the logical time point.
+    """The goals of all clients. ``tell`` receives an event for each change, ``cycle`` returns the logical time.
 
     Attributes:
-        queue: which goals are with the program, and which wait for their turn.
+        queue: the admission, which decides which goals the program has and which are queued.
 
     """
 
@@ -45,7 +45,7 @@ class GoalManager:
         self._feeder = feeder
         self._tell = tell
         self._cycle = cycle
-        self._goals: Dict[str, Goal] = {}  # the live ones, by the clients' handles, oldest first
+        self._goals: Dict[str, Goal] = {}  # handle -> live goal, oldest first
         self.queue = Admission(
             lambda: self.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
         )
@@ -57,15 +57,15 @@ class GoalManager:
 
     @property
     def fed(self) -> List[Goal]:
-        """The live goals that the program knows, oldest first."""
+        """The live goals that the program has, oldest first."""
         return [goal for goal in self._goals.values() if goal.fed]
 
     def by_key(self, key: str) -> Optional[Goal]:
-        """The live goal of a client's handle."""
+        """Return the live goal with a client's handle, None if there is none."""
         return self._goals.get(key)
 
     def add(self, key: str, text: str) -> None:
-        """Take the goal ``text``; a goal that cannot be taken is rejected with the reason."""
+        """Add the goal ``text``, or reject it with a reason."""
         try:
             goal = Goal(key, read_goal(text), self._changed)
             if not self._program.declares_external(REQUEST, 2):
@@ -79,26 +79,27 @@ class GoalManager:
         self._admit()
         if goal.waits:
             before = self.queue.first or self.queue.tried
-            why = f"{self.queue.size} goals at a time are planned for" if before is None else f"first comes {before}"
+            limit = f"at most {self.queue.size} goals are planned for at a time"
+            why = limit if before is None else f"{before} has priority"
             self.tell_wait([goal], why)
 
     def _check_heard(self, goal: Goal) -> None:
         """Raise GoalError for a goal that no rule can see; it would count as met without a plan."""
-        requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # the first update can still come
+        requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # 1 before the first update
         if not any(map(self._hearing.hears, requests)):
             advice = shortened(self._hearing.advice(requests[0]), 2 * SHOWN)
             raise GoalError(f"no rule of the program can see {goal}: {advice}")
 
     def _check_unique(self, goal: Goal) -> None:
-        """Raise GoalError for a goal whose handle or identity is that of a live one."""
+        """Raise GoalError for a goal with the handle or the identifier of a live goal."""
         if goal.key in self._goals:
             raise GoalError(f"the goal handle '{goal.key}' is in use")
         twin = next((one for one in self.live if one.identifier == goal.identifier), None)
         if twin is not None:
-            raise GoalError(f"the identity '{shortened(str(goal.identifier))}' is taken: {twin} has not ended")
+            raise GoalError(f"the identifier '{shortened(str(goal.identifier))}' is in use: {twin} has not ended")
 
     def cancel(self, key: str) -> None:
-        """Cancel a goal; without effect on one that has ended or is being cancelled."""
+        """Cancel a goal; has no effect on goals that have ended or have been cancelled before."""
         goal = self._goals.get(key)
         if goal is None or goal.cancelling:
             return
@@ -110,20 +111,20 @@ class GoalManager:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before it was planned for")
 
     def tick(self, now: float) -> None:
-        """Time passes: goals that have rested may be fed again; a rest begins now, also where time has jumped back."""
+        """Advance the time, and admit goals that have rested; if time jumps back, rests begin again."""
         self.queue.now = now
         for goal in self.live:
             goal.rests_until = min(goal.rests_until, now + _rest(goal))
         self._admit()
 
     def drop(self, goals: Sequence[Goal], why: str) -> None:
-        """Abort goals that the program knows, and send it their cancellations."""
+        """Abort goals that the program has, and feed their cancellations."""
         for goal in goals:
             self._feeder.add_cancellation(goal.identifier)
         self.end(goals, Outcome.ABORTED, why)
 
     def read(self, reading: Reading) -> None:
-        """Update the states of the goals that the program knows from an answer; report its faults."""
+        """Update the states of the program's goals from an answer; report its faults."""
         for fault in (*reading.plan.faults, *reading.statuses.faults):
             self._tell(Problem(self._cycle(), fault))
         for goal in self.fed:
@@ -132,49 +133,49 @@ class GoalManager:
                 self._feeder.add_rejection(goal.identifier)
 
     def give_up(self, goal: Goal, message: str) -> None:
-        """Abort a goal that the program knows; the next update, if there is one, cancels it in the program."""
+        """Abort a goal that the program has; the next update, if there is one, cancels it in the program."""
         self._feeder.add_rejection(goal.identifier)
         goal.end(Outcome.ABORTED, message)
 
     def end(self, goals: Iterable[Goal], outcome: Outcome, why: str) -> None:
-        """End those of the goals that have not ended, each with its term and the reason as its message."""
+        """End the live ones among some goals; the message of each is its term and the reason."""
         for goal in goals:
             if goal.live:
                 self._feeder.withdraw(goal)
                 goal.end(outcome, f"{goal} {why}")
 
     def again(self, goals: Iterable[Goal]) -> None:
-        """Send the requests of the goals that have not ended once more, to a program that has forgotten them."""
+        """Feed the requests of live goals again, to a program that has forgotten them."""
         for goal in goals:
             if goal.live:
                 goal.forget()
                 self._feeder.add_goal(goal)
 
     def reject_undeclared(self, goals: Iterable[Goal], warnings: Sequence[str]) -> None:
-        """End the goals whose requests the solver ignored because the program declares no external for them."""
+        """Reject the goals whose requests the solver ignored because the program declares no external for them."""
         for goal in goals:
             if is_ignored(request(goal.term, goal.request_cycle or 0), warnings):
                 self.end([goal], Outcome.REJECTED, "is unknown to the program: no external is declared for its request")
 
-    # -- goals that are too much for now
+    # -- admission and deferral
 
     def plan_found(self, seconds: Optional[float]) -> None:
-        """There is a plan for the goals that are with the program: there may be room for more.
+        """Record a plan for the program's goals, and admit further goals if there is room.
 
-        It took so many ``seconds``, None where no goal is new.
+        ``seconds`` is the planning time, None if none of the goals is new.
         """
         self.queue.found(seconds)
         self._admit()
 
     def take_out(self, goals: Sequence[Goal], published: int) -> None:
-        """End cancelled goals that the program no longer has; updates were reported up to the cycle ``published``."""
+        """End cancelled goals that were withdrawn from the program; ``published`` is the last reported cycle."""
         self._withdraw(goals, published)
         for goal in goals:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
         self.queue.go_on()
 
     def defer(self, goals: Sequence[Goal], why: str, published: int) -> None:
-        """Let goals wait that the program no longer has; updates were reported up to the cycle ``published``."""
+        """Queue goals that were withdrawn from the program; ``published`` is the last reported cycle."""
         self._withdraw(goals, published)
         self.queue.defer(goals)
         self._wait(goals, why)
@@ -184,7 +185,7 @@ class GoalManager:
         self._feeder.add_withdrawals(known)
 
     def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
-        """Defer those goals of an update in force whose request is not among its heads: the solver had no time."""
+        """Defer the goals whose requests are not among the heads of the accepted update: the solver dropped them."""
         left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
         if not left:
             return
@@ -194,7 +195,7 @@ class GoalManager:
         else:
             left[0].tries += 1
             left[0].rests_until = float("inf")  # the search has taken time: the rest begins at the next tick
-        self._wait(left, "the solver could not take it in time")
+        self._wait(left, "the solver did not accept it in time")
 
     def _wait(self, goals: Sequence[Goal], why: str) -> None:
         for goal in goals:
@@ -204,14 +205,14 @@ class GoalManager:
         self.tell_wait(goals, why)
         self._admit()
 
-    # -- what is written down
+    # -- persisted state
 
     def record(self) -> Record:
-        """Return the goals, oldest first, and what is known of the room for them, as plain values."""
+        """Return the goals, oldest first, and the state of the queue, as plain values."""
         return {**{f"goal:{goal.key}": goal.record() for goal in self.live}, "queue": self.queue.record()}
 
     def restore(self, record: Record) -> None:
-        """Go on from a record, before anything else has come."""
+        """Restore from a record, before any arrival."""
         for key, fields in group(record, "goal").items():
             goal = Goal(key, symbol_of(fields["term"]), self._changed)
             goal.restore(fields)
@@ -219,7 +220,7 @@ class GoalManager:
         self.queue.restore(record["queue"])
 
     def join(self, goals: Iterable[Goal]) -> None:
-        """Goals that wait are fed now, whatever room there is."""
+        """Feed queued goals, even if there is no room."""
         for goal in goals:
             goal.waits = False
             self._feeder.add_goal(goal)
@@ -229,7 +230,7 @@ class GoalManager:
         for goal in goals:
             self._tell(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
 
-    # -- in and out
+    # -- changes of goals
 
     def _changed(self, goal: Goal, event: GoalEvent) -> None:
         if not goal.live:
@@ -239,10 +240,10 @@ class GoalManager:
         self._tell(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
 
     def _admit(self) -> None:
-        """Feed the goals whose turn it is."""
+        """Feed the goals that are admitted now."""
         self.join(self.queue.admit())
 
 
 def _rest(goal: Goal) -> float:
-    """The seconds for which a goal rests."""
+    """Return the seconds for which a goal rests."""
     return float(REST * 2 ** min(max(goal.tries - 1, 0), MOST_DOUBLINGS))

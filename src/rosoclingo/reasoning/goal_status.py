@@ -1,7 +1,7 @@
-"""What has become of goals: what a program says of them, the ``_status(Id,S,C)`` atoms of an answer, and what it means.
+"""The status of goals, read from the ``_status(Id,S,C)`` atoms of an answer.
 
-``S`` is accepted, rejected, succeeded, canceled or aborted, or one of these words around a text,
-``accepted("waits for the lift")``, ``aborted(("package ",3," is not at ",office2))``.
+``S`` is accepted, rejected, succeeded, canceled or aborted. It can have a text as its argument, as in
+``accepted("waits for the lift")`` and ``aborted(("package ",3," is not at ",office2))``.
 """
 
 from functools import lru_cache
@@ -14,7 +14,7 @@ from rosoclingo.reasoning.explanations import text_of
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.keywords import STATUS, is_keyword
 
-#: The words of ``_status``, worst first, and how they end a goal (None: it goes on).
+#: The words of ``_status``, worst first, with the outcome of the goal (None: the goal continues).
 WORDS: Dict[str, Optional[Outcome]] = {
     "aborted": Outcome.ABORTED,
     "rejected": Outcome.REJECTED,
@@ -28,33 +28,33 @@ _Table = Dict[Tuple[Symbol, int], List[Symbol]]
 
 
 class Status(NamedTuple):
-    """One word about one goal, with the program's reason (empty when it gives none)."""
+    """The status of a goal, with the program's reason, empty for none."""
 
     word: str
     reason: str = ""
 
     @property
     def outcome(self) -> Optional[Outcome]:
-        """How the word ends a goal; None for accepted."""
+        """The outcome of the goal; None if it is accepted."""
         return WORDS[self.word]
 
 
 class GoalStatuses:
-    """The statuses of an answer from the cycle ``since`` on; ``faults`` holds what was no status."""
+    """The statuses of an answer; ``faults`` are messages about malformed statuses from the cycle ``since`` on."""
 
     def __init__(self, answer: FrozenSet[Symbol], since: int = 0) -> None:
         self._table, faults = _read(answer)
         self.faults = [text for cycle, text in faults if cycle is None or cycle >= since]
 
     def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
-        """The goal's status in a cycle; of several the worst, with a reason. None if the program gives none."""
+        """Return the worst status of a goal in a cycle, preferably with a reason; None if there is none."""
         found = map(_status_of, self._table.get((identifier, cycle), []))
         return min(found, key=lambda one: (list(WORDS).index(one.word), not one.reason, one.reason), default=None)
 
 
-@lru_cache(maxsize=2)  # the same answer comes again and again while things go as planned
+@lru_cache(maxsize=2)  # the answer stays the same while all actions succeed
 def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], str]]]:
-    """The words about each goal in each cycle, and what is no status, in order, with its cycle if it has one."""
+    """Return the words by goal and cycle, and sorted messages about malformed statuses, each with its cycle if any."""
     table: _Table = {}
     faults: List[Tuple[Optional[int], str]] = []
     for atom in answer:
@@ -66,7 +66,7 @@ def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], 
         if number is not None and word.type is SymbolType.Function and word.name in WORDS:
             table.setdefault((identifier, number), []).append(word)
         else:
-            text = "'{}' is no status: write _status(Id,S,C), S one of {}".format(atom, ", ".join(WORDS))
+            text = "'{}' is no status: write _status(Id,S,C), where S is one of {}".format(atom, ", ".join(WORDS))
             faults.append((number, text))
     return table, sorted(faults, key=lambda fault: fault[1])
 
@@ -79,14 +79,21 @@ _TEXTS = {
     Outcome.SUCCEEDED: "{} is met",
     Outcome.CANCELED: "{} is cancelled",
     Outcome.REJECTED: "the program rejects {}",
-    Outcome.ABORTED: "the program gives {} up",
+    Outcome.ABORTED: "the program aborts {}",
 }
 
 
 class Reading(NamedTuple):
-    """An answer from which statuses are read in ``cycle``; those of the cycles from ``since`` on are not read yet.
+    """An answer whose statuses are read in ``cycle``.
 
-    ``horizon`` is the answer's; ``speaks`` tells that the program has rules for ``_status``.
+    Attributes:
+        statuses: the statuses of the answer.
+        plan: its task plan.
+        since: the first cycle whose statuses have not been read yet.
+        cycle: the current cycle.
+        horizon: the horizon of the answer.
+        speaks: whether the program has rules for ``_status``.
+
     """
 
     statuses: GoalStatuses
@@ -98,14 +105,16 @@ class Reading(NamedTuple):
 
 
 def update_status(goal: Goal, reading: Reading) -> None:
-    """Bring a fed, live goal to the state that an answer gives it.
+    """Update the state of a live goal that the program has.
 
-    The program's ``_status`` of the cycle decides, but for an end that it has told in a cycle whose answer was not
-    read, as none was found then: a program may tell of an end only once, and of another request of the Id later. Where
-    it says nothing of a goal, the goal is accepted, and met (or its cancellation done) as soon as no action is left in
-    the plan; but a program that ``speaks`` of its goals, as it has rules for ``_status``, and has never said a word of
-    this one does not know it, and the goal is rejected. Before the request's own cycle a program may say nothing yet:
-    then acceptance and rejection are read at that cycle, as all else would be a prediction.
+    The ``_status`` of the current cycle decides. An end that the program reported in an earlier cycle without an answer
+    comes first: a program can report an end only once, and reuse the identifier later.
+
+    Without a status, the goal is accepted, and it has succeeded (or is cancelled) once the plan has no actions left. If
+    the program has rules for ``_status`` but never gave this goal a status, the goal is rejected.
+
+    Before the cycle of the request, only acceptance and rejection are read, from the status in that cycle. All other
+    statuses in it are predictions.
     """
     statuses, cycle = reading.statuses, reading.cycle
     first = goal.request_cycle or cycle
@@ -124,7 +133,7 @@ def update_status(goal: Goal, reading: Reading) -> None:
 
 
 def _missed_end(goal: Goal, reading: Reading, first: int) -> Optional[Status]:
-    """Return the end that was told in a cycle that was not read; before ``first`` it can only be a rejection."""
+    """Return the end that the program reported in an unread cycle; before ``first``, only a rejection counts."""
     for cycle in range(max(reading.since, first - 1), reading.cycle):
         status = reading.statuses.read(goal.identifier, cycle)
         outcome = None if status is None else status.outcome

@@ -1,4 +1,4 @@
-"""A client's goal, and its life as actionlib draws it."""
+"""Goals of clients, with the state machine of actionlib's server."""
 
 import math
 from enum import Enum, IntEnum
@@ -12,7 +12,7 @@ from rosoclingo.reasoning.records import Record, text_of
 
 
 class GoalState(Enum):
-    """actionlib's server-side states, by name."""
+    """The states of actionlib's server."""
 
     PENDING = "pending"
     RECALLING = "recalling"
@@ -26,7 +26,7 @@ class GoalState(Enum):
 
 
 class GoalEvent(Enum):
-    """What can happen to a goal."""
+    """The events of actionlib's state machine."""
 
     ACCEPT = "accept"
     CANCEL_REQUEST = "cancel request"
@@ -37,7 +37,7 @@ class GoalEvent(Enum):
 
 
 class Outcome(IntEnum):
-    """Why a goal ended; the numbers are those of ``ROSoClingo.action``."""
+    """The outcome of a goal, as numbered in ``ROSoClingo.action``."""
 
     SUCCEEDED = 0
     CANCELED = 1
@@ -45,7 +45,7 @@ class Outcome(IntEnum):
     ABORTED = 3
 
 
-#: The state diagram of actionlib's server: what is not listed is illegal.
+#: The state machine of actionlib's server; transitions that are not listed are illegal.
 TRANSITIONS: Dict[Tuple[GoalState, GoalEvent], GoalState] = {
     (GoalState.PENDING, GoalEvent.ACCEPT): GoalState.ACTIVE,
     (GoalState.PENDING, GoalEvent.REJECT): GoalState.REJECTED,
@@ -63,13 +63,13 @@ TRANSITIONS: Dict[Tuple[GoalState, GoalEvent], GoalState] = {
     (GoalState.PREEMPTING, GoalEvent.ABORT): GoalState.ABORTED,
 }
 
-#: States that a client's cancel leads to and that still need a terminal one.
+#: The states of a goal that a client has cancelled and that has not ended.
 CANCELLING = frozenset({GoalState.RECALLING, GoalState.PREEMPTING})
 
-#: States before the program has said that it takes the goal.
+#: The states of a goal that the program has not accepted yet.
 UNDECIDED = frozenset({GoalState.PENDING, GoalState.RECALLING})
 
-#: States that end a goal.
+#: The states of goals that have ended.
 TERMINAL = frozenset(set(GoalState) - {state for state, _ in TRANSITIONS})
 
 _ENDINGS = {
@@ -81,28 +81,36 @@ _ENDINGS = {
 
 
 class TransitionError(RuntimeError):
-    """An event that the goal's present state does not allow."""
+    """The present state of the goal does not allow the event."""
 
 
 class GoalError(ValueError):
     """A goal is rejected; the text is the reason that the client gets."""
 
 
-#: The fields of a goal that its record has as they are.
+#: The fields of a goal that its record contains unchanged.
 RECORDED = ("request_cycle", "known", "refused", "overtaken", "together", "tries", "waits", "in_hand")
 
 
 class Goal:
-    """One client's goal.
+    """A goal of a client. ``observer`` is called with the goal and the event after each transition.
 
-    ``key`` is the client's handle (actionlib's goal id), ``term`` the goal as the program sees it, ``identifier`` its
-    last argument. ``request_cycle`` is the cycle the request carries, None until it was fed. ``known`` tells whether
-    the program has said something of it, ``refused`` whether that was that it rejects the goal. ``overtaken`` counts
-    the goals that came later and have ended before it, ``together`` is how many goals a plan with it was for, at most;
-    ``tries`` counts how often no plan was found in time for it alone; it is not fed before the time ``rests_until``.
-    ``waits`` tells whether it is queued, ``in_hand`` that it could not be deferred.
-    ``remark`` is the program's latest text about the accepted goal, empty for none.
-    ``observer`` is called with the goal and the event after each transition.
+    Attributes:
+        key: the client's handle, which is actionlib's goal id.
+        term: the goal as a term of the program.
+        identifier: the last argument of the term.
+        request_cycle: the cycle of the request, None until it is fed.
+        known: whether the program has given it a status.
+        refused: whether the program has rejected it.
+        overtaken: the number of newer goals that have ended before it.
+        together: the maximum number of goals in a plan with it.
+        tries: the number of searches for it alone that found no plan in time.
+        rests_until: the time before which it is not fed, in seconds.
+        waits: whether it is queued.
+        in_hand: whether it could not be deferred.
+        message: the reason of its end.
+        remark: the program's latest text about the accepted goal, empty for none.
+
     """
 
     def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
@@ -122,7 +130,7 @@ class Goal:
         self._observer = observer
 
     def __str__(self) -> str:
-        """The goal as all messages name it: its term."""
+        """The term of the goal, shortened for messages."""
         return shortened(str(self.term))
 
     @property
@@ -136,33 +144,33 @@ class Goal:
         return self.request_cycle is not None
 
     def feed(self, cycle: int) -> None:
-        """Record that an update in force carries the request, for ``cycle``."""
+        """Record that the solver has accepted the request, for ``cycle``."""
         self.request_cycle = cycle
 
     def forget(self) -> None:
-        """Record that the program has forgotten the request."""
+        """Record that the program no longer has the request."""
         self.request_cycle = None
 
     @property
     def cancelling(self) -> bool:
-        """Whether a client has asked to cancel the goal, which has not ended yet."""
+        """Whether a client has cancelled the goal and it has not ended yet."""
         return self.state in CANCELLING
 
     def record(self) -> Record:
-        """Return the fields that :meth:`restore` needs; for a live goal."""
+        """Return the fields of a live goal for :meth:`restore`."""
         rest = self.rests_until if math.isfinite(self.rests_until) else str(self.rests_until)
         fields = {name: getattr(self, name) for name in RECORDED}
         return {"term": text_of(self.term), "state": self.state.value, "rests_until": rest, **fields}
 
     def restore(self, record: Record) -> None:
-        """Resume from a record of this goal."""
+        """Restore the fields of a record of this goal."""
         self.state = GoalState(record["state"])
         self.rests_until = float(record["rests_until"])
         for name in RECORDED:
             setattr(self, name, record[name])
 
     def apply(self, event: GoalEvent) -> None:
-        """Take a transition of the table; raises TransitionError."""
+        """Change the state by an event; raises TransitionError if the event is illegal."""
         try:
             self.state = TRANSITIONS[self.state, event]
         except KeyError:
@@ -170,14 +178,14 @@ class Goal:
         self._observer(self, event)
 
     def accept(self) -> None:
-        """The program takes the goal; nothing happens when it already did."""
+        """Accept the goal, unless it has been accepted before."""
         if self.state in UNDECIDED:
             self.apply(GoalEvent.ACCEPT)
 
     def end(self, outcome: Outcome, message: str) -> None:
-        """End the goal; raises TransitionError when it has ended already.
+        """End the goal; raises TransitionError if it has ended already.
 
-        Success and failure pass through acceptance, as actionlib wants it, and a goal once accepted is aborted
+        As actionlib requires, a goal is accepted before it succeeds or is aborted, and an accepted goal is aborted
         instead of rejected.
         """
         if not self.live:
@@ -191,7 +199,7 @@ class Goal:
 
 
 def read_goal(text: str) -> Symbol:
-    """Return the goal term of a client's text; raises GoalError with the reason when it is none."""
+    """Return the goal term of a client's text; raises GoalError if the text is not a valid goal."""
     if len(text) > LONGEST:
         raise GoalError(f"'{shortened(text)}' is too long for a goal: write at most {LONGEST} characters")
     try:

@@ -1,8 +1,9 @@
-"""Analysis of the atoms from outside that a program hears: some rule can see the atom, and derives something from it.
+"""Relevance analysis: which external atoms can a program hear, that is, from which can a rule derive something?
 
-The analysis errs on one side: an atom counts as heard unless the rules exclude it. It grounds the predicates of base
-that restrict a rule's atoms, such as ``room`` in ``wanted(R,t) :- _request(visit(R),t+1), room(R).`` A rule that only
-relays an atom, ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived atom.
+The analysis is conservative: an atom counts as heard unless the rules exclude it. It grounds the predicates of the base
+part that restrict the atoms of a rule, such as ``room`` in ``wanted(R,t) :- _request(visit(R),t+1), room(R).`` A rule
+that only relays an atom, such as ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived
+atom.
 """
 
 from functools import cached_property, lru_cache
@@ -23,16 +24,22 @@ from rosoclingo.reasoning.likely_terms import Misfit, bindings, fitted, likeness
 
 _STATED, _HEARD = "__oclingo_stated", "__oclingo_heard"
 _DEAF = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
-_MOST = 10000  # atoms of a predicate that restricts others; a larger one counts as no restriction
-_MOST_TRIED = 100  # relayed atoms, and rules that exclude one, after which an atom counts as heard
+_MOST = 10000  # maximum number of atoms of a restricting predicate; larger predicates count as no restriction
+_MOST_TRIED = 100  # maximum number of relayed atoms and of excluding rules; beyond it, an atom counts as heard
 
 
 class _Sight(NamedTuple):
-    """An atom in a statement.
+    """An occurrence of an atom in a statement.
 
-    ``kept`` are the literals that restrict its instances. ``rule`` is a program that derives their consequences, None
-    if that is undecided. ``relay`` is the predicate of the sole atom in the rule's head. ``counts`` is true for
-    positive atoms, and for negative ones with a constant in their first argument.
+    Attributes:
+        pattern: the pattern of matching atoms.
+        term: the atom in the statement.
+        kept: the literals that restrict its instances.
+        rule: a program that derives the consequences of an instance, None if that is undecided.
+        relay: the predicate of the head if the rule only relays the atom, else None.
+        counts: whether the atom is positive, or negative with a constant in its first argument.
+        statement: the statement.
+
     """
 
     pattern: Pattern
@@ -48,7 +55,7 @@ _Trail = List[Tuple[_Sight, clingo.Symbol]]
 
 
 class Hearing:
-    """The atoms from outside that a program hears; computed at the first question."""
+    """The external atoms that a program hears, computed on demand."""
 
     def __init__(self, program: ReactiveProgram) -> None:
         self._program = program
@@ -57,11 +64,11 @@ class Hearing:
     @classmethod
     @lru_cache(maxsize=1)
     def of(cls, program: ReactiveProgram) -> "Hearing":
-        """Return the hearing of a program, the same one for all callers."""
+        """Return the shared analysis of a program."""
         return cls(program)
 
     def prepare(self, signature: Signature) -> None:
-        """Analyse the rules that look at a predicate, and at the predicates that they relay its atoms to."""
+        """Analyse the rules that depend on a predicate, and on the predicates to which these rules relay its atoms."""
         waiting = [signature]
         while waiting:
             one = waiting.pop()
@@ -69,11 +76,11 @@ class Hearing:
                 waiting += [sight.relay for sight in self._sights_of(one) if sight.relay is not None]
 
     def hears(self, atom: clingo.Symbol) -> bool:
-        """Tell whether the program hears an atom; False is certain."""
+        """Return whether the program hears an atom; False is certain."""
         return self._deaf(atom) is None
 
     def advice(self, atom: clingo.Symbol) -> str:
-        """Return a suggested first argument for an ``atom`` that is not heard, else the reason or the known forms."""
+        """Return advice about an ``atom`` that is not heard: a correction, else the reason, else the known forms."""
         term = atom.arguments[0]
         forms = self._forms(signature_of(atom), term)
         alike = [one for one in (fitted(form, term) for form in forms) if one is not None]
@@ -92,7 +99,7 @@ class Hearing:
         return f"rules look at {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
-        """Return the first argument of an atom, with similar known values, if the result is heard; else None."""
+        """Return the first argument of an atom, corrected to similar known values; None if that is not heard either."""
         failed = self._deaf(atom)
         if failed is None:
             return atom.arguments[0]
@@ -102,7 +109,7 @@ class Hearing:
         return meant if heard else None
 
     def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
-        """Return the first arguments that rules look at, those with names similar to that of ``term`` first."""
+        """Return the first arguments that rules accept, ordered by the similarity of their names to ``term``."""
         sights = self._sights_of(signature)
         forms = list(dict.fromkeys(one.term.arguments[0] for one in sights if one.counts))
         named = [one for one in forms if one.ast_type != ASTType.Variable and getattr(one, "name", "") != "cancel"]
@@ -111,7 +118,7 @@ class Hearing:
     # -- rules that see an atom
 
     def _deaf(self, atom: clingo.Symbol) -> Optional[_Trail]:
-        """Return the rules that look at such atoms but exclude this one; None for an atom that is heard."""
+        """Return the rules that match an atom but exclude it; None if the atom is heard."""
         failed: _Trail = []
         waiting: List[Tuple[clingo.Symbol, FrozenSet[Signature]]] = [(atom, frozenset())]
         while waiting:
@@ -127,14 +134,14 @@ class Hearing:
         return failed
 
     def _looking_at(self, atom: clingo.Symbol) -> List[_Sight]:
-        """Return the sights that match an atom; if some of them count, only these."""
+        """Return the sights that match an atom; only those that count, if there are any."""
         first = self._program.first_step
         sights = self._sights_of(signature_of(atom))
         seen = [one for one in sights if one.pattern.may_match(atom, first, FAR)]
         return [one for one in seen if one.counts] or seen
 
     def _sights_of(self, signature: Signature) -> List[_Sight]:
-        """Return the sights of the program's statements on a predicate."""
+        """Return the occurrences of a predicate in the program."""
         if signature not in self._sights:
             self._sights[signature] = [
                 sight
@@ -161,7 +168,7 @@ class Hearing:
                     yield _Sight(pattern, term, kept, rule, handed_to, counts, statement)
 
     def _rule(self, pattern: Pattern, term: Node, kept: List[Node], relay: Optional[Node]) -> Optional[str]:
-        """Return a program that derives the rule's head, or 0 for any other head; None if that depends on the step."""
+        """Return a program that derives the relayed head of a rule, or 0; None if that depends on the step."""
         if pattern.parameter and not pattern.offsets and mentions(term, pattern.parameter):
             return None
         body = [_stated(arguments_of(term)), *map(str, kept)]
@@ -184,7 +191,7 @@ class Hearing:
 
     @cached_property
     def _used(self) -> Set[Signature]:
-        """The predicates that some statement looks at without defining them."""
+        """The predicates that some statement uses without defining them."""
         statements = [one for part in self._program.parts for one in part.found if one[0].ast_type not in _DEAF]
         heads = [{one.signature for one in atoms if one.head} for _, atoms in statements]
         pairs = zip(heads, (atoms for _, atoms in statements))
@@ -193,7 +200,7 @@ class Hearing:
     # -- consequences of an atom in a rule
 
     def _instances(self, sight: _Sight, atom: clingo.Symbol) -> Optional[List[clingo.Symbol]]:
-        """Return the heads that a rule derives from an atom, 0 for any other head; None if that is undecided."""
+        """Return the relayed heads that a rule derives from an atom, 0 for other heads; None if that is undecided."""
         if sight.rule is None:
             return None
         step = sight.pattern.first_match(atom, -FAR, FAR) if sight.pattern.offsets else None
@@ -219,13 +226,13 @@ class Hearing:
         kept = [one for one in atoms if one.sign == Sign.NoSign]
         bound.update(name for one in kept for name in names_in(one))
         compared = [one for one in timeless if _is_comparison(one)]
-        for _ in compared:  # one can bind a variable that another one needs
+        for _ in compared:  # a comparison can bind a variable that another one needs
             for one in compared:
                 bound.update(_binds(one, bound))
         return kept + [one for one in (*atoms, *compared) if one not in kept and set(names_in(one)) - {"_"} <= bound]
 
     def _restricts(self, term: Node) -> bool:
-        """Tell whether all atoms of a predicate are known before the first update."""
+        """Return whether all atoms of a predicate are known before the first update."""
         if term.ast_type == ASTType.Pool:
             return False
         signature, program = term_signature(term), self._program
@@ -234,7 +241,7 @@ class Hearing:
 
     @cached_property
     def _known(self) -> Set[Signature]:
-        """The predicates that follow from base alone, independently of facts from outside."""
+        """The predicates that follow from the base part alone, independently of external facts."""
         program = self._program
         found = fixed_signatures(program.parts) - program.external_signatures
         open_ones = (program.head_signatures | program.external_signatures) - found
@@ -248,7 +255,7 @@ class Hearing:
         return found - open_ones
 
     def _table(self, signature: Signature) -> Optional[List[Tuple[clingo.Symbol, bool]]]:
-        """Return the atoms of a predicate of base, each with True if it is certain; None for too many atoms."""
+        """Return the atoms of a base predicate, each with whether it is a fact; None if there are too many."""
         if self._base is None:
             return None
         found = self._base.symbolic_atoms.by_signature(*signature)
@@ -257,7 +264,7 @@ class Hearing:
 
     @cached_property
     def _base(self) -> Optional[clingo.Control]:
-        """The ground rules of base; None where clingo cannot ground them."""
+        """The ground base part; None if clingo cannot ground it."""
         control = self._control()
         try:
             with ProgramBuilder(control) as builder:
@@ -272,7 +279,7 @@ class Hearing:
         return control
 
     def _misfits(self, sight: _Sight, atom: clingo.Symbol) -> Iterator[Misfit]:
-        """Yield the values in an atom that a rule excludes."""
+        """Yield the values of an atom that a rule excludes."""
         for name, value in bindings(sight.term, atom):
             for literal in sight.kept:
                 if not _is_atom(literal) or literal.sign != Sign.NoSign:
@@ -288,7 +295,7 @@ class Hearing:
 
 
 def _rows(statement: Node) -> Iterator[Tuple[List[Node], List[Node]]]:
-    """Yield each group of literals of a statement, with all literals that hold together with it."""
+    """Yield each group of literals of a statement, with all literals that hold in conjunction with it."""
     body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
     yield body, body
     atoms = [one.atom for one in body if one.ast_type == ASTType.Literal]
@@ -297,7 +304,7 @@ def _rows(statement: Node) -> Iterator[Tuple[List[Node], List[Node]]]:
     for element in [*elements, *(one for one in body if one.ast_type == ASTType.ConditionalLiteral)]:
         inner = getattr(element, "condition", ())
         in_head = bool(heads) and element in getattr(heads[0], "elements", ())
-        if isinstance(inner, Node):  # of an aggregate in a head
+        if isinstance(inner, Node):  # an element of a head aggregate
             inner = inner.condition
         elif element.ast_type == ASTType.ConditionalLiteral and not in_head:
             inner = [element.literal, *inner]
@@ -313,7 +320,7 @@ def _is_comparison(literal: Node) -> bool:
 
 
 def _binds(comparison: Node, bound: Set[str]) -> Iterator[str]:
-    """Yield the variable that an equation gives a value."""
+    """Yield the variables that an equation binds."""
     atom = comparison.atom
     guards = atom.guards
     if comparison.sign != Sign.NoSign or len(guards) != 1 or guards[0].comparison != ComparisonOperator.Equal:
@@ -324,7 +331,7 @@ def _binds(comparison: Node, bound: Set[str]) -> Iterator[str]:
 
 
 def _names_a_constant(term: Node) -> bool:
-    """Tell whether the first argument of an atom is a constant, or has one."""
+    """Return whether the first argument of an atom is a constant, or contains one."""
     goal = next(iter(arguments_of(term)), term)
     return not names_in(goal) or any(not names_in(one) for one in arguments_of(goal))
 

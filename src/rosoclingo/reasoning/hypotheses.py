@@ -1,4 +1,4 @@
-"""What would be without some goals and observations: hypothetical questions, which one grounding answers."""
+"""Hypothetical questions: would there be a plan without some goals and observations? One grounding answers all."""
 
 from dataclasses import replace
 from enum import Enum
@@ -20,14 +20,14 @@ Found = TypeVar("Found")
 
 
 class Impasse(NamedTuple):
-    """An update in force without a plan.
+    """An accepted update without a plan.
 
     Attributes:
-        step: the next cycle, which can start without some goals.
+        step: the next cycle, in which goals can be cancelled.
         goals: the live goals that the program has, newest first.
         observations: the observations of this update and earlier ones, newest first.
-        watch: limits the time for what to give up, and again that for the reasons.
-        alone: the number of steps within which a goal is to be met alone.
+        watch: limits the time of the diagnosis, and separately the time for the reasons.
+        alone: the maximum number of steps of a plan for one goal.
         facts: the facts of the update, oldest first.
         executed: the latest executed actions, oldest first.
         clock: dates facts.
@@ -44,12 +44,12 @@ class Impasse(NamedTuple):
     clock: Clock = Clock()
 
     def cancels(self, goals: Collection[Goal]) -> List[Symbol]:
-        """Return the cancellations of some of the goals, of the oldest first."""
+        """Return the cancellations of some of the goals, oldest first."""
         return [cancellation(one.identifier, self.step) for one in reversed(self.goals) if one in goals]
 
 
 class Way(Enum):
-    """How goals are dropped: in the next update, as if they had never been sent, or not at all."""
+    """The way to drop goals: cancel them in the next update, withhold their requests, or keep all goals."""
 
     CANCELLED = 0
     WITHHELD = 1
@@ -59,7 +59,7 @@ class Way(Enum):
 class Hypotheses:
     """Hypothetical questions about an impasse, for one way to drop goals.
 
-    Goals that are kept are asked for in the cycle of the impasse, the others in the next one.
+    If all goals are kept, the questions concern the cycle of the impasse, otherwise the next one.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Hypotheses:
         facts: FrozenSet[Symbol],
         further: Iterable[Symbol] = (),
     ) -> None:
-        """Ask about ``facts`` of the stream or executed actions, and ``further`` ones that were not stated."""
+        """Make the ``facts`` of the stream, executed actions, and ``further`` unstated facts assumable."""
         self._planner, self._impasse, self._way = planner, impasse, way
         self._beside: Optional[Planner] = None
         self._refuted: List[_Refuted] = []
@@ -81,9 +81,9 @@ class Hypotheses:
         self._update = replace(update, items=(*update.items, *items))
 
     def ask(self, kept: Collection[Goal], facts: FrozenSet[Symbol], steps: int = 0) -> Reply:
-        """Return whether there is a plan for the goals ``kept`` if of all facts just these hold.
+        """Return whether there is a plan for the goals ``kept`` if only ``facts`` of the assumable facts hold.
 
-        The plan can have the usual number of steps, or ``steps`` if that is more.
+        The maximum number of steps is the lookahead of the planner, or ``steps`` if that is larger.
         """
         dropped = [goal for goal in self._impasse.goals if goal not in kept]
         disabled = self._assumable - facts - frozenset(self._cancels(dropped)) - self._requests(kept)
@@ -95,7 +95,7 @@ class Hypotheses:
             if self._beside is None:
                 self._beside = self._planner.before_update() if self._way is Way.KEPT else self._planner.restarted()
             reply = self._beside.inquire(self._update, self._assumable, disabled, steps)
-        except SolverError:  # takes too long, or is refused
+        except SolverError:  # the update takes too long, or is refused
             return UNKNOWN
         if reply.satisfiable is False:
             self._refuted.append(_Refuted(reply.core, reply.core & disabled, steps))
@@ -109,19 +109,19 @@ class Hypotheses:
 
 
 class _Refuted(NamedTuple):
-    """There is no plan of at most ``steps`` steps if of the facts in ``core`` just these are ``disabled``."""
+    """There is no plan of at most ``steps`` steps if exactly ``disabled`` of the facts in ``core`` are disabled."""
 
     core: FrozenSet[Symbol]
     disabled: FrozenSet[Symbol]
     steps: int
 
     def covers(self, disabled: FrozenSet[Symbol], steps: int) -> bool:
-        """Return whether there is none for this reason if these facts are disabled."""
+        """Return whether this refutes a plan of at most ``steps`` steps without the facts ``disabled``."""
         return steps <= self.steps and self.core & disabled == self.disabled
 
 
 def facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:
-    """Return all that would not have been stated without these observations."""
+    """Return all atoms that were stated because of the observations."""
     return frozenset().union(*(one.facts for one in observations))
 
 

@@ -1,4 +1,4 @@
-"""The input feeder of Fig. 4: it turns what happened into the next stream update."""
+"""The input feeder of Fig. 4: it builds stream updates from requests, returns and facts."""
 
 import math
 from typing import (
@@ -28,16 +28,16 @@ from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, su
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
 
-#: Limit of cycles for several messages of one origin in one update; older messages take effect in the first cycle.
+#: Maximum number of cycles for the messages of one origin in an update; older messages take effect in the first cycle.
 MOST_TURNS = 16
 
-#: Seconds until an update of which nothing was taken comes again, if nothing else has arrived.
+#: Seconds until an update that was not accepted is sent again, if nothing else has arrived.
 PAUSE = 10.0
 
-#: Limit of updates that omit a fact though it was their only one, before the fact is dropped.
+#: Maximum number of updates that omit a fact although it is their only one; then the fact is dropped.
 MOST_TRIES = 5
 
-#: Seconds for which such a fact rests after the second time; the rest doubles each further time.
+#: Seconds that such a fact rests after the second time; the rest doubles each further time.
 FACT_REST = 10.0
 
 
@@ -46,9 +46,9 @@ Request = Union[Goal, Symbol]
 
 
 class Batch(NamedTuple):
-    """A stream update with its ``requests`` (an identifier stands for its cancellation) and ``facts``, in order.
+    """A stream update with its ``requests`` and ``facts``, in order; an identifier stands for a cancellation.
 
-    Where facts take effect in several cycles, ``first`` is the update that carries those of the first one alone.
+    If the facts take effect in several cycles, ``first`` is an update with only the facts of the first cycle.
     """
 
     update: StreamUpdate
@@ -58,12 +58,12 @@ class Batch(NamedTuple):
 
     @property
     def goals(self) -> Tuple[Goal, ...]:
-        """The goals whose requests the update carries for the first time."""
+        """The new goals of the update."""
         return tuple(item for item in self.requests if isinstance(item, Goal))
 
     @property
     def known_goals(self) -> List[Goal]:
-        """Those of the goals that the program was told of."""
+        """The new goals that the program has."""
         return [goal for goal in self.goals if goal.live and goal.fed]
 
     @property
@@ -73,12 +73,12 @@ class Batch(NamedTuple):
 
     @property
     def request_cycle(self) -> int:
-        """The cycle that the goals' requests carry."""
+        """The cycle in the requests of the new goals."""
         return self.step + 1
 
     @property
     def without_goals(self) -> StreamUpdate:
-        """The same update without the goals' requests."""
+        """The update without the requests of the new goals."""
         return self.update.less(frozenset(request(goal.term, self.request_cycle) for goal in self.goals))
 
     @property
@@ -88,14 +88,14 @@ class Batch(NamedTuple):
 
     @property
     def without_present_facts(self) -> StreamUpdate:
-        """The same update without the facts stated for ``now``."""
+        """The update without the facts that were sent with ``now``."""
         return self.update.less(frozenset(one.atom for one in self.facts if _is_of_now(one.sent)))
 
     @property
     def indispensable(self) -> StreamUpdate:
-        """The same update without the goals' requests and the facts that are no returns.
+        """The update without the requests of new goals, and without facts that are not returns.
 
-        Executed actions and their returns are always fed together; new goals and other facts can come later.
+        Executed actions and their returns must be fed together; new goals and other facts can be fed later.
         """
         later = {one.atom for one in self.facts if not one.is_return}
         return self.without_goals.less(frozenset(later))
@@ -104,9 +104,9 @@ class Batch(NamedTuple):
 class Clock:
     """Replaces ``now`` in facts by the cycle in which they take effect.
 
-    ``delay(name, arity)`` tells after how many cycles what is seen of such a fact bears on actions: in update n, which
-    starts cycle n, a fact of cycle n - delay is the first that the action of cycle n heeds. None stands for a
-    predicate whose last argument is no cycle. ``first`` is the first cycle that there is.
+    ``delay(name, arity)`` returns the number of cycles after which a fact can influence actions: the action of cycle n
+    depends on facts up to cycle n - delay. It returns None for predicates whose last argument is not a cycle. ``first``
+    is the first cycle of the program.
     """
 
     def __init__(self, delay: Callable[[str, int], Optional[int]] = lambda name, arity: 0, first: int = 1) -> None:
@@ -114,20 +114,20 @@ class Clock:
         self._first = first
 
     def dated(self, fact: Symbol, step: int) -> Symbol:
-        """Return ``fact`` as the update of ``step`` is to state it: unchanged unless it is of ``now``."""
+        """Return ``fact`` for the update of ``step``: with its cycle in place of ``now``, otherwise unchanged."""
         return self.at_present(fact, step) if _is_of_now(fact) else fact
 
     def is_too_early(self, fact: Symbol, step: int) -> bool:
-        """Whether a fact of now would need a cycle before the first one to take effect at ``step``."""
+        """Return whether a fact with ``now`` would need a cycle before the first one to take effect at ``step``."""
         return _is_of_now(fact) and step - self._delay_of(fact) < self._first
 
     def at_present(self, fact: Symbol, step: int) -> Symbol:
-        """Return ``fact`` as if seen just now, its last argument replaced."""
+        """Return ``fact`` with the cycle of the present as its last argument."""
         cycle = max(step - self._delay_of(fact), self._first)
         return Function(fact.name, [*fact.arguments[:-1], Number(cycle)], fact.positive)
 
     def cycle_of(self, fact: Symbol) -> Optional[int]:
-        """Return the cycle of a fact; None where its predicate has none or its last argument is no number."""
+        """Return the cycle of a fact; None if its predicate has none or its last argument is not a number."""
         if not fact.arguments or self._delay(fact.name, len(fact.arguments)) is None:
             return None
         last = fact.arguments[-1]
@@ -137,20 +137,20 @@ class Clock:
         return self._delay(fact.name, len(fact.arguments)) or 0
 
 
-class LeftFacts:
-    """Facts that updates omitted, as the solver dropped or refused the update with them.
+class OmittedFacts:
+    """Facts that were omitted from updates because the solver dropped or refused the updates with them.
 
-    They are fed again, half as many at a time, until the faulty one is alone.
+    They are fed again, half of them at a time, until the faulty fact is alone.
     """
 
     def __init__(self) -> None:
-        self._tries: Dict[Symbol, int] = {}  # how often a fact that was alone was omitted
-        self._rests: Dict[Symbol, float] = {}  # until when
-        self._room: Optional[int] = None  # the limit of them in an update
+        self._tries: Dict[Symbol, int] = {}  # number of updates that omitted a fact although it was their only one
+        self._rests: Dict[Symbol, float] = {}  # end of the rest of a fact
+        self._room: Optional[int] = None  # maximum number of these facts in an update
         self._now = -math.inf
 
     def due(self, facts: Dict[Symbol, Observation]) -> Dict[Symbol, Observation]:
-        """Return those of the waiting ``facts``, by their atoms as sent, that the next update can carry."""
+        """Return the waiting ``facts`` that the next update can contain, by their atoms as sent."""
         if not self._tries:
             return facts
         ready = [one for one in facts if one in self._tries and self._rests.get(one, -math.inf) <= self._now]
@@ -158,7 +158,10 @@ class LeftFacts:
         return {one: seen for one, seen in facts.items() if one not in self._tries or one in fit}
 
     def taken(self, facts: Iterable[Observation], left: Sequence[Observation], refused: bool) -> List[Observation]:
-        """Note that an update omitted the facts ``left``; return those alone too often, once if refused."""
+        """Record that an update omitted the facts ``left``; return the facts to drop.
+
+        A fact is dropped if it was alone in too many updates, or in a single one if the solver refused it.
+        """
         others = [one for one in facts if not one.is_return]
         for one in frozenset(others).difference(left) if self._tries else ():
             self._drop(one)
@@ -171,24 +174,24 @@ class LeftFacts:
             key = one.sent
             self._tries[key] = self._tries.get(key, 0) + (len(others) == 1)
             if self._tries[key] > 1:
-                self._rests[key] = math.inf  # the search has taken time: the rest begins at the next tick
+                self._rests[key] = math.inf  # the rest begins at the next tick, as the search has taken time
             if self._tries[key] >= (1 if refused else MOST_TRIES):
                 self._drop(one)
                 lost.append(one)
         return lost
 
     def tick(self, now: float) -> None:
-        """Advance the time, in seconds of any clock; where it has jumped back, a rest begins now."""
+        """Advance the time, in seconds of any clock; if it jumps back, rests begin again."""
         self._now = now
         for key, until in self._rests.items():
             self._rests[key] = min(until, now + FACT_REST * 2 ** (self._tries[key] - 2))
 
     def record(self) -> Record:
-        """Return the facts as a section of plain values, none where there are no facts."""
+        """Return the facts as sections of plain values."""
         return {f"left:{text_of(key)}": tries for key, tries in self._tries.items()}
 
     def restore(self, record: Record) -> None:
-        """Restore from a record; the facts come one at a time, and each rest starts again."""
+        """Restore from a record; the facts are fed one at a time, and each rest starts again."""
         self._tries = {symbol_of(text): tries for text, tries in group(record, "left").items()}
         self._rests = {key: math.inf for key, tries in self._tries.items() if tries > 1}
         self._room = 1 if self._tries else None
@@ -199,17 +202,18 @@ class LeftFacts:
 
 
 class InputFeeder:
-    """Collects requests, cancellations, returns and other facts in order of arrival, until an update takes them.
+    """Collects requests, cancellations, returns and other facts in order of arrival, until an update contains them.
 
-    Within an update commitments come first, then requests and cancellations, then returns and other facts, those of
-    several actions that were a success in the order of the actions; a new goal
-    in update n carries cycle n+1, a cancellation n (as in the paper's printed updates). ``clock`` knows the cycle of
-    facts that are stated for ``now``. Several messages of one origin take effect in successive cycles, so that the
-    program knows which came last: the update starts the last of these cycles, the others are idle. Facts that an
-    update omitted are fed again, in ever smaller parts.
+    An update lists commitments first, then requests and cancellations, then returns and other facts. Success returns
+    are in the order of their actions. As in the paper, a new goal in update n has cycle n+1, and a cancellation has
+    cycle n. ``clock`` replaces ``now`` in facts.
+
+    Several messages of one origin take effect in successive cycles, so that the program can tell their order. The
+    update starts the last of these cycles; the others are idle. Facts that an update omitted are fed again, in ever
+    smaller parts.
 
     Attributes:
-        arrivals: how many things have arrived so far.
+        arrivals: the number of arrivals so far.
 
     """
 
@@ -220,9 +224,9 @@ class InputFeeder:
         self._facts: Dict[Symbol, Observation] = {}
         self._executed: Tuple[Action, ...] = ()
         self._withdrawn: FrozenSet[Symbol] = frozenset()
-        self._left = LeftFacts()
-        self._waits: Optional[int] = None  # for more to arrive than has by now
-        self._paused: Optional[float] = None  # since when
+        self._left = OmittedFacts()
+        self._waits: Optional[int] = None  # number of arrivals at which waiting for another one began
+        self._paused: Optional[float] = None  # time at which a pause began
         self.arrivals = 0
 
     @property
@@ -232,7 +236,7 @@ class InputFeeder:
         return bool(waits) and self.arrivals != self._waits
 
     def has_beside(self, expected: Container[Optional[Symbol]]) -> bool:
-        """Whether the next update reports more than requests, executed actions and facts that are ``expected``."""
+        """Return whether the next update contains more than requests, executed actions and ``expected`` facts."""
         unexpected = (fact for fact in self._left.due(self._facts) if fact not in expected)
         return bool(self._rejected or self._withdrawn) or any(True for _ in unexpected)
 
@@ -243,35 +247,35 @@ class InputFeeder:
 
     @property
     def waiting(self) -> int:
-        """How many returns and other facts wait to be fed."""
+        """The number of returns and other facts that wait to be fed."""
         return len(self._facts)
 
     def add_goal(self, goal: Goal) -> None:
-        """Take a new goal."""
+        """Add a new goal."""
         self.arrivals += 1
         self._requests.append(goal)
 
     def withdraw(self, goal: Goal) -> None:
-        """Forget a goal that was cancelled before it was fed."""
+        """Remove a goal that was cancelled before it was fed."""
         self._requests = [item for item in self._requests if item is not goal]
 
     def add_withdrawals(self, requests: FrozenSet[Symbol]) -> None:
-        """Requests were taken out of the program: the next update, if there is one, says so."""
+        """Report withdrawn requests in the next update, if there is one."""
         self._withdrawn |= requests
 
     def add_cancellation(self, identifier: Symbol) -> None:
-        """Take the cancellation of a goal that was fed."""
+        """Add the cancellation of a goal that was fed."""
         self.arrivals += 1
         self._requests.append(identifier)
 
     def add_rejection(self, identifier: Symbol) -> None:
-        """Take a goal rejected by the program: the next update, if any, cancels it, lest a late fact revive it."""
+        """Cancel a rejected goal with the next update, if there is one, so that no late fact revives it."""
         self._rejected.append(identifier)
 
     def add_fact(self, atom: Symbol, origin: str = "", cycle: int = 0, message: int = 0) -> None:
-        """Take a return or another fact that arrived in ``cycle``; of equal facts in an update the last one counts.
+        """Add a return or another fact that arrived in ``cycle``; it replaces an equal fact of the same update.
 
-        ``message`` is greater for a later message.
+        ``message`` is the number of its message; later messages have greater numbers.
         """
         self.arrivals += 1
         known = self._facts.pop(atom, None) if _is_of_now(atom) else self._facts.get(atom)
@@ -279,27 +283,27 @@ class InputFeeder:
         self._facts[atom] = fact._replace(message=message)
 
     def add_executed(self, actions: Iterable[Action]) -> None:
-        """Take the actions of a cycle that has ended: the next update commits to them."""
+        """Add the executed actions of a cycle; the next update commits to them."""
         self._executed += tuple(actions)
 
     def forget_executed(self) -> None:
-        """Forget executed actions and their returns, which the solver refuses."""
+        """Remove executed actions and their returns, which the solver refuses."""
         self._facts = {atom: one for atom, one in self._facts.items() if not one.is_return}
         self._executed = ()
 
     def add_failure(self, answer: Symbol, actions: Tuple[Action, ...]) -> None:
-        """Note the actions that a return of failure can be about, if that return waits."""
+        """Record the actions that a return of failure can refer to, if the return waits."""
         if answer in self._facts:
             self._facts[answer] = self._facts[answer]._replace(actions=actions)
 
     def next_update(self, step: int, over: int = 0, chosen: Optional[Sequence[Request]] = None) -> Batch:
-        """Return the update that starts cycle ``step``, or a later one; its content waits until it is ``taken``.
+        """Return the update that starts cycle ``step``, or a later one; call ``taken`` once the solver has accepted it.
 
-        It has the ``chosen`` requests, None for all.
+        The update contains the ``chosen`` requests, None for all. Facts of cycles before ``over`` are too late, and are
+        redated to the present.
 
-        Facts of cycles before ``over`` come too late, and are taken for the present. New goals wait for the next update
-        where a fact of now takes effect only then; so does one whose identifier is that of a goal that was given up and
-        of whose cancellation the program hears only now.
+        A new goal waits for another update if a fact of this one takes effect only there, or if this update cancels an
+        aborted goal with the same identifier.
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         chosen = self._requests if chosen is None else chosen
@@ -314,10 +318,10 @@ class InputFeeder:
     def taken(
         self, batch: Batch, present: Optional[Container[Optional[Symbol]]] = None, refused: bool = False
     ) -> List[Observation]:
-        """Record that the latest update is in force, with those of its heads that are ``present`` (None: all).
+        """Record that the solver has accepted the latest update with the heads ``present``, None for all.
 
-        These no longer wait, and the program knows its goals. Facts and cancellations that were omitted, as the whole
-        update was dropped or ``refused``, are fed again. Returns the facts that are not.
+        If the whole update was dropped or ``refused``, omitted facts and cancellations are fed again. Returns the facts
+        that are dropped instead.
         """
         present = batch.update.heads if present is None else present
         for one in batch.requests:
@@ -335,17 +339,17 @@ class InputFeeder:
         return lost
 
     def wait(self, now: Optional[float] = None) -> None:
-        """The next update is not to be made before something else arrives or, from ``now`` on, some time has passed."""
+        """Wait for another arrival before the next update or, with ``now``, for at most ``PAUSE`` seconds."""
         self._waits, self._paused = self.arrivals, now
 
     def tick(self, now: float) -> None:
-        """Time passes, in seconds of whatever clock."""
+        """Advance the time, in seconds of any clock."""
         if self._paused is not None and not 0.0 <= now - self._paused < PAUSE:
             self._waits = self._paused = None
         self._left.tick(now)
 
     def record(self) -> Record:
-        """Return what waits as plain values; goals by their keys."""
+        """Return the waiting items as plain values; goals are named by their keys."""
         feeder = {
             "requests": [
                 {"goal": one.key} if isinstance(one, Goal) else {"symbol": text_of(one)} for one in self._requests
@@ -361,7 +365,7 @@ class InputFeeder:
         return {**facts, "feeder": feeder, **self._left.record()}
 
     def restore(self, record: Record, goal_of: Callable[[str], Optional[Goal]]) -> None:
-        """Resume from a record; ``goal_of`` gives a live goal by its key."""
+        """Restore from a record; ``goal_of`` returns the live goal with a key."""
         feeder = record["feeder"]
         self._waits, self._paused, self.arrivals = feeder["waits"], feeder["paused"], feeder["arrivals"]
         self._left.restore(record)
@@ -377,7 +381,7 @@ class InputFeeder:
     def preview(
         self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), over: int = 0
     ) -> StreamUpdate:
-        """Return what the next update would be, with ``further`` facts."""
+        """Return the next update as it would be with ``further`` facts."""
         facts = {**self._left.due(self._facts), **{atom: Observation(atom, step) for atom in further}}
         requests = self._after_rejected(self._requests)
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
@@ -385,14 +389,15 @@ class InputFeeder:
     def predicted(
         self, step: int, executed: Sequence[Action], requests: Iterable[Request] = (), over: int = 0
     ) -> StreamUpdate:
-        """Return the update of ``step`` after the success of ``executed``, with only ``requests`` besides."""
+        """Return the update of ``step`` with the commitments and success returns of ``executed``, and ``requests``."""
         returns = (Observation(success_of(action), step - 1) for action in executed)
         return self._batch(step, executed, requests, returns, over).update
 
     def _after_rejected(self, requests: Sequence[Request]) -> Tuple[Request, ...]:
-        """Return ``requests`` behind the cancellations of what was rejected, but for what is asked for anew.
+        """Return the cancellations of rejected goals, followed by ``requests``.
 
-        Goals are left out of whose identifiers others were given up, as is told only with these requests.
+        Rejected goals that were requested again are not cancelled. A new goal waits if one of the requests cancels an
+        aborted goal with the same identifier.
         """
         given_up = [one for one in requests if not isinstance(one, Goal)]
         requests = [one for one in requests if not (isinstance(one, Goal) and one.identifier in given_up)]
@@ -420,7 +425,7 @@ class InputFeeder:
         return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen)
 
     def _further_cycles(self, turns: Mapping[Symbol, int], step: int) -> int:
-        """Return the number of cycles from ``step`` to the last facts' effect; see :func:`_turns`."""
+        """Return the number of cycles from ``step`` until the last facts take effect; see :func:`_turns`."""
         most = max(turns.values(), default=0)
         first_ones = (fact for fact, turn in turns.items() if turn == most)
         return most + (most > 0 and any(self._clock.is_too_early(fact, step) for fact in first_ones))
@@ -437,12 +442,12 @@ class InputFeeder:
 
 
 def requests_of(goals: Iterable[Goal]) -> FrozenSet[Symbol]:
-    """Return the requests of the goals that were fed."""
+    """Return the requests of those goals that were fed."""
     return frozenset(request(goal.term, goal.request_cycle) for goal in goals if goal.request_cycle is not None)
 
 
 def _in_order(facts: Sequence[Observation], done: Iterable[Action]) -> Iterator[Observation]:
-    """Yield ``facts`` with the returns of success in the order of the actions: so what is predicted is what comes."""
+    """Yield ``facts`` with success returns in the order of the actions, so that the update equals its prediction."""
     places = {success_of(action): place for place, action in enumerate(done)}
     returns = iter(sorted((fact for fact in facts if fact.atom in places), key=lambda fact: places[fact.atom]))
     for fact in facts:
@@ -450,7 +455,7 @@ def _in_order(facts: Sequence[Observation], done: Iterable[Action]) -> Iterator[
 
 
 def _turns(facts: Iterable[Observation]) -> Dict[Symbol, int]:
-    """Return, for each fact of now, the number of later messages of its origin with such facts."""
+    """Return, for each fact with ``now``, the number of later messages of its origin with such facts."""
     messages: Dict[str, Set[int]] = {}
     timed = [fact for fact in facts if _is_of_now(fact.atom)]
     for fact in timed:

@@ -1,6 +1,6 @@
-"""The predicates by which the core and a reactive program talk (the paper's Fig. 5, and more).
+"""Keywords: the predicates that the core and a reactive program exchange (the paper's Fig. 5, extended).
 
-Atoms and terms are ``clingo.Symbol`` throughout; cycles are integers from 1.
+All atoms and terms are of type ``clingo.Symbol``; cycles are integers from 1.
 """
 
 from typing import Callable, NamedTuple, Optional
@@ -19,35 +19,35 @@ CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
 RUN = "_run"
 
-#: The name under which the core itself speaks to all interfaces.
+#: The origin of the core's own facts for all interfaces.
 CORE = "rosoclingo"
 
-#: Keywords that only the core itself or the program may state: ``(name, arity)``.
+#: Keywords that interfaces must not state, as ``(name, arity)``: they belong to the core and the program.
 RESERVED = frozenset(
     {(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (REFUSE, 3), (CANCEL_ACTION, 3), (NEVER, 2)}
 )
 
-#: What stands for the present cycle in facts and in what is told of the state.
+#: The constant for the current cycle, in facts and in reported beliefs.
 NOW = Function("now")
 
-#: The return value of an action that did not answer in time.
+#: The return value of an action that did not return in time.
 TIMEOUT = Function("timeout")
 
-#: The return value of an action that failed, where nothing else is told.
+#: The return value of a failed action without a reason.
 FAILURE = Function("failed")
 
-#: The return value of an action that was ended since nobody wants it any more.
+#: The return value of a preempted action.
 PREEMPTED = Function("preempted")
 
-#: Characters of one goal or one fact.
+#: Maximum number of characters of a goal or a fact.
 LONGEST = 65536
 
-#: Characters of a text that a message repeats, half of them from each end.
+#: Maximum number of characters of a text quoted in a message; longer texts lose their middle.
 SHOWN = 200
 
 
 class KeywordError(ValueError):
-    """An atom with a keyword's name that is not of the keyword's form."""
+    """An atom has the name of a keyword, but not its form."""
 
 
 class Action(NamedTuple):
@@ -64,17 +64,17 @@ class Action(NamedTuple):
 
     @property
     def cancellation(self) -> Symbol:
-        """What tells the interface to end the action: ``_cancel(A,P,C)``."""
+        """The fact ``_cancel(A,P,C)``, by which the core cancels the action."""
         return Function(CANCEL_ACTION, [self.interface, self.parameter, Number(self.cycle)])
 
     @property
     def interface_name(self) -> str:
-        """The interface's name as messages carry it."""
+        """The name of the interface as used in messages."""
         return name_of(self.interface)
 
 
 class Return(NamedTuple):
-    """What came back from ``interface`` for an action of ``cycle``."""
+    """The result of an action of ``cycle``, reported by ``interface``."""
 
     interface: Symbol
     value: Symbol
@@ -82,7 +82,7 @@ class Return(NamedTuple):
 
     @property
     def interface_name(self) -> str:
-        """The interface's name as messages carry it."""
+        """The name of the interface as used in messages."""
         return name_of(self.interface)
 
     @property
@@ -97,12 +97,12 @@ class Return(NamedTuple):
 
 
 def success_of(action: Action) -> Symbol:
-    """The return that says that an action has succeeded: its parameter."""
+    """Return the success return of an action: its value is the action's parameter."""
     return Return(action.interface, action.parameter, action.cycle).atom
 
 
 def failure_value(reason: Symbol, parameter: Symbol, is_parameter: Callable[[Symbol], bool]) -> Symbol:
-    """Return the failure value of the action of ``parameter``: the ``reason``, unless that reads as a success.
+    """Return the failure value of an action with ``parameter``: the ``reason``, unless it looks like a success.
 
     A reason that equals the parameter becomes ``failed(P)``. One that equals the parameter of another action of the
     interface in the same cycle (``is_parameter``), or has it as its last argument, becomes ``failed(Reason,P)``.
@@ -129,41 +129,41 @@ def cancellation(identifier: Symbol, cycle: int) -> Symbol:
 
 
 def run_of(identity: str) -> Symbol:
-    """``_run("identity")``: which run of the core actions and cycles are of; a core that resumes has the same."""
+    """``_run("identity")``: the run of the core that actions and cycles belong to; a resumed core keeps it."""
     return Function(RUN, [String(identity)])
 
 
 def action_of(atom: Symbol) -> Action:
-    """Read an ``_action_lib(A,P,C)`` atom; raises KeywordError."""
+    """Convert an atom ``_action_lib(A,P,C)`` to an action; raises KeywordError."""
     interface, parameter, cycle = _arguments(atom, ACTION_LIB, "_action_lib(A,P,C)")
     return Action(interface, parameter, cycle)
 
 
 def return_of(atom: Symbol) -> Return:
-    """Read a ``_return(A,V,C)`` atom; raises KeywordError."""
+    """Convert an atom ``_return(A,V,C)`` to a return; raises KeywordError."""
     interface, value, cycle = _arguments(atom, RETURN, "_return(A,V,C)")
     return Return(interface, value, cycle)
 
 
 def is_keyword(atom: Symbol, name: str) -> bool:
-    """Whether ``atom`` has the keyword's name, of whatever arity."""
+    """Return whether ``atom`` has the name of a keyword, with any arity."""
     return atom.type is SymbolType.Function and atom.name == name
 
 
 def identifier_of(goal: Symbol) -> Optional[Symbol]:
-    """The identity of a goal term, its last argument; None for a term without arguments."""
+    """Return the identifier of a goal term, its last argument; None for a term without arguments."""
     if goal.type is not SymbolType.Function or not goal.name or not goal.arguments:
         return None
     return goal.arguments[-1]
 
 
 def name_of(term: Symbol) -> str:
-    """A term as a name: a string's content, else the term's text."""
+    """Return the content of a string, or the text of any other term."""
     return term.string if term.type is SymbolType.String else str(term)
 
 
 def shortened(text: str, shown: int = SHOWN) -> str:
-    """The text without its middle, if it is long: whoever has sent a megabyte need not read it again."""
+    """Return a text of at most ``shown`` characters and its length: long texts lose their middle."""
     if len(text) <= shown:
         return text
     return f"{text[: shown // 2]} ... {text[-(shown // 2) :]} ({len(text)} characters)"

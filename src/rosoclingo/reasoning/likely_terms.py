@@ -1,4 +1,4 @@
-"""Suggestions for a term that fits no rule, from the rules' own names and the values that they know."""
+"""Suggestions for a term that matches no rule, from the names and values of the rules."""
 
 from difflib import SequenceMatcher, get_close_matches
 from itertools import islice
@@ -9,20 +9,20 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.nodes import Node
 
-_ALIKE = 0.6  # least likeness, of 1, of two names of which one can be meant for the other
-_LONGEST, _COMPARED = 100, 1000  # letters of a text, and values, that are compared
-_SHOWN = 6  # values or forms that a message lists
+_ALIKE = 0.6  # minimum similarity, from 0 to 1, of names that can be confused
+_LONGEST, _COMPARED = 100, 1000  # maximum number of compared letters of a text, and of compared values
+_SHOWN = 6  # maximum number of values or forms in a message
 
 
 class Misfit(NamedTuple):
-    """A value in an atom that a rule excludes, and the values that the rule knows there."""
+    """A value of an atom that a rule excludes, and the values that the rule allows in its place."""
 
     value: clingo.Symbol
     known: FrozenSet[clingo.Symbol]
 
 
 def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Symbol]]:
-    """Yield the variables of a term, each with its value in a symbol."""
+    """Yield the variables of a term, each with its value in ``symbol``."""
     if term.ast_type == ASTType.Variable:
         yield term.name, symbol
     elif term.ast_type == ASTType.Function and symbol.type is clingo.SymbolType.Function:
@@ -31,7 +31,7 @@ def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Sy
 
 
 def replaced(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.Symbol]:
-    """Return a term with the most similar known value in place of each misfit; None if there is no similar one."""
+    """Return a term with each misfit replaced by the most similar known value; None if no value is similar."""
     meant = {one.value: most_similar(one.value, one.known) for one in misfits}
     if term in meant:
         return meant[term]
@@ -52,7 +52,7 @@ def _word(value: clingo.Symbol) -> str:
 
 
 def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
-    """Return a rule's ``form``, its name and constants, with the arguments of ``term``; None if they are not alike."""
+    """Return the name and constants of a rule's ``form`` with the arguments of ``term``; None if they differ a lot."""
     if form.ast_type == ASTType.Variable:
         return term
     if form.ast_type == ASTType.SymbolicTerm:
@@ -66,17 +66,17 @@ def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
 
 
 def likeness(one: str, other: str) -> float:
-    """Return the likeness of two texts, from 0 to 1, by their first letters, regardless of case and order."""
+    """Return the similarity of two texts, from 0 to 1; anagrams are equal, and case is ignored."""
     one, other = one.casefold()[:_LONGEST], other.casefold()[:_LONGEST]
     return 1.0 if sorted(one) == sorted(other) else SequenceMatcher(None, one, other).ratio()
 
 
 def name_of(text: str) -> str:
-    """Return the name with which a term begins."""
+    """Return the function name of a term's text."""
     return text.partition("(")[0]
 
 
 def listed(texts: Iterable[str], in_order: bool = False) -> str:
-    """Return the first ones of some texts, each once, sorted unless they are ``in_order``."""
+    """Return the first texts without duplicates, joined by commas; sorted unless they are ``in_order``."""
     found = list(dict.fromkeys(texts if in_order else sorted(texts)))
     return ", ".join(found[:_SHOWN]) + (" ..." if len(found) > _SHOWN else "")

@@ -1,4 +1,4 @@
-"""What was observed of the world: failed actions, and facts from interfaces. Goals may contradict it."""
+"""Observations of the world: failed actions, and facts from interfaces."""
 
 from typing import FrozenSet, NamedTuple, Optional, Tuple
 
@@ -12,10 +12,17 @@ MEMORY = 32
 
 
 class Observation(NamedTuple):
-    """A fact as it was fed, in ``cycle``; for the return of a failed action that action, or those it can be about.
+    """A fact of the stream.
 
-    ``origin`` is the interface that sent it, ``original`` the fact as it was sent, None for the same. An ``outdated``
-    fact came too late and was redated to the present. ``message`` is greater for a later message.
+    Attributes:
+        atom: the fact as it was fed.
+        cycle: the cycle in which it arrived.
+        actions: for a return of failure, the failed action, or all actions that the return can refer to.
+        origin: the interface that sent the fact.
+        original: the fact as it was sent, None if it was not changed.
+        outdated: whether the fact was late and was redated to the present.
+        message: the number of its message; later messages have greater numbers.
+
     """
 
     atom: Symbol
@@ -33,12 +40,12 @@ class Observation(NamedTuple):
 
     @property
     def facts(self) -> FrozenSet[Symbol]:
-        """All that would not have been stated without it, had the failed action not been tried."""
+        """The atoms that were stated because of it: the fact, and the commitments to its failed actions."""
         return frozenset((self.atom, *(action.atom for action in self.actions)))
 
     @property
     def is_return(self) -> bool:
-        """Whether it is how an action ended."""
+        """Whether it is the return of an action."""
         return is_keyword(self.atom, RETURN)
 
     def record(self) -> Record:
@@ -55,9 +62,9 @@ class Observation(NamedTuple):
         return cls(**{**record, **symbols})
 
     def __str__(self) -> str:
-        """The observation in words, for want of the program's own."""
+        """The observation in words, for programs without ``_explain``."""
         if not self.actions:
-            return f"{self.atom} was told in cycle {self.cycle}"
+            return f"{self.atom} was reported in cycle {self.cycle}"
         tried = " or ".join(f"{one.interface_name}({name_of(one.parameter)})" for one in self.actions)
         return f"{tried} returned {name_of(return_of(self.atom).value)} in cycle {self.cycle}"
 
@@ -65,8 +72,8 @@ class Observation(NamedTuple):
 class UnhandledFailure(NamedTuple):
     """A failure that the program cannot handle.
 
-    ``undone`` tells whether its actions count as not done. None: no rule looks at the failure, and whether the actions
-    can count as not done is still to be found out.
+    ``undone`` is true if its actions count as not done. It is None if no rule looks at the failure, and it is not known
+    yet whether the actions can count as not done.
     """
 
     failure: Observation

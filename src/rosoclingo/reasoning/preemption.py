@@ -1,4 +1,4 @@
-"""Which actions under way the new plan no longer wants, found out on a solver beside the stream."""
+"""Preemption: find running actions that a new plan no longer needs, on a separate planner."""
 
 from typing import FrozenSet, Tuple
 
@@ -11,10 +11,10 @@ from rosoclingo.reasoning.stream_planner import Planner
 
 
 class Preemption:
-    """Checks the actions under way whenever something has arrived; each is reported as unwanted once."""
+    """Checks the running actions after each arrival, and reports each unwanted action once."""
 
     def __init__(self, feeder: InputFeeder, execution: ExecutionMonitor, told: bool) -> None:
-        """Think for the actions that ``execution`` awaits; ``told`` says whether the program hears of those it ends."""
+        """Check the actions that ``execution`` awaits; ``told`` is true if the program receives ``_cancel/3``."""
         self._feeder = feeder
         self._execution = execution
         self._told = told
@@ -22,27 +22,27 @@ class Preemption:
         self._found: FrozenSet[Action] = frozenset()
 
     def begin(self) -> None:
-        """Record that a cycle's actions are under way, all of them wanted."""
+        """Record that the actions of a cycle were dispatched."""
         self._considered, self._found = self._feeder.arrivals, frozenset()
 
     @property
     def found(self) -> Tuple[Action, ...]:
-        """The actions under way that were found to be unwanted."""
+        """The running actions that are unwanted."""
         return tuple(action for action in self._execution.awaited if action in self._found)
 
     def record(self) -> Record:
-        """Return what was found as a plain value."""
+        """Return the unwanted actions as a plain value."""
         return {"considered": self._considered, "ended": actions_to_text(sorted(self._found))}
 
     def restore(self, record: Record) -> None:
-        """Resume from a record."""
+        """Restore from a record."""
         self._considered, self._found = record["considered"], frozenset(actions_of(record["ended"]))
 
     def unwanted(self, planner: Planner) -> Tuple[Action, ...]:
-        """Return the actions under way that are no longer wanted; may raise DisturbedError: more has come, ask again.
+        """Return the running actions that are no longer wanted; raises DisturbedError after an arrival.
 
-        Suppose that they return ``preempted`` now: then one is wanted if there is a shortest plan that begins with it
-        again. Without a plan, or if the program does not know this return, each is.
+        Suppose that all running actions return ``preempted`` now. An action is wanted if some shortest plan then begins
+        with it again. If there is no plan, or the program ignores this return, all actions are wanted.
         """
         if self._considered == self._feeder.arrivals:
             return ()
@@ -50,11 +50,11 @@ class Preemption:
         return self._end(self._ask(planner, self._execution.under_way, running) if running else ())
 
     def end_all(self) -> Tuple[Action, ...]:
-        """End the actions under way that go on, as the core ends; return them."""
+        """End all running actions, because the core shuts down; return them."""
         return self._end(tuple(action for action in self._execution.awaited if action not in self._found))
 
     def _end(self, actions: Tuple[Action, ...]) -> Tuple[Action, ...]:
-        """Record actions as ended, also for the program; return them."""
+        """Record actions as unwanted, and feed their cancellations to the program; return them."""
         for action in actions if self._told else ():
             self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals

@@ -1,10 +1,10 @@
-"""Prefetching: the standby worker solves updates that can come, while the robot acts.
+"""Prefetching: the standby worker solves likely updates while the robot acts.
 
-The robot does not stand still for a search while the plan in force goes on. New goals and cancellations join in the
-very next update if a plan with them is found soon. Otherwise the plan in force continues without them, and the standby
-worker plans for a later cycle, in which they join. That cycle is twice as far away after each plan that came too late.
+The robot does not stop for a search while the current plan continues. New goals and cancellations join in the next
+update if a plan with them is found soon. Otherwise the current plan continues without them, and the standby worker
+plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late.
 
-If nothing is to join, the answer in case of a failure is prefetched.
+Without new requests, the standby worker prefetches the answer to a failure.
 """
 
 from typing import Iterable, List, NamedTuple, Optional, Tuple
@@ -19,12 +19,12 @@ from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
 
 
 class Join(NamedTuple):
-    """Goals and cancellations that join in a later cycle.
+    """Requests (goals and cancellations) that join in a later cycle.
 
     Attributes:
         planner: the planner whose updates are predicted.
         requests: the goals and the identifiers of cancelled goals.
-        over: the cycle before which facts come too late, the same until the requests join.
+        over: the cycle before which facts are too late, fixed until the requests join.
         lookahead: the lookahead of all updates until then.
         updates: the predicted updates, the last one without the requests.
         whole: the last update with the requests.
@@ -50,10 +50,10 @@ class Join(NamedTuple):
 
 
 class Preparations:
-    """Prefetches answers, and decides which requests the next update has.
+    """Prefetches answers, and selects the requests of the next update.
 
     Attributes:
-        join: the requests that join later, and a plan for them is searched for.
+        join: the requests that join later, None if no search for them is running.
 
     """
 
@@ -65,25 +65,25 @@ class Preparations:
         limit: int,
         watch: Optional[SearchWatch],
     ) -> None:
-        """Prepare for the core; ``limit`` is the number of steps that a plan for one goal can have.
+        """Prefetch for the core; ``limit`` is the maximum number of steps of a plan for one goal.
 
-        ``watch`` ends the wait for a plan with new requests while the plan in force goes on. None: the next update has
-        them in any case.
+        ``watch`` ends the wait for a plan with new requests while the current plan continues. None: new requests are
+        always in the next update.
         """
         self._goals, self._feeder, self._execution, self._limit = goals, feeder, execution, limit
         self._watch = watch
         self.join: Optional[Join] = None
-        self._cycles = 1  # how far away the cycle is in which requests join
+        self._cycles = 1  # the distance to the cycle in which requests join
         self._prepared: Tuple[object, ...] = ()  # the situation for which the answer is prefetched
 
     def prepare(self, planner: Planner, plan: TaskPlan, step: int) -> None:
-        """Prefetch for the update of ``step`` or a later one; ``plan`` is in force.
+        """Prefetch the answer to the update of ``step`` or a later one; ``plan`` is the current plan.
 
-        Nothing is computed again before something changes.
+        Returns at once if nothing has changed since the last call.
         """
         join = self.join
         if join is not None:
-            planner.has_prepared(join.whole)  # reads what the standby worker reports, which can be much
+            planner.has_prepared(join.whole)  # reads the reports of the standby worker, which can be long
             if self._is_broken(join, planner) or self._feeder.has_beside(join.updates[step - join.first].heads):
                 self.join = None
         if self.join is not None or not self._execution.awaited:
@@ -100,9 +100,9 @@ class Preparations:
             self._prepared = situation
 
     def next_update(self, planner: Planner, plan: TaskPlan, step: int) -> Batch:
-        """Return the next update, with new requests if a plan with them is there or none goes on without them.
+        """Return the next update, and set the lookahead of the planner.
 
-        It sets the lookahead of the planner.
+        The update has the new requests if a plan with them was found, or if the current plan ends without them.
         """
         over, planner.lookahead = self._outlook(planner, plan, step)
         batch, join = self._feeder.next_update(step, over), self.join
@@ -125,7 +125,7 @@ class Preparations:
         return rest
 
     def _outlook(self, planner: Planner, plan: TaskPlan, step: int) -> Tuple[int, int]:
-        """Return the cycle before which facts come too late for the update of ``step``, and its lookahead."""
+        """Return the cycle before which facts are too late for the update of ``step``, and its lookahead."""
         if self.join is not None:
             return self.join.over, self.join.lookahead
         goals, fed = len(self._goals.queue.served), self._goals.fed
@@ -135,15 +135,15 @@ class Preparations:
 
     @property
     def _requests(self) -> Tuple[Request, ...]:
-        """The requests that can join, those of goals without room last."""
+        """The requests that can join; goals without room come last."""
         return (*self._feeder.requests, *self._goals.queue.joinable)
 
     def _predicted(self, plan: TaskPlan, step: int, over: int, requests: Iterable[Request] = ()) -> StreamUpdate:
-        """Return the update of ``step`` after success, with ``requests``."""
+        """Return the update of ``step`` after the success of all actions, with ``requests``."""
         return self._feeder.predicted(step, plan.at(step - 1), requests, over)
 
     def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, over: int, lookahead: int) -> bool:
-        """Search for a plan with the requests that wait; return whether there are any and the search has begun."""
+        """Start a search for a plan with the new requests; return whether there are any and it has begun."""
         requests, left = self._requests, plan.steps_after(step - 1)
         disturbed = self._feeder.has_beside(self._predicted(plan, step, over).heads)
         if self._watch is None or not requests or disturbed:
@@ -157,7 +157,7 @@ class Preparations:
             return False
         planner.lookahead, self.join = steps, Join(planner, requests, over, steps, tuple(updates), whole)
         if last > step:
-            self._goals.tell_wait(goals_of(requests), f"it joins in cycle {last}, a plan is made for that")
+            self._goals.tell_wait(goals_of(requests), f"it joins the plan in cycle {last}")
         return True
 
     def _complete(self, join: Join) -> Batch:
@@ -167,12 +167,12 @@ class Preparations:
         return self._feeder.next_update(join.cycle, join.over, join.requests)
 
     def _is_late(self, planner: Planner, batch: Batch, rest: Batch) -> bool:
-        """Return whether a ``batch`` has more requests than the ``rest``, and no answer soon."""
+        """Return whether ``batch`` has more requests than ``rest``, and no answer was found soon."""
         begun = batch.requests != rest.requests and planner.prepare([batch.update], planner.lookahead)
         return begun and not planner.has_prepared(batch.update, self._watch)
 
     def _is_broken(self, join: Join, planner: Planner) -> bool:
-        """Return whether requests have been dropped, or others have come that are not to join later."""
+        """Return whether a search for requests is obsolete: some were dropped, or others cannot wait for it."""
         waiting = (*self._feeder.requests, *self._goals.queue.waiting)
         new = [one for one in self._feeder.requests if one not in join.requests]
         soon = len(join.updates) == 1 or not all(isinstance(one, Goal) for one in new)

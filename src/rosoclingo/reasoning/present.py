@@ -1,4 +1,4 @@
-"""What an answer shows of the present: what the program believes now, besides what it plans."""
+"""Beliefs: the shown atoms of an answer that hold in the current cycle."""
 
 from functools import lru_cache
 from typing import Callable, Dict, FrozenSet, List, Optional, Tuple
@@ -7,17 +7,17 @@ from clingo import Function, Number, Symbol, SymbolType
 
 from rosoclingo.reasoning.keywords import NOW
 
-#: Tells by name and arity which argument of an atom is its cycle, None where none is.
+#: Returns the position of the cycle among the arguments of a predicate, by name and arity; None if it has no cycle.
 TimePosition = Callable[[str, int], Optional[int]]
 
-#: The atoms of an answer without a time, and the others by their times, each with the position of that.
+#: The atoms of an answer without a time, and the other atoms by time, each with the position of the time.
 _Sorted = Tuple[List[Symbol], Dict[Symbol, List[Tuple[Symbol, int]]]]
 
 
 class Present:
-    """Reads the present out of answers. An answer that comes again, in any cycle, is read once.
+    """Extracts beliefs from answers. A repeated answer, in any cycle, is read once.
 
-    ``position`` returns the argument that is the cycle, for each predicate and for terms that are shown.
+    ``position`` returns the position of the cycle, for predicates and for shown terms.
     """
 
     def __init__(self, position: TimePosition) -> None:
@@ -25,7 +25,7 @@ class Present:
         self._sorted = lru_cache(maxsize=1)(self._sort)
 
     def of(self, answer: FrozenSet[Symbol], cycle: int) -> FrozenSet[Symbol]:
-        """The atoms without a time, and those of the cycle, with the constant ``now`` in its place."""
+        """Return the atoms without a time, and the atoms of ``cycle`` with the constant ``now`` in its place."""
         timeless, timed = self._sorted(answer)
         return frozenset([*timeless, *(_at_now(*one) for one in timed.get(Number(cycle), ()))])
 

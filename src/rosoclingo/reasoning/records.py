@@ -1,4 +1,4 @@
-"""Plain values of what the core remembers: symbols, actions and the solver's log as texts that JSON knows."""
+"""Conversion of the core's state to JSON values: symbols, actions, plans and histories."""
 
 from functools import lru_cache
 from typing import Any, Dict, Iterable, List, Tuple
@@ -10,11 +10,11 @@ from rosoclingo.planning.text import symbol_list, symbols_to_text
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.keywords import Action, action_of
 
-#: The sections of a state by name, in the order in which they came.
+#: The sections of a state by name, in order of arrival.
 Record = Dict[str, Any]
 
 
-#: Limits of the cache of texts: their number, and the characters of each.
+#: Maximum number of cached texts, and of the characters of each.
 CACHED, SHORT = 4096, 200
 
 _texts: Dict[Symbol, str] = {}
@@ -37,7 +37,7 @@ def symbol_of(text: str) -> Symbol:
     return symbol_list(text)[0]
 
 
-@lru_cache(maxsize=128)  # the latest actions, which each step needs
+@lru_cache(maxsize=128)  # each step needs the latest actions
 def action_to_text(action: Action) -> str:
     """Return an action as text for :func:`symbol_of`."""
     return text_of(action.atom)
@@ -76,14 +76,14 @@ def keys_of(record: Record, name: str) -> List[str]:
 
 
 class LogRecorder:
-    """The entries of a history as sections: each keeps its name as long as it is part of the history."""
+    """Records the entries of a history as sections; the name of a section stays the same while the entry exists."""
 
     def __init__(self) -> None:
         self._sections: Dict[History, Tuple[str, Any]] = {}
         self._count = 0
 
     def record(self, log: History) -> Record:
-        """Return the sections of a log."""
+        """Return the sections of a history."""
         sections: Dict[History, Tuple[str, Any]] = {}
         for one in _needed(log):
             sections[one] = self._sections.get(one) or self._section(one)
@@ -97,12 +97,15 @@ class LogRecorder:
 
 
 def log_of(record: Record) -> History:
-    """Return the log of :meth:`LogRecorder.record`."""
+    """Return the history of :meth:`LogRecorder.record`."""
     return History().with_entries(*map(entry_from_message, group(record, "log").values()))
 
 
 def _needed(log: History) -> List[History]:
-    """The logs from the checkpoint, or the start, from which one can also go on instead of the last update."""
+    """Return the histories since the last checkpoint before the last update, oldest first.
+
+    A core that resumes can then still replace the last update.
+    """
     found: List[History] = []
     before, passed, one = log.before_update, False, log
     while one.entry is not None:

@@ -1,7 +1,7 @@
-"""What to give up when the solver finds no plan: as few goals as possible, the newest first, and why each of them.
+"""Recovery: if there is no plan, find the fewest goals to abort, the newest first, and the reason for each.
 
-Goals are given up in the next update, by the program's own means, ``_request(cancel(Id),C)``; so the stream that was
-sent stays a true record.
+Goals are dropped by the request ``_request(cancel(Id),C)`` in the next update, so that the stream remains a complete
+record.
 """
 
 from itertools import combinations
@@ -29,15 +29,24 @@ from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.observations import Observation, UnhandledFailure
 from rosoclingo.reasoning.stream_planner import Planner
 
-#: Limit of the observations that are reported although it is not sure that all of them matter.
+#: Maximum number of observations that are reported although not all of them may matter.
 FEW = 3
 
-#: How goals are given up; withheld if it does not help to cancel them.
+#: The ways to drop goals: they are cancelled, or withheld if that does not help.
 WAYS = (Way.CANCELLED, Way.WITHHELD)
 
 
 class Recovery(NamedTuple):
-    """A way on: ``update`` starts the next cycle on ``planner`` with ``result``, without the goals of ``unmet``."""
+    """A plan without some goals.
+
+    Attributes:
+        planner: the planner to continue with.
+        update: the update that starts the next cycle.
+        result: the result of the update.
+        way: the way in which the goals were dropped.
+        unmet: the dropped goals with the reasons.
+
+    """
 
     planner: Planner
     update: StreamUpdate
@@ -47,14 +56,14 @@ class Recovery(NamedTuple):
 
     @property
     def met(self) -> bool:
-        """Whether there is a plan for the goals that are kept."""
+        """Whether there is a plan for the remaining goals."""
         return self.result.outcome is SolveOutcome.SATISFIABLE
 
 
 def recover(planner: Planner, impasse: Impasse) -> Optional[Recovery]:
-    """Find the goals to give up. None when there is no plan even without any goal.
+    """Find the fewest goals to drop; None if there is no plan even without goals.
 
-    Raises UndecidedError where it is not known in time which goals cannot be met.
+    Raises UndecidedError if this was not decided in time.
     """
     finders = (_Finder(planner, impasse, way) for way in WAYS if impasse.goals)
     found = first_found(finders, lambda one: one if one.can_have((), impasse.observations) else None)
@@ -64,7 +73,7 @@ def recover(planner: Planner, impasse: Impasse) -> Optional[Recovery]:
 def forget_history(
     planner: Planner, step: int, why: str, problem: Callable[[str], None]
 ) -> Optional[Tuple[Planner, List[StreamUpdate], SolveResult]]:
-    """Forget everything except the ``step``; None if there is no answer even then. Raises UndecidedError."""
+    """Start again at ``step`` without a history; None if there is no answer even then. Raises UndecidedError."""
     try:
         found = planner.anew(step)
     except DroppedError:
@@ -80,10 +89,15 @@ def forget_history(
 
 
 class Settled(NamedTuple):
-    """The reaction to failures that the program cannot handle: go on with ``result`` on ``planner``.
+    """The reaction to failures that the program cannot handle.
 
-    ``problems`` report the failures that no rule looks at. The ``unmet`` goals rest on the failed actions; ``recovery``
-    is a plan without these goals, None if there is none or nothing is left to do.
+    Attributes:
+        planner: the planner to continue with.
+        result: its result.
+        problems: messages about the failures that no rule depends on.
+        unmet: the goals that rest on the failed actions.
+        recovery: a plan without these goals, None if there is none or the plan is complete.
+
     """
 
     planner: Planner
@@ -98,10 +112,10 @@ UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradic
 
 
 def settle(planner: Planner, result: SolveResult, impasse: Impasse, unhandled: Sequence[UnhandledFailure]) -> Settled:
-    """Find the goals that rest on actions whose failures the program cannot handle: they do not count as met.
+    """Find the goals that rest on actions whose failures the program cannot handle; these goals are not met.
 
-    The actions count as not done if the program has an answer then. A goal rests on them if the program had it
-    before, and each plan for it tries such an action again. Otherwise, and where the plan has no actions left, all
+    The actions count as not done if this leaves an answer. A goal rests on them if the program had the goal before, and
+    each plan for it tries such an action again. If the actions count as done, or the plan has no actions left, all
     goals that the program had rest on them.
     """
     failures = tuple(one.failure for one in unhandled)
@@ -126,7 +140,7 @@ def settle(planner: Planner, result: SolveResult, impasse: Impasse, unhandled: S
 
 
 def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:
-    """Let the failed actions count as not done; None if there is no answer then."""
+    """Count the failed actions as not done; return None if there is no answer then."""
     try:
         found = planner.corrected(facts_of(failures))
     except SolverError:
@@ -135,7 +149,7 @@ def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[P
 
 
 def _goes_on(result: SolveResult, cycle: int, failed: FrozenSet[Tuple[Symbol, Symbol]]) -> bool:
-    """Return whether there is a plan that from ``cycle`` on does not repeat failed actions."""
+    """Return whether the result has a plan that does not repeat failed actions from ``cycle`` on."""
     if result.outcome is not SolveOutcome.SATISFIABLE:
         return False
     return not any((one.interface, one.parameter) in failed for one in extract_plan(result.answers[0]).remaining(cycle))
@@ -144,7 +158,7 @@ def _goes_on(result: SolveResult, cycle: int, failed: FrozenSet[Tuple[Symbol, Sy
 def _without_failed(
     planner: Planner, impasse: Impasse, resting: List[Goal], failed: FrozenSet[Tuple[Symbol, Symbol]], keeps: bool
 ) -> Optional[Tuple[Recovery, List[Goal]]]:
-    """Plan without the goals, or without those that repeat failed actions; None if there is no plan."""
+    """Plan without the ``resting`` goals, or only without those that repeat failed actions; None without a plan."""
     options = filter(lambda one: one.met, (_plan_without(planner, impasse, resting, way) for way in WAYS))
     found = next(options, None)
     if found is None:
@@ -163,20 +177,20 @@ def _without_failed(
 
 
 def _plan_without(planner: Planner, impasse: Impasse, dropped: Collection[Goal], way: Way) -> Recovery:
-    """Start the next cycle without some goals."""
+    """Plan from the next cycle on without some goals."""
     gone = requests_of(dropped) if way is Way.WITHHELD else frozenset()
     cancels = impasse.cancels(dropped) if way is Way.CANCELLED else ()
     update = StreamUpdate(impasse.step, items=(*map(Withdraw, sorted(gone)), *map(Statement, cancels)))
     try:
         planner = planner.restarted(gone)
         result = planner.update(update)
-    except SolverError:  # what is left of the goals takes too long, or is refused, as well
+    except SolverError:  # planning for the remaining goals takes too long, too, or is refused
         result = SolveResult(SolveOutcome.INTERRUPTED, (), impasse.step, impasse.step)
     return Recovery(planner, update, result, way)
 
 
 class _Finder:
-    """Finds the fewest goals to give up in one way, and the reasons."""
+    """Finds the fewest goals to drop in one way, and the reasons."""
 
     def __init__(self, planner: Planner, impasse: Impasse, way: Way) -> None:
         self._planner, self._impasse, self._way = planner, impasse, way
@@ -191,7 +205,7 @@ class _Finder:
         return reply.satisfiable
 
     def recover(self) -> Recovery:
-        """Give up as few goals as possible; raises UndecidedError."""
+        """Drop as few goals as possible; raises UndecidedError."""
         goals, seen = self._impasse.goals, self._impasse.observations
         known: List[Witness[Goal]] = [Witness(True, frozenset()), Witness(False, frozenset(goals))]
         oracle: Oracle[Goal] = yes_or_no(lambda kept: self._met(kept, seen))
@@ -200,20 +214,20 @@ class _Finder:
             raise UndecidedError
         for mus in diagnosis.values():
             self._confirm(mus)
-        unmet = self._unmet(diagnosis)  # first, while what explains it is still ground
+        unmet = self._unmet(diagnosis)  # before planning, because this reuses the grounding of the diagnosis
         found = _plan_without(self._planner, self._impasse, diagnosis, self._way)
         if not found.met:
             raise UndecidedError
         return found._replace(unmet=unmet)
 
     def _met(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
-        """As :meth:`can_have`, while there is time."""
+        """Call :meth:`can_have` if there is time left, else raise UndecidedError."""
         if self._look() is not None:
             raise UndecidedError
         return self.can_have(kept, seen, steps)
 
     def _confirm(self, mus: Mus[Goal]) -> None:
-        """Make sure that goals cannot be met one after the other either; raises UndecidedError if that is not known."""
+        """Make sure that goals cannot be met one after the other either; raises UndecidedError if undecided."""
         steps = self._impasse.alone * len(mus.items)
         if mus.minimal and steps <= self._planner.lookahead:
             return
@@ -230,7 +244,10 @@ class _Finder:
         return tuple(unmet)
 
     def _observed(self, goals: Tuple[Goal, ...]) -> Mus[Observation]:
-        """Return the observations that prevent the goals from being met together; they can need others."""
+        """Return the observations that prevent the goals from being met together.
+
+        The goals can depend on other observations, which are kept.
+        """
         observations = self._impasse.observations
         try:
             omissions = ((some, [one for one in observations if one not in some]) for some in _omissions(observations))
@@ -246,7 +263,7 @@ class _Finder:
 
 
 def _omissions(observations: Tuple[Observation, ...]) -> Iterator[Tuple[Observation, ...]]:
-    """Yield the observations to omit: all, each, the newest ones, the oldest ones, then a few of any age."""
+    """Yield observations to omit: all, each one, the newest ones, the oldest ones, then small subsets."""
     numbers = range(2, len(observations))
     if observations:
         yield observations

@@ -1,9 +1,9 @@
 """Repair: redate or withhold as few observations as possible if an update leaves the program without an answer.
 
-What was done was done, so an observation that contradicts it is wrong, or its date is: a sensor that reports a blocked
-door late names the cycle that it knows. Such a fact is redated to the present if it makes sense there, else withheld.
-Newer facts are doubted before older ones, and other facts before returns. A failure is withheld together with
-the commitment to its action, which then counts as not done, if that leaves an answer.
+Executed actions are certain. An observation that contradicts them is wrong, or its date is: a sensor that reports a
+blocked door late names an earlier cycle. Such a fact is redated to the present if that leaves an answer, else withheld.
+Newer facts are withheld before older ones, and other facts before returns. A failure is withheld together with the
+commitment to its action if that leaves an answer; the action then counts as not done.
 """
 
 from typing import Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
@@ -22,18 +22,18 @@ _NOTHING: FrozenSet[Symbol] = frozenset()
 
 
 class Change(NamedTuple):
-    """An observation that was redated, or withheld.
+    """An observation that was redated or withheld.
 
     Attributes:
         observation: the observation.
-        taken_as: the fact in its place, None if it was withheld.
+        redated: the fact in its place, None if it was withheld.
         against: the executed actions that it contradicts.
-        sure: whether it contradicts what was done and observed; else this was not decided in time.
+        sure: whether it certainly contradicts the history; False if this was not decided in time.
 
     """
 
     observation: Observation
-    taken_as: Optional[Symbol]
+    redated: Optional[Symbol]
     against: Tuple[Action, ...] = ()
     sure: bool = True
 
@@ -41,15 +41,15 @@ class Change(NamedTuple):
         one = self.observation
         done = " and ".join(f"{action.interface_name}({name_of(action.parameter)})" for action in self.against)
         done = f"{done} {'was' if len(self.against) == 1 else 'were'} done in cycle"
-        denied = f"that {done} {self.against[0].cycle}" if self.against else "what was done and told before"
+        denied = f"that {done} {self.against[0].cycle}" if self.against else "the history"
         origin = f" from interface {one.origin}" if one.origin else ""
-        now = f"taken for cycle {self.taken_as.arguments[-1]}" if self.taken_as is not None else "withheld"
+        now = f"redated to cycle {self.redated.arguments[-1]}" if self.redated is not None else "withheld"
         now += "".join(f", {action.atom} counts as not done" for action in one.actions)
-        return f"{one.sent}{origin} {'contradicts' if self.sure else 'may contradict'} {denied}: {now}"
+        return f"{one.sent}{origin} {'contradicts' if self.sure else 'possibly contradicts'} {denied}: {now}"
 
 
 class Repair(NamedTuple):
-    """The ``result`` of another update on ``planner``, in place of the one without an answer, and its ``changes``."""
+    """The ``result`` of a repaired update on ``planner``, and the ``changes`` of its observations."""
 
     planner: Planner
     result: SolveResult
@@ -59,7 +59,7 @@ class Repair(NamedTuple):
 def repair(planner: Planner, impasse: Impasse) -> Optional[Repair]:
     """Find the observations to redate or withhold; None if there is no answer even without all of them.
 
-    Raises UndecidedError if that is not decided in time.
+    Raises UndecidedError if this was not decided in time.
     """
     finder = _Finder(planner, impasse)
     return first_found(finder.pools(), finder.repair)
@@ -77,9 +77,10 @@ class _Finder:
         self._hypotheses = [Hypotheses(planner, impasse, way, self._known, further) for way in ways]
 
     def pools(self) -> Iterator[Tuple[Observation, ...]]:
-        """Yield the observations to doubt, newest first: late facts, this update's, earlier ones, returns.
+        """Yield growing sets of candidates, each newest first: late facts, new facts, earlier facts, returns.
 
-        Returns of failures come with their actions first, then alone; then the update's cancellations.
+        Returns of failure are first withheld together with their actions, then alone. The last set adds the
+        cancellations of the update.
         """
         new = tuple(reversed(self._impasse.facts))
         fed = frozenset(one.atom for one in new)
@@ -100,13 +101,13 @@ class _Finder:
         return cycle is not None and cycle < self._step
 
     def repair(self, pool: Tuple[Observation, ...]) -> Optional[Repair]:
-        """Doubt as few observations of a pool as possible; None if all are not enough."""
+        """Redate or withhold as few observations of a pool as possible; None if withholding all is not enough."""
         if not self._answers(pool).satisfiable:
             return None
         known: List[Witness[Observation]] = [Witness(True, frozenset()), Witness(False, frozenset(pool))]
 
         def oracle(kept: FrozenSet[Observation]) -> Witness[Observation]:
-            """Return whether there is an answer though some of the pool are kept."""
+            """Return whether there is an answer with the observations ``kept`` of the pool."""
             reply = self._ask([one for one in pool if one not in kept])
             core = frozenset(one for one in kept if one.facts & reply.core)
             return Witness(bool(reply.satisfiable), kept if reply.satisfiable else core or kept)
@@ -127,7 +128,7 @@ class _Finder:
         return Repair(planner, result, tuple(changes))
 
     def _move(self, doubted: Sequence[Observation]) -> Dict[Observation, Symbol]:
-        """Redate those late facts to the present that leave an answer there."""
+        """Redate late facts to the present if that leaves an answer; return them with their new facts."""
         moved: Dict[Observation, Symbol] = {}
         for one in doubted:
             here = self._impasse.clock.at_present(one.atom, self._step) if self._is_late(one) else one.atom
@@ -144,18 +145,18 @@ class _Finder:
     def _against(
         self, one: Observation, doubted: Sequence[Observation], moved: Dict[Observation, Symbol]
     ) -> Tuple[Action, ...]:
-        """Return the actions of the first cycle that ``one`` contradicts; none if that is not decided."""
+        """Return the contradicted actions of the first cycle that ``one`` contradicts; none if undecided."""
         cycle = self._impasse.clock.cycle_of(one.atom) or 0
         done = [action for action in self._impasse.executed if action.cycle >= cycle - 1]
         others = [other for other in doubted if other is not one]
 
         def possible(kept: FrozenSet[Action]) -> bool:
-            """Return whether just these actions can have been executed."""
+            """Return whether an answer exists if only the actions ``kept`` were executed."""
             undone = frozenset(action.atom for action in done if action not in kept)
             return bool(self._ask(others, moved, undone).satisfiable)
 
         known: List[Witness[Action]] = [Witness(False, frozenset(done))]
-        found = find_mus(done, remember(yes_or_no(possible), known))  # without cores it has the earliest actions
+        found = find_mus(done, remember(yes_or_no(possible), known))  # without cores, the MUS has the earliest actions
         cycles = [action.cycle for action in found.items if found.minimal]
         return tuple(action for action in found.items if action.cycle in cycles[-1:])
 
@@ -165,7 +166,7 @@ class _Finder:
         moved: Optional[Dict[Observation, Symbol]] = None,
         undone: FrozenSet[Symbol] = _NOTHING,
     ) -> Reply:
-        """As :meth:`_answers`, while there is time."""
+        """Call :meth:`_answers` if there is time left, else raise UndecidedError."""
         if self._look() is not None:
             raise UndecidedError
         return self._answers(doubted, moved, undone)
@@ -176,9 +177,10 @@ class _Finder:
         moved: Optional[Dict[Observation, Symbol]] = None,
         undone: FrozenSet[Symbol] = _NOTHING,
     ) -> Reply:
-        """Return whether there is an answer, if need be without goals; raises UndecidedError.
+        """Return whether there is an answer, with or without goals; raises UndecidedError.
 
-        Some observations are withheld, or ``moved``, and some actions ``undone``.
+        The ``doubted`` observations are withheld, except for those ``moved`` to another cycle. The actions ``undone``
+        count as not done.
         """
         facts = (self._known - facts_of(doubted) - undone).union((moved or {}).values())
         replies: List[Reply] = []

@@ -1,4 +1,4 @@
-"""What interfaces tell the core: returns of the actions under way and other facts, and why some are rejected."""
+"""Returns and other facts from interfaces: they are checked, matched with running actions, and fed."""
 
 from collections import Counter, deque
 from contextlib import contextmanager
@@ -40,32 +40,32 @@ from rosoclingo.reasoning.records import (
 )
 from rosoclingo.reasoning.repair import Change
 
-#: Facts of one message.
+#: Maximum number of facts in a message.
 MOST_FACTS = 1000
 
-#: So many of the last actions done are told with a plan; all that was ever done is what a recording is for.
+#: Maximum number of executed actions that are reported with a plan.
 DONE = 10
 
-#: So many of the last actions done are remembered.
+#: Maximum number of executed actions that the core remembers.
 EXECUTED = 64
 
-#: Limits of the facts that wait for the next update, apart from returns: their number, and their characters.
+#: Maximum number of facts that wait for the next update, and of their characters; returns are not counted.
 MOST_WAITING, MOST_TEXT = 10000, 1 << 24
 
 
 class ReturnError(ValueError):
-    """A return or another fact is rejected: nothing waits for it, or it must not be stated; the text says why."""
+    """A return or another fact is rejected; the text is the reason."""
 
 
 class Dispatch:
-    """The actions of ``cycle``, sent out at ``started`` (seconds). The cycle ends when each has returned.
+    """The actions of ``cycle``, dispatched at ``started`` (seconds). The cycle ends when each action has returned.
 
-    On success the value returned is the action's parameter; any other value is a failure. Where several actions of one
-    interface are under way a failure is about the one whose parameter it has as its last argument, ``failed(P)``;
-    otherwise about any of those that no other return names.
+    The return value is the parameter of the action on success, and any other value on failure. If several actions of an
+    interface are running, a failure ``failed(P)`` refers to the action with parameter P. Other failures refer to any of
+    the actions that no return names.
 
     Attributes:
-        returns: the returns, in the order of their arrival.
+        returns: the returns in order of arrival.
 
     """
 
@@ -75,7 +75,7 @@ class Dispatch:
 
     @property
     def missing(self) -> Tuple[Action, ...]:
-        """The actions that have not returned: of each interface as many as returns are still to come."""
+        """The actions that have not returned; each interface has one for each outstanding return."""
         left, missing = Counter(action.interface for action in self.actions), []
         left.subtract(answer.interface for answer in self.returns)
         for action in self._unanswered:
@@ -86,7 +86,7 @@ class Dispatch:
 
     @property
     def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
-        """The returns that were no success, each with the actions that it can be about; those that name one first."""
+        """The returns of failure, each with the actions that it can refer to; those that name an action come first."""
         about = [(one, self._about(one)) for one in self.returns]
         named = [(one, (action,)) for one, action in about if action is not None and one.value != action.parameter]
         unnamed = [one for one, action in about if action is None]
@@ -94,7 +94,7 @@ class Dispatch:
         return [*named, *zip(unnamed, left)]
 
     def take(self, answer: Return) -> None:
-        """Count a return; raises ReturnError when it answers none of the actions under way."""
+        """Record a return; raises ReturnError if it matches no running action."""
         if answer.cycle != self.cycle:
             raise ReturnError(f"it is cycle {self.cycle} now")
         if answer.interface not in [one.interface for one in self.actions]:
@@ -105,13 +105,13 @@ class Dispatch:
         self.returns.append(answer)
 
     def expire(self, reason: Symbol) -> List[Tuple[Action, Return]]:
-        """Count each action without a return as failed for ``reason``; return each with its return."""
+        """Fail each action without a return for ``reason``; return the actions with their returns."""
         expired = [(one, self.failure(one, reason)) for one in self.missing]
         self.returns += [answer for _, answer in expired]
         return expired
 
     def failure(self, action: Action, reason: Symbol) -> Return:
-        """Return an action's return of failure for ``reason``."""
+        """Make the return of an action that failed for ``reason``."""
         parameters = [one.parameter for one in self.actions if one.interface == action.interface]
         value = failure_value(reason, action.parameter, parameters.__contains__)
         return Return(action.interface, value, action.cycle)
@@ -136,7 +136,7 @@ class Dispatch:
         return [action for action in self.actions if action not in answered]
 
     def _about(self, answer: Return) -> Optional[Action]:
-        """The action that a return names: by its parameter, or the last argument of ``failed(P)``."""
+        """Return the action that a return names by its parameter P or by ``failed(P)``; None if it names none."""
         value, interface = answer.value, answer.interface
         last = value.arguments[-1:] if value.type is SymbolType.Function else []
         for named in (value, *last):
@@ -146,16 +146,16 @@ class Dispatch:
         return None
 
 
-#: Limits of the remembered facts that name their cycle, to recognize repeated ones: their number, and characters.
+#: Maximum number of remembered facts with a cycle, by which repetitions are detected, and of the characters of each.
 KNOWN, SHORT = 1000, 1000
 
 
 class ExecutionMonitor:
-    """Takes facts into the feeder, counts the returns of what is under way, and remembers what was done and observed.
+    """Monitors the execution of actions, and passes returns and other facts to the feeder.
 
     Attributes:
         observations: the latest failures and facts, oldest first.
-        unhandled: failures that the program cannot handle, until the goals that rest on their actions are aborted.
+        unhandled: the failures that the program cannot handle, until the goals that depend on them are aborted.
 
     """
 
@@ -173,7 +173,7 @@ class ExecutionMonitor:
         self._cycle = cycle
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
-        self._text = 0  # characters of the facts that wait
+        self._text = 0  # number of characters of the waiting facts
         self._dispatch: Optional[Dispatch] = None
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
         self.observations: Deque[Observation] = deque(maxlen=MEMORY)
@@ -181,21 +181,24 @@ class ExecutionMonitor:
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
-        """The actions under way that have not returned."""
+        """The running actions: those that have not returned."""
         return self._dispatch.missing if self._dispatch else ()
 
     @property
     def under_way(self) -> Tuple[Action, ...]:
-        """The actions of the cycle, those that have returned included; none once it has ended."""
+        """All actions of the cycle, including those that have returned; none once the cycle has ended."""
         return self._dispatch.actions if self._dispatch else ()
 
     @property
     def executed(self) -> Tuple[Action, ...]:
-        """The latest actions done, oldest first, also where the program knows nothing of them any more."""
+        """The latest executed actions, oldest first, even if the program has forgotten them."""
         return tuple(self._executed)
 
     def likely_return(self, succeeds: bool) -> Optional[Symbol]:
-        """The return of the last action under way, None where more are; a failure has its interface's latest reason."""
+        """Return the expected return of the last running action, None if several are running.
+
+        A failure has the latest reason of the interface.
+        """
         if self._dispatch is None or len(self.awaited) != 1:
             return None
         (action,) = self.awaited
@@ -204,16 +207,16 @@ class ExecutionMonitor:
         return success_of(action) if succeeds else self._dispatch.failure(action, reason).atom
 
     def preempted(self, action: Action) -> Symbol:
-        """Return the return of an action under way that is preempted as unwanted."""
+        """Make the return of a running action that is preempted."""
         assert self._dispatch is not None
         return self._dispatch.failure(action, PREEMPTED).atom
 
     def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
-        """Record that the actions of ``cycle`` are sent out."""
+        """Record that the actions of ``cycle`` are dispatched."""
         self._dispatch = Dispatch(cycle, actions, now)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
-        """Take facts from the interface ``origin``; one that makes no sense is reported as a problem and left out."""
+        """Accept facts from the interface ``origin``; invalid facts are reported as problems and ignored."""
         message = self._feeder.arrivals + 1
         for text in facts[:MOST_FACTS]:
             with self._guarded(origin, text):
@@ -222,10 +225,10 @@ class ExecutionMonitor:
             self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
     def expire(self, now: float, limit: float) -> None:
-        """Count actions that have not returned within ``limit`` seconds as failed; 0 waits for ever."""
+        """Fail actions that have not returned within ``limit`` seconds; 0 waits for ever."""
         if self._dispatch is None or limit <= 0:
             return
-        self._dispatch.started = min(self._dispatch.started, now)  # time jumped back: the wait begins anew
+        self._dispatch.started = min(self._dispatch.started, now)  # restart the wait if time has jumped back
         if now - self._dispatch.started < limit:
             return
         for action, answer in self._dispatch.expire(TIMEOUT):
@@ -235,7 +238,7 @@ class ExecutionMonitor:
                 self._feed_return(action.interface_name, answer.atom)
 
     def end_cycle(self) -> Tuple[Action, ...]:
-        """End the cycle; return the actions that were executed in it."""
+        """End the cycle; return its executed actions."""
         dispatch, self._dispatch = self._dispatch, None
         if dispatch is None:
             return ()
@@ -249,7 +252,7 @@ class ExecutionMonitor:
         return dispatch.actions
 
     def record(self) -> Record:
-        """Return what is under way, was done, observed and told, as plain values."""
+        """Return the state as plain values."""
         return {
             "dispatch": None if self._dispatch is None else self._dispatch.record(),
             "observations": [one.record() for one in self.observations],
@@ -259,7 +262,7 @@ class ExecutionMonitor:
         }
 
     def restore(self, record: Record) -> None:
-        """Go on from a record."""
+        """Restore from a record."""
         dispatch = record["dispatch"]
         self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
         self.observations.extend(map(Observation.of_record, record["observations"]))
@@ -270,7 +273,7 @@ class ExecutionMonitor:
 
     @contextmanager
     def _guarded(self, origin: str, text: str) -> Iterator[None]:
-        """Report a fault of the fact ``text`` as a problem."""
+        """Report errors about the fact ``text`` as problems."""
         try:
             yield
         except (ProgressionError, KeywordError, ReturnError) as error:
@@ -278,7 +281,7 @@ class ExecutionMonitor:
             self._tell(Problem(self._cycle(), message, origin))
 
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
-        """Raises KeywordError for a malformed return, ReturnError for a fact that nobody waits for or may state."""
+        """Accept a fact; raises KeywordError for a malformed return, and ReturnError for a rejected fact."""
         if is_keyword(atom, RETURN):
             answer = return_of(atom)
             if self._dispatch is None:
@@ -289,37 +292,37 @@ class ExecutionMonitor:
             self._check(atom)
             self._text = self._text if self._feeder.waiting else 0
             if self._feeder.waiting >= MOST_WAITING or 0 < self._text > MOST_TEXT - size:
-                raise ReturnError(f"{self._feeder.waiting} facts wait for the next update already")
+                raise ReturnError(f"{self._feeder.waiting} facts already wait for the next update")
             if size > SHORT or not self._is_known(atom):
                 self._text += size
                 self._tell(FactTaken(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle(), message)
 
     def taken(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
-        """Remember the ``facts`` of an update that are ``present`` in it; others are new when they come again."""
+        """Record the ``facts`` of an accepted update that are ``present`` in it; omitted facts can be sent again."""
         for fact in facts:
             if fact.atom not in present:
                 self._known.pop(fact.sent, None)
             elif not fact.is_return:
                 self.observations.append(fact)
             if fact.outdated:
-                text = f"{fact.sent} from interface {fact.origin} comes too late: it is taken as {fact.atom}"
+                text = f"{fact.sent} from interface {fact.origin} is too late: it is redated to {fact.atom}"
                 self._tell(Problem(self._cycle(), text))
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
-        """Redate or withhold observations; ``failures`` are those of the last update."""
+        """Redate or withhold observations; ``failures`` are the failures of the last update."""
         seen = {one.atom: one for one in (*failures, *self.observations) if one.actions}
-        withheld = [one.observation for one in changes if one.taken_as is None and one.observation.atom in seen]
+        withheld = [one.observation for one in changes if one.redated is None and one.observation.atom in seen]
         self.unhandled += [UnhandledFailure(seen[one.atom], undone=bool(one.actions)) for one in withheld]
         changed = {one.observation.atom for one in changes}
         kept = [one for one in self.observations if one.atom not in changed]
-        moved = [one.observation._replace(atom=one.taken_as) for one in changes if one.taken_as is not None]
+        moved = [one.observation._replace(atom=one.redated) for one in changes if one.redated is not None]
         self.observations = deque([*kept, *moved], maxlen=MEMORY)
         for one in changes:
             self._tell(Problem(self._cycle(), str(one), one.observation.origin))
 
     def has_unhandled(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
-        """Return whether there are unhandled failures; an update's ``warnings`` name those that the solver ignored."""
+        """Return whether there are unhandled failures, including failures that ``warnings`` report as ignored."""
         known = [one.failure.atom for one in self.unhandled]
         ignored = [one for one in failures if one.atom not in known and is_ignored(one.atom, warnings)]
         self.unhandled += map(UnhandledFailure, ignored)
@@ -332,16 +335,16 @@ class ExecutionMonitor:
         self.unhandled.clear()
 
     def _can_handle(self, failure: Observation) -> bool:
-        """Return whether the program declares such returns, and a rule can look at this one.
+        """Return whether the program declares an external for the failure, and a rule depends on it.
 
-        A rule that looks at the action's return of success sees failures as well, by the absence of that return.
+        A rule that depends on the success return also detects failures, by the absence of that return.
         """
         atoms = [failure.atom, return_of(failure.atom).failure, *map(success_of, failure.actions)]
         declared = self._program.may_define(failure.atom, self._program.first_step)
         return declared and may_heed(self._program.parts, self._program.values, atoms)
 
     def _is_known(self, atom: Symbol) -> bool:
-        """Whether a fact that names its cycle was told before."""
+        """Return whether a fact with a cycle was sent before."""
         if self._clock.cycle_of(atom) is None:
             return False
         known = atom in self._known
@@ -351,28 +354,28 @@ class ExecutionMonitor:
         return known
 
     def _feed_return(self, origin: str, atom: Symbol) -> None:
-        """Pass on a return that has been counted."""
+        """Feed a return that has been recorded."""
         self._tell(ReturnTaken(self._cycle(), atom))
         self._check(atom)
         self._feeder.add_fact(atom, origin, self._cycle())
 
     def _check(self, atom: Symbol) -> None:
-        """Raises ReturnError when ``atom`` is one of the core's own keywords or no external of the program."""
+        """Raise ReturnError if ``atom`` is a reserved keyword or not an external of the program."""
         signature = (atom.name, len(atom.arguments))
         if signature in RESERVED:
-            raise ReturnError("{}/{} is for the core and the program only".format(*signature))
+            raise ReturnError("{}/{} is reserved for the core and the program".format(*signature))
         if not self._program.declares_external(*signature):
             raise ReturnError("the program declares no external {}/{}".format(*signature))
 
 
 def too_many_facts(number: int, origin: str) -> str:
-    """Return a text about a message with too many facts."""
-    ignored = f"those behind the first {MOST_FACTS} are ignored"
-    return f"of {number} facts in one message from '{origin}' {ignored}: send them in several"
+    """Return the text of the problem that a message has too many facts."""
+    limit = f"only the first {MOST_FACTS} are accepted"
+    return f"a message from '{origin}' has {number} facts, {limit}: send several messages"
 
 
 def _read(text: str) -> Symbol:
-    """The atom of a fact's text; raises ProgressionError, and ReturnError for one that is too long."""
+    """Parse a fact; raises ProgressionError, and ReturnError if the text is too long."""
     if len(text) > LONGEST:
         raise ReturnError(f"it is too long: write at most {LONGEST} characters")
     return parse_atom(text)

@@ -1,23 +1,27 @@
-"""How far to plan and how long to wait: the defaults of the core's parameters."""
+"""Settings of the core, with the defaults of its parameters."""
 
 from dataclasses import dataclass
 
-#: Seconds of wall time that the next action waits for a plan with new goals while the plan in force goes on.
+#: Seconds of wall time that the next action waits for a plan with new goals while the current plan continues.
 JOINING = 0.3
 
 
 @dataclass(frozen=True)
 class CoreSettings:
-    """How far to plan and how long to wait.
+    """Limits of planning and waiting.
 
-    ``horizon_limit``: steps that a plan for one goal may reach beyond the current cycle. ``action_timeout``: seconds
-    until an action that has not returned counts as failed with the value ``timeout``; 0 waits for ever. ``preempt``:
-    whether an action under way that a new plan does not want is ended at once. ``goals_at_once``: goals that the
-    program is told of at the same time; more of them wait, the oldest first; 0 for no limit. ``overtaking_limit``: so
-    many goals may come later than a goal and end before it, or as many as it was planned for together with, if that is
-    more; then no newer one is fed until it has ended; 0: any number.
-    ``search_timeout``: seconds of processor time after which the watch over a search ends it, 0 for never: so many
-    goals are planned for at a time as that is far from.
+    Attributes:
+        horizon_limit: maximum number of steps of a plan for one goal, from the current cycle on.
+        action_timeout: seconds after which an action without a return fails with ``timeout``; 0 waits for ever.
+        preempt: whether running actions that a new plan does not contain are ended at once.
+        goals_at_once: maximum number of goals that the program has at a time; further goals are queued, and the oldest
+            is admitted first. 0 for no limit.
+        overtaking_limit: maximum number of newer goals that can end before a goal. Once it is reached, no newer goal is
+            admitted until this one has ended. A goal in a plan with more goals has their number as its limit.
+            0 for no limit.
+        search_timeout: seconds of processor time after which a search is ended, 0 for never. Admission chooses the
+            number of goals so that searches stay well below it.
+
     """
 
     horizon_limit: int = 100

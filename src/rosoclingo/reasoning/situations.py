@@ -1,4 +1,4 @@
-"""The situations of the core within a cycle, and the form of the table that says what it tries in each of them."""
+"""The situations of the core within a cycle, and the rows of its table of responses."""
 
 from enum import Enum
 from typing import Any, Callable, NamedTuple, Optional
@@ -9,7 +9,7 @@ from rosoclingo.reasoning.input_feeder import Batch
 
 
 class Situation(Enum):
-    """Where the core stands. The loop over the table ends with SETTLED."""
+    """The situation of the core. The loop over the table ends with SETTLED."""
 
     DUE = "a cycle is due"
     REFUSED = "the solver refuses the update"
@@ -40,7 +40,7 @@ class State(NamedTuple):
         result: the result of the last search.
         accepted: whether the update is in force.
         deferred: whether goals were deferred after this result.
-        no_plan: the stream without a plan, if this is the one with repaired observations.
+        no_plan: the original stream without a plan, if its observations have been repaired.
         why: why there is no plan.
 
     """
@@ -64,9 +64,10 @@ class Response(NamedTuple):
     """One row of the table: what the core tries in a situation.
 
     Attributes:
-        situation: where the row applies.
-        text: what is tried, for readers.
-        step: tries it with the core; returns the next state, None if the step does not apply or does not help.
+        situation: the situation in which the row applies.
+        text: the step in words.
+        step: a function of the core and the state. It returns the next state, or None if the step does not apply or
+            does not help.
 
     """
 

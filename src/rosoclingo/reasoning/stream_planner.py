@@ -1,6 +1,7 @@
-"""The solver as the core uses it: it closes the past, bounds the look ahead, and goes back by going on from a log.
+"""The planner of the core: it closes past cycles, bounds the lookahead, and backtracks to earlier histories.
 
-All that a solver takes is in its log; planners beside one another read the same log up to where their ways part.
+The state of a planner is its history, which is immutable. A second planner can therefore continue from any prefix of
+it, without effect on the first one.
 """
 
 from contextlib import suppress
@@ -30,32 +31,32 @@ from rosoclingo.reasoning.keywords import Action
 
 T = TypeVar("T")
 
-#: Makes a solver that nothing was fed to yet.
+#: Makes a new solver.
 SolverFactory = Callable[[], PlanningSolver]
 
 
-#: Cycles that stay as they were fed, so that an observation can still be named as the reason of a failure.
+#: Number of recent cycles without compaction, so that their observations can be named as reasons.
 RECENT = 10
 
-#: Cycles after which even what an open request saw is over.
+#: Number of cycles after which older ones are compacted even if a request was open then.
 LONG_AGO = 150
 
-#: Cycles that a solver that begins anew takes at once.
+#: Number of cycles that a reset solver closes in one update.
 MANY_STEPS = 100
 
 
 class Halt(NamedTuple):
-    """Why a search must end.
+    """The reason why a search must end.
 
-    ``disturbed`` tells that its result is of no use any more, since something has come that changes the question;
-    otherwise it has taken too long.
+    ``disturbed`` is true if an arrival has changed the question, so that the result is useless. Otherwise the search
+    has taken too long.
     """
 
     why: str
     disturbed: bool = False
 
 
-#: Called at the start of each search; what it returns is asked again and again during the search.
+#: Called at the start of each search. The returned function is polled during the search.
 SearchWatch = Callable[[], Callable[[], Optional[Halt]]]
 
 
@@ -65,13 +66,14 @@ def unwatched() -> Callable[[], Optional[Halt]]:
 
 
 def steps_for(goals: int, alone: int, left: int = 0, fresh: int = 0) -> int:
-    """How many steps a plan for so many goals may have where one may have ``alone``: a tenth more for each further one.
+    """Return the horizon bound for a number of goals, if the bound for one goal is ``alone``.
 
-    A proof that there is no plan has to go through all of them, so it is far fewer than all goals would need one after
-    the other. Goals for which that is too few are not given up: recovery makes sure of that. Where of a plan with more
-    than one goal so many steps are ``left`` there may be a quarter of ``alone`` more for each of ``fresh`` goals, and
-    for what fails: a plan that begins with the one that there is is found soon. Whole multiples of ``alone`` then, so
-    that this does not change with each step.
+    Each further goal adds a tenth of ``alone``. The bound is far below the sum for all goals, because a proof that
+    there is no plan has to cover all steps. Recovery makes sure that no goal is aborted because the bound is too low.
+
+    If the current plan has steps ``left``, the bound also covers these, and a quarter of ``alone`` for each of the
+    ``fresh`` goals and for failures, because a plan that extends the current one is found soon. It is then rounded up
+    to a multiple of ``alone``, so that it does not change with each step.
     """
     if goals <= 1:
         return alone
@@ -80,22 +82,21 @@ def steps_for(goals: int, alone: int, left: int = 0, fresh: int = 0) -> int:
 
 
 class DisturbedError(Exception):
-    """The search was left for something that has come; ``kept`` tells whether its update is in force."""
+    """An arrival has interrupted the search; ``kept`` is true if the solver has accepted the update."""
 
     def __init__(self, why: str, kept: bool) -> None:
-        super().__init__(f"the search was left: {why}")
+        super().__init__(f"the search was interrupted: {why}")
         self.kept = kept
 
 
 class Planner:
-    """A reactive solver as the core uses it; its log holds all that plans follow from.
+    """A planning solver with the conventions of the core. Its history determines all plans.
 
-    Every search may raise DisturbedError, and DroppedError where it could be ended only by dropping the update.
+    Every search can raise DisturbedError. It raises DroppedError if it could be ended only by dropping the update.
 
     Attributes:
-        lookahead: the greatest number of steps that the horizon may lie beyond the current cycle; planners that are
-            made of this one have the same.
-        ended_by: why the last search was ended, empty where it ended by itself.
+        lookahead: the maximum number of steps from the current cycle to the horizon; derived planners inherit it.
+        ended_by: why the last search was ended, empty if it ended by itself.
 
     """
 
@@ -106,7 +107,7 @@ class Planner:
         watch: SearchWatch = unwatched,
         log: Optional[History] = None,
     ) -> None:
-        """Plan from the start or, with ``log``, go on from there."""
+        """Plan from the start, or continue from ``log``."""
         self._make_solver = make_solver
         self.lookahead = lookahead
         self._watch = watch
@@ -117,33 +118,33 @@ class Planner:
 
     @property
     def solver(self) -> PlanningSolver:
-        """The solver that it asks."""
+        """The underlying solver."""
         return self._solver
 
     @property
     def log(self) -> History:
-        """All that the solver has taken."""
+        """The history of the solver."""
         return self._solver.log
 
     @property
     def in_force(self) -> StreamUpdate:
-        """The last update as the solver has it, with its bound and closed cycles; empty if there is none."""
+        """The last accepted update, with its bound and closed cycles; empty if there is none."""
         return self.log.update or StreamUpdate(self.log.step)
 
     @property
     def stream(self) -> Stream:
-        """The last update and what it followed on: what it is about where there is no plan."""
+        """The last update and the history before it, for explanations."""
         return Stream(self._before or History(), self.in_force, self.lookahead)
 
     def ends_later(self, step: int) -> bool:
-        """Whether the last answer, and each that there is, ends later than at ``step``."""
+        """Return whether each answer ends later than at ``step``."""
         plan = self.log.plan
         return plan is not None and plan.shortest and plan.horizon > step
 
     def over(self, step: int, since: int = 0) -> int:
-        """What concerns cycles before the one returned comes too late from the update of ``step`` on.
+        """Return the first cycle for which facts can still be fed in the update of ``step``.
 
-        ``since`` is the cycle of the oldest request that still matters. What lies well before it is over.
+        ``since`` is the cycle of the oldest request that still matters. Cycles well before it are closed.
         """
         return max(self.log.keep_from, min(since, step - 1 - RECENT), step - 1 - LONG_AGO)
 
@@ -152,21 +153,21 @@ class Planner:
         return self._search(StreamUpdate(1, self.lookahead))
 
     def update(self, update: StreamUpdate) -> SolveResult:
-        """Feed an update, which names its step, and solve; raises SolverError, with nothing changed, when refused.
+        """Feed an update with a step, and solve; raises SolverError, with nothing changed, if the solver refuses it.
 
-        The cycles since the last update are past: only the actions that this one commits to may ever be in a plan at
-        them.
+        The cycles since the last update are closed: a plan has no other actions in them than those that this update
+        commits to.
         """
         return self._search(_whole(self.log, update, self.lookahead))
 
     def take(self, update: StreamUpdate) -> SolveResult:
-        """Feed an update without looking ahead; no answer means that none was found, there may be one."""
+        """Feed an update without lookahead; a missing answer counts as interrupted, because it proves nothing."""
         result = self._search(_whole(self.log, update, 0))
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
     def still(self, actions: Sequence[Action]) -> Optional[SolveResult]:
-        """The answer of a plan that ends with these actions, one at least, and has all; None where there is none."""
+        """Return an answer whose plan contains these actions and ends with the last of them; None if there is none."""
         steps = max(action.cycle for action in actions) - self.log.step
         update = StreamUpdate(self.log.step, steps, (Volatile(), *(commitment(action.atom) for action in actions)))
         try:
@@ -180,8 +181,8 @@ class Planner:
     ) -> Reply:
         """Return whether there would be a plan of at most ``steps`` after ``update`` without the facts ``disabled``.
 
-        The history stays as it is. The ``disabled`` are some of the ``assumable``. The program is ground once if only
-        they and the steps change.
+        The history does not change. The ``disabled`` facts are a subset of the ``assumable`` ones. The grounding is
+        reused if only the disabled facts and the steps change.
         """
         whole = _whole(self.log, update, steps)
         verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, assumable, disabled, stopped))
@@ -189,26 +190,26 @@ class Planner:
         return verdict
 
     def may_begin_with(self, action: Symbol, steps: int) -> bool:
-        """Whether a plan of the present cycle and ``steps`` more holds ``action``; True where that takes too long."""
+        """Return whether a plan of ``steps`` steps after this one can contain ``action``; True if undecided."""
         update = StreamUpdate(self._solver.step, steps, (Volatile(), commitment(action)))
         return self._search(update).outcome is not SolveOutcome.UNSATISFIABLE
 
     def improve(self, stopped: Callable[[], bool]) -> Optional[SolveResult]:
-        """A shorter plan, with past and present as they are; None where ``stopped`` came first or none is to be had."""
+        """Return a shorter plan with the same past and present; None if there is none or ``stopped`` comes first."""
         try:
             return self._solver.improve(stopped)
-        except SolverError:  # its log is as it was, the next update goes on from there
+        except SolverError:  # the history is unchanged
             return None
 
     def compact(self, stopped: Callable[[], bool]) -> None:
-        """Have a log that has grown long begin anew, so that a solver reads it soon, unless ``stopped`` says so."""
-        with suppress(SolverError):  # the log is as it was
+        """Replace a long history by a checkpoint, so that workers can load it quickly, unless ``stopped``."""
+        with suppress(SolverError):  # the history is unchanged
             self._solver.compact(stopped)
 
     def prepare(self, updates: Sequence[StreamUpdate], lookahead: int) -> bool:
-        """Have the answer to the last of ``updates`` prepared, should they come next; nothing waits for it.
+        """Prefetch the answer to the last of ``updates``, without waiting; return whether the prefetch has begun.
 
-        The plan has to go on with all before it. They look so far ahead. Tell whether it is prepared now.
+        The current plan must be a plan for all other updates. ``lookahead`` applies to all of them.
         """
         log, whole = self.log, []  # type: History, List[StreamUpdate]
         for update in updates:
@@ -217,7 +218,7 @@ class Planner:
         return self._solver.prefetch(whole[-1], whole[:-1])
 
     def has_prepared(self, update: StreamUpdate, watch: Optional[SearchWatch] = None) -> bool:
-        """Return whether the answer to ``update``, as the next update, was prefetched; wait until ``watch`` says so."""
+        """Return whether the answer to ``update``, as the next update, was prefetched; wait until ``watch`` ends."""
         whole = _whole(self.log, update, self.lookahead)
         if watch is None:
             return self._solver.has_prefetched(whole)
@@ -229,13 +230,13 @@ class Planner:
         return self._solver.predicts(_whole(self.log, update, self.lookahead))
 
     def why_none(self, result: SolveResult) -> str:
-        """Return why the last search, with that ``result``, gave no plan."""
+        """Return why the last search, with this ``result``, found no plan."""
         if result.outcome is SolveOutcome.INTERRUPTED:
             return "no plan was found before the search was ended" + (f": {self.ended_by}" if self.ended_by else "")
         return f"there is no plan of at most {self.lookahead} steps"
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
-        """Return a planner beside this one in the same state, less the facts ``without``, its horizon short again."""
+        """Return another planner with the same history, except for the facts ``without``, and with a short horizon."""
         before, taken = self._before, self.in_force
         if before is None:
             return self.at(self.log.withdraw(without))
@@ -243,22 +244,22 @@ class Planner:
         return self.at(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
 
     def at(self, log: History) -> "Planner":
-        """Return a planner beside this one that has accepted what is in ``log``."""
+        """Return another planner with the history ``log``."""
         return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def before_update(self) -> "Planner":
-        """Return another planner, which has not accepted the last update."""
+        """Return another planner without the last update."""
         return self.at(self._before or History())
 
     def instead(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
-        """Return another planner, which was fed ``update`` in place of the last one, and the result."""
+        """Return another planner with ``update`` in place of the last one, and its result."""
         planner = self.before_update()
         return planner, planner.update(update)
 
     def corrected(self, gone: FrozenSet[Symbol], new: Iterable[Symbol] = ()) -> Tuple["Planner", SolveResult]:
-        """Return another planner, whose last update has ``new`` facts in place of the ones ``gone``, and the result.
+        """Return another planner whose last update has ``new`` facts in place of ``gone`` ones, and its result.
 
-        The update withdraws those of them that earlier updates stated.
+        The update withdraws the ``gone`` facts that earlier updates stated.
         """
         update = self.in_force
         present = update.heads | update.committed
@@ -267,7 +268,7 @@ class Planner:
         return self.instead(replace(update, items=items))
 
     def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
-        """Return a planner that knows only that it is ``step`` now and nothing was done before; and what it was fed."""
+        """Return a planner that starts at ``step`` without a history, the updates that it was fed, and the result."""
         planner = self.at(History())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []
@@ -279,7 +280,7 @@ class Planner:
 
     @property
     def _before(self) -> Optional[History]:
-        """The log before the last update, None where there is none."""
+        """The history before the last update, None if there is none."""
         return self.log.before_update
 
     def _search(self, update: StreamUpdate) -> SolveResult:
@@ -288,12 +289,12 @@ class Planner:
         return result
 
     def _watched(self, ask: Callable[[Callable[[], bool]], T]) -> Tuple[T, Optional[Halt]]:
-        """Ask the solver, and tell why it was stopped, if it was."""
+        """Run a search; return its result, and why it was stopped, None if it was not."""
         while True:
             look, halt = self._watch(), None
 
             def stopped(look: Callable[[], Optional[Halt]] = look) -> bool:
-                """Tell whether the search is to end; the first reason is kept."""
+                """Return whether the search must end; keeps the first reason."""
                 nonlocal halt
                 halt = halt or look()
                 return halt is not None
@@ -309,14 +310,14 @@ class Planner:
                 raise
 
     def _note(self, halt: Optional[Halt]) -> None:
-        """Note why the search has come to nothing, if it has."""
+        """Record why the search was stopped, if it was; raises DisturbedError after an arrival."""
         self.ended_by = halt.why if halt else ""
         if halt and halt.disturbed:
             raise DisturbedError(halt.why, kept=True)
 
 
 def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
-    """Return ``update`` with its bound, and with what it says of the past as far as that is new after ``log``."""
+    """Return ``update`` with its bound and the cycles that it closes, without items that ``log`` already implies."""
     known = [item for item in update.items if isinstance(item, Over) and item.step <= log.keep_from]
     items = tuple(item for item in update.items if item not in known)
     if update.step is not None and update.step > log.step and not any(isinstance(one, Closed) for one in items):
@@ -325,11 +326,11 @@ def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
 
 
 def in_turns(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Planner, Batch, SolveResult]:
-    """Return the planner that goes on from the ``result`` of a batch, the batch that it was fed, and the result.
+    """Return the planner to continue with after the ``result`` of a batch, the batch that it was fed, and its result.
 
-    The messages of one origin take effect in successive cycles of one update, which are idle except the last. A
-    program that demands an action in each cycle has no answer then: it gets the first messages now, and the others in
-    later updates.
+    The messages of one origin take effect in successive cycles of one update, and all of these except the last are
+    idle. A program that requires an action in each cycle has no answer then. Such a program is fed the first messages
+    now, and the others in later updates.
     """
     if batch.first is None or result.outcome is not SolveOutcome.UNSATISFIABLE:
         return planner, batch, result

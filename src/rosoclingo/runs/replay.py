@@ -33,7 +33,7 @@ from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRu
 Actions = FrozenSet[Symbol]
 
 #: What the core tells of a search that was ended before it had a plan.
-_ENDED = ("search was left", "search was ended", "not found out in time", "is dropped")
+_ENDED = ("search was interrupted", "search was ended", "not found in time", "is dropped")
 
 
 class CycleVerdict(Enum):
@@ -190,7 +190,7 @@ class Replay:
         left = [text for text in cycle.problems if any(words in text for words in _ENDED)]
         why = left[-1] if left else "and the core reported no search that was ended"
         if published is None and not left:  # the log says the same only once a minute
-            why = "the search was left, as no plan of it was published"
+            why = "the search was interrupted: it published no plan"
         return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(left) or published is None)
 
     @staticmethod

@@ -109,7 +109,7 @@ class CoreDefence(unittest.TestCase):
             self.assertLess(len(message), 500)
         self.hands.tell("_seen(" + "9" * 1_000_000 + ")", *["_seen(1)"] * 2000, origin="loudmouth")
         found = self.diagnostics.wait_for(lambda _, one: "2001 facts in one message" in one["last error"], "the facts")
-        self.assertIn("from 'loudmouth' those behind the first 1000 are ignored", found[1]["last error"])
+        self.assertIn("only the first 1000 are accepted", found[1]["last error"])
         goal = self.client.send("do(walk,20)")
         self.hands.succeed(self.hands.take())
         goal.ends_as(GoalStatus.SUCCEEDED)
@@ -119,7 +119,7 @@ class CoreDefence(unittest.TestCase):
         client = Client("lonely/rosoclingo")
         goal = client.send("do(walk,1)")
         status, _ = self.diagnostics.wait_for(
-            lambda one, _: one.message.endswith(": nobody listens on out_rosoclingo"), "the warning", name
+            lambda one, _: one.message.endswith(": no node subscribes to out_rosoclingo"), "the warning", name
         )
         self.assertEqual(status.level, DiagnosticStatus.WARN)
         _, values = self.diagnostics.wait_for(lambda _, one: "not returned within 3 s" in one["last error"], "it", name)

@@ -109,7 +109,7 @@ class CoreInterrupted(unittest.TestCase):
             updates = Updates("timed/rosoclingo")
             goal = Client("timed/rosoclingo").send("do(boom,1)")
             wait_until(lambda: goal.feedback, "word that the goal waits")
-            self.assertEqual(goal.feedback[0].status, "waiting: the solver could not take it in time")
+            self.assertEqual(goal.feedback[0].status, "waiting: the solver did not accept it in time")
             self.serves("timed", "do(walk,2)", updates)
             goal.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))

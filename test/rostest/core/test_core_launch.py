@@ -156,7 +156,7 @@ class CoreLaunch(unittest.TestCase):
             with contextlib.closing(sqlite3.connect(str(Path(folder) / "journal.db"))) as journal, journal:
                 journal.execute("UPDATE header SET run = 'other'")
             os.kill(process_of(NODE), signal.SIGKILL)
-            self.assertIn("the header is not as it was written", launched.ends().text)
+            self.assertIn("the header is missing or corrupt", launched.ends().text)
             self.assertEqual(launched.starts, 2)
 
     def test_without_a_journal_everything_ends_with_the_core(self):

@@ -4,7 +4,7 @@ import pytest
 
 from rosoclingo.nodes.core import keeping
 from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import Journal, TakenError
+from rosoclingo.reasoning.journal.folder import Journal, LockedError
 
 FRESH = Header("second", "program")
 
@@ -26,6 +26,6 @@ def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
 
 def test_it_does_not_wait_for_ever(tmp_path):
     before = Journal(tmp_path)
-    with pytest.raises(TakenError, match="another core has the journal"):
+    with pytest.raises(LockedError, match="another core uses the journal"):
         keeping.take_journal(tmp_path, "ask", FRESH, patience=0.0)
     before.close()

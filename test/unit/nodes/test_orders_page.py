@@ -88,8 +88,8 @@ def test_page_says_what_became_of_orders(desk):
     desk.choose(package="2", to="office3")
     desk.order()
     desk.served.do(lambda view: view.goal(143.0, "order 2", "goal(office2,office3,2)"))
-    desk.served.do(lambda view: view.feedback(143.0, "order 2", "waiting: 8 goals at a time are planned for"))
-    waits = "Ordered, waits its turn: goal(office2,office3,2) (8 goals at a time are planned for)"
+    desk.served.do(lambda view: view.feedback(143.0, "order 2", "waiting: at most 8 goals are planned for at a time"))
+    waits = "Ordered, waits its turn: goal(office2,office3,2) (at most 8 goals are planned for at a time)"
     desk.says(waits, "Rejected: goal(office1,office2,1) (has no way there)")
     desk.served.do(lambda view: view.status(144.0, "order 2", 1, "is accepted"))
     desk.says("Ordered: goal(office2,office3,2)", "Rejected: goal(office1,office2,1) (has no way there)")

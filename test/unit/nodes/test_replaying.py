@@ -240,7 +240,7 @@ def test_a_journal_that_was_changed_is_refused_at_the_record(replay, journal, tm
     change = "UPDATE record SET change = replace(change, 'office3,office2', 'office3,office1')"
     assert replay(changed(journal / NAME, tmp_path / "changed.db", change))[0] == 2
     error = capsys.readouterr().err
-    assert error.startswith(f"replay: {tmp_path}/changed.db: record 3 is not as it was written; take another copy")
+    assert error.startswith(f"replay: {tmp_path}/changed.db: record 3 is corrupt; take another copy")
 
 
 def test_a_folder_without_a_journal(replay, tmp_path, capsys):

@@ -70,7 +70,7 @@ def test_what_is_done_is_said_once_also_after_a_cancel(plain, first, then, comma
     assert said == [first, cancelling, then, "canceled: as you like"]
 
 
-MISSING = "no interface 'walk' for _action_lib(walk,3,1): nobody listens on out_rosoclingo"
+MISSING = "no interface 'walk' for _action_lib(walk,3,1): no node subscribes to out_rosoclingo"
 
 
 @pytest.mark.parametrize(

@@ -41,13 +41,13 @@ def test_the_goals_in_words_first_those_that_are_open():
         ("g(1)", 3, "g(1) is met"),
         ("g(2)", 1, "g(2) is accepted"),
         ("g(3)", 5, "g(3) there is no such place"),
-        ("g(4)", 0, "8 goals at a time are planned for"),
+        ("g(4)", 0, "at most 8 goals are planned for at a time"),
         ("g(5)", 0, ""),
     ]
     assert goals_text(goals).splitlines() == [
         "goals: 3 open, 2 ended",
         "g(2): active",
-        "g(4): waits, 8 goals at a time are planned",
+        "g(4): waits, at most 8 goals are planned for",
         "    for",
         "g(5): pending",
         "g(3): rejected, there is no such place",

@@ -34,7 +34,7 @@ WAITING = {
     "cancelled goals do not count": (4, {}, "cancel 4; cancel 3; no_plan 2; has 1 3 4"),
     "cancelled goals have more time": (2, {}, "cancel 2; cancel 1; patience 1; no_plan; patience 2 unhurried"),
     "a goal in vain alone lets all others go first": (3, {"at_once": 1}, """
-        no_plan 1; has 2; end 2; has 3; add 4; end 3; has 4; end 4; has 1; add 5; tells 5 first comes go(1); has 1
+        no_plan 1; has 2; end 2; has 3; add 4; end 3; has 4; end 4; has 1; add 5; tells 5 go(1) has priority; has 1
         lacks 5; plan; has 1; end 1; has 5"""),
     "of goals in vain the one comes first that was least often": (3, {"at_once": 1}, """
         no_plan 1; no_plan 2; no_plan; no_plan 3; has 1; no_plan 1; has 2; no_plan; no_plan 2; has 1"""),
@@ -67,12 +67,12 @@ PATIENCE = {
 
 OVERTAKING = {
     "nobody newer comes once a goal is overtaken too often": (2, {"at_once": 2, "overtaking_limit": 2}, """
-        add 3-5; end 2; has 1 3; end 3; has 1; add 6; tells 6 first comes go(1); end 1; has 4 5"""),
+        add 3-5; end 2; has 1 3; end 3; has 1; add 6; tells 6 go(1) has priority; end 1; has 4 5"""),
     "of goals in one plan any can be the last": (4, {"at_once": 4, "overtaking_limit": 2}, """
         plan; add 5-11; end 2 3; has 1 4-6; end 4; has 1 5-7; end 5; has 1 6 7; plan; end 1; has 6-9"""),
     "no limit": (2, {"at_once": 2}, "add 3-29;" + "".join(f"end {one};" for one in range(2, 20)) + "has 1 20"),
     "goals that had no turn overtake nobody": (2, {"at_once": 2, "overtaking_limit": 1}, """
-        add 3-5; cancel 4; add 6; tells 6 2 goals at a time are planned for; end 1; has 2 3; end 3; has 2"""),
+        add 3-5; cancel 4; add 6; tells 6 at most 2 goals are planned for at a time; end 1; has 2 3; end 3; has 2"""),
     "one in vain joins others once it is overtaken too often": (4, {"at_once": 2, "overtaking_limit": 2}, """
         end 2 3; add 5-7; has 1; no_plan 1; has 4 5; end 4; has 5 6; end 5; has 1 6; patience 1"""),
     "a cancelled goal does not come first": (2, {"at_once": 2, "overtaking_limit": 1}, """
@@ -81,8 +81,9 @@ OVERTAKING = {
 
 DROPPED = {
     "half of them come again": (0, {}, """
-        add 1-4; leave_out; has 1 2; lacks 3 4; tells 1 the solver could not take it in time
-        tells 4 the solver could not take it in time; feed; add 5; tells 5 2 goals at a time are planned for"""),
+        add 1-4; leave_out; has 1 2; lacks 3 4; tells 1 the solver did not accept it in time
+        tells 4 the solver did not accept it in time
+        feed; add 5; tells 5 at most 2 goals are planned for at a time"""),
     "beside another goal it waits for room": (1, {}, "add 2; leave_out; has 1; lacks 2; end 1; has 2"),
     "beside another goal half of them come again": (1, {}, "add 2-4; leave_out; has 1 2"),
     "others come while one rests, which does not overtake it": (0, {"overtaking_limit": 1}, """
@@ -121,7 +122,7 @@ def test_room_grows_slowly_after_a_loss(kept, more):
 def test_older_goals_are_let_in_before_the_one_that_comes_first():
     clients = perform(crowd(3, overtaking_limit=1), "put_off 1; end 3")
     clients.goal(1).overtaken, clients.goal(2).overtaken = 0, 2
-    perform(clients, "tick 1; add 4; tells 4 first comes go(2); plan; has 1 2")
+    perform(clients, "tick 1; add 4; tells 4 go(2) has priority; plan; has 1 2")
 
 
 def test_a_goal_that_alone_could_not_be_accepted_rests_longer_each_time():
@@ -178,6 +179,6 @@ def test_a_goal_in_vain_is_left_for_a_new_one_unless_it_comes_first():
     queue = clients.goals.queue
     assert queue.why_left((), new=True) == ""
     clients.no_plan()
-    assert [queue.why_left((), new) for new in (False, True)] == ["", "a goal has come"]
+    assert [queue.why_left((), new) for new in (False, True)] == ["", "a goal has arrived"]
     clients.goal(1).overtaken = 2
     assert queue.why_left((), new=True) == ""

@@ -136,7 +136,7 @@ CYCLES = {
         problem the program has no answer before any request...; facts _seen(sun); goal a do(walk,1); finish
         is a succeeded"""),
     "identities of live goals are unique": (ERRANDS, {}, """
-        goal first do(walk,1); goal second do(run,1); says second the identity '1' is taken: do(walk,1) has not ended
+        goal first do(walk,1); goal second do(run,1); says second the identifier '1' is in use: do(walk,1) has not ended
         goal first do(run,2); says first the goal handle 'first' is in use; succeed; goal third do(run,1)
         is third succeeded"""),
 }  # fmt: skip
@@ -155,14 +155,14 @@ def test_a_plan_of_which_something_is_done_now_and_then_is_not_given_up():
     while driver.core.cycle < 20:
         if not driver.core.advance(1.0):
             driver.core.receive("interface", [f"_return(go,1,{driver.core.cycle})"])
-    assert not any("put off" in problem for problem in driver.problems)
+    assert not any("was deferred" in problem for problem in driver.problems)
     assert [goal.key for goal in driver.core.live_goals] == ["a"]
 
 
 def test_a_plan_is_deferred_for_a_limited_number_of_cycles_after_an_arrival():
     driver = deferring(Procrastinator).begin().facts("_seen(ball)")
     assert driver.core.cycle == 5 + 1 + 5
-    assert driver.problems == ["the plan was put off 5 times in a row: it is given up"] * 2
+    assert driver.problems == ["the plan was deferred 5 times in a row: it is dropped"] * 2
 
 
 def test_a_plan_that_comes_to_nothing_at_the_limit_is_not_given_up():
@@ -217,9 +217,9 @@ def test_cycles_that_an_open_request_saw_are_kept():
         ("_return(swim,1,1)", "no action of 'swim'"),
         ("_return(walk,1)", "not of the form"),
         ("_return(walk,1,soon)", "no positive integer"),
-        *((fact, "for the core and the program only") for fact in ("_request(do(run,9),2)", "_action_lib(walk,1,1)")),
-        *((fact, "for the core and the program only") for fact in ("_status(1,succeeded,1)", "_explain(1,tired,1)")),
-        ("_cancel(walk,1,1)", "for the core and the program only"),
+        *((fact, "reserved for the core") for fact in ("_request(do(run,9),2)", "_action_lib(walk,1,1)")),
+        *((fact, "reserved for the core") for fact in ("_status(1,succeeded,1)", "_explain(1,tired,1)")),
+        ("_cancel(walk,1,1)", "reserved for the core"),
         ("_unheard(1)", "declares no external _unheard/1"),
         *((fact, "1:") for fact in ("_seen(X)", "garbage(((", "")),
     ],
@@ -246,8 +246,8 @@ def test_a_fact_has_a_greatest_length():
 def test_a_message_has_a_greatest_number_of_facts():
     driver = Driver().facts(*(f"_seen({number})" for number in range(MOST_FACTS + 7)))
     assert driver.problems == [
-        f"of {MOST_FACTS + 7} facts in one message from 'interface' those behind the first {MOST_FACTS} are ignored:"
-        " send them in several"
+        f"a message from 'interface' has {MOST_FACTS + 7} facts, only the first {MOST_FACTS} are accepted:"
+        " send several messages"
     ]
     assert f"_seen({MOST_FACTS - 1})." in driver.journal.updates[0]
     assert f"_seen({MOST_FACTS})." not in driver.journal.updates[0]
@@ -257,7 +257,7 @@ def test_facts_that_wait_while_an_action_runs_are_bounded(monkeypatch):
     monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_WAITING", 5)
     driver = Driver().goal("a", "do(walk,1)").facts(*(f"_seen({number})" for number in range(8)))
     assert driver.problems == [
-        f"'_seen({number})' from 'interface' is ignored: 5 facts wait for the next update already"
+        f"'_seen({number})' from 'interface' is ignored: 5 facts already wait for the next update"
         for number in (5, 6, 7)
     ]
     assert driver.succeed().states("a")[-1] == "succeeded", "a return is accepted whatever waits"
@@ -271,7 +271,7 @@ def test_feedback_after_each_answer():
 
 def test_abandon_ends_every_goal():
     driver = Driver(settings=CoreSettings(horizon_limit=8, goals_at_once=1))
-    driver.goal("a", "do(walk,1)").goal("b", "do(run,2)").core.abandon("is given up: the core shuts down")
+    driver.goal("a", "do(walk,1)").goal("b", "do(run,2)").core.abandon("is aborted: the core shuts down")
     assert driver.states("a")[-1] == driver.states("b")[-1] == "aborted", "also one that waits"
     assert "shuts down" in driver.message("a")
     driver.succeed()

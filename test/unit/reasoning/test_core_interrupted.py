@@ -31,7 +31,7 @@ GOES_ON = "no plan was found before the search was ended: the search goes on"
 FAULTS = {
     "search that is left": (ERRANDS, """
         add a do(walk,1); leave 1; once; all a; does; run; does walk,1,2; cycle 2; finish; is a succeeded
-        problems 1; problem the search was left: the test"""),
+        problems 1; problem the search was interrupted: the test"""),
     "search that is left, without another reason to search": (ERRANDS, """
         goal a do(walk,1); hear interface _return(walk,failed,1); leave 1; once; does; run; does walk,1,3; finish"""),
     "cancel during a search": (ERRANDS, """
@@ -47,7 +47,7 @@ FAULTS = {
         all a recalling recalled; unsent ...walk...; finish; is b succeeded"""),
     "recovery that is left": (RAIN, """
         goal a do(walk,1); hear interface _return(walk,failed,1) _seen(rain); leave 2; once; problems 1
-        problem the search was left: the test; all a; run; all a active aborted"""),
+        problem the search was interrupted: the test; all a; run; all a active aborted"""),
     "new goal while another one is tried again": (ERRANDS, """
         fault dropped run; goal a do(run,1); pass 10; leave 1; once; goal b do(walk,2); does walk,2,2; finish
         is b succeeded; fault none; wait 20; finish; is a succeeded"""),
@@ -77,11 +77,11 @@ FAULTS = {
         fault refused #anew; goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2)
         facts _battery(high,9) _return(rest,failed,2); is b aborted; is c aborted; does
         says b do(run,2) cannot be met: there is no plan of at most 10 steps
-        problem no answer was found, whatever goals are given up: there is no plan of at most 10 steps"""),
+        problem no answer was found, even without goals: there is no plan of at most 10 steps"""),
     **{f"{fault} whether to begin again": (IMPOSSIBLE, f"""
         goal a do(walk,1); add c do(rest,9); succeed; fault {fault} #anew; hear interface _return(rest,failed,2); once
-        all c; problems 1; problem there is no plan of at most 9 steps, and it was not found out in time which goals...
-        fault none; run; says c do(rest,9) is given up: the program begins anew""")
+        all c; problems 1; problem there is no plan of at most 9 steps, and the goals that cannot be met were not...
+        fault none; run; says c do(rest,9) is aborted: the program forgets its history""")
        for fault in ("undecided", "dropped")},
 }  # fmt: skip
 
@@ -124,7 +124,7 @@ def test_time_does_not_count_while_the_solver_is_made_ready():
 
 
 def test_a_solver_that_accepts_nothing_any_more_ends_all_goals():
-    why = "is given up: the solver accepts no more updates"
+    why = "is aborted: the solver accepts no more updates"
     driver = FaultyDriver(settings=CoreSettings(horizon_limit=8, goals_at_once=1))
     play(
         driver,
@@ -177,7 +177,7 @@ def test_a_program_that_begins_again_keeps_the_new_goals_only():
         Driver(IMPOSSIBLE),
         """
         goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2); facts _battery(high,9) _return(rest,failed,2)
-        says c do(rest,9) is given up: the program begins anew; all b; problem ERROR: ...; does run,2,4""",
+        says c do(rest,9) is aborted: the program forgets its history; all b; problem ERROR: ...; does run,2,4""",
     )
     updates = [" ".join(text.split()[1:-2]) for text in driver.journal.updates[2:]]
     assert updates == ["3. #anew.", "4. _request(do(run,2),5)."]

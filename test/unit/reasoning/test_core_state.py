@@ -37,7 +37,7 @@ def test_many_of_a_kind_are_counted(origin):
     texts = [f'Head _blocked({"x" * number},hall,"(") came too late' for number in range(1, 501)]
     said = [line for line in (throttle.take(Problem(7, text, origin), 0.1) for text in texts) if line]
     assert [line.split(";")[0] for line in said] == [f"cycle 7: {text}" for text in texts[:FEW]]
-    assert said[-1].endswith("; more of the kind are only counted for a minute")
+    assert said[-1].endswith("; more of this kind are only counted for a minute")
     assert throttle.take(Problem(7, "something else", origin), 0.2)
     assert throttle.counted(QUIET) == []
     assert throttle.counted(QUIET + 0.1) == [f"497 more of this kind in a minute, the last: cycle 7: {texts[-1]}"]

@@ -89,7 +89,7 @@ def test_goals_that_nothing_was_done_for_wait():
     planner, told = world.put_off(3, 4)
     assert told == "it took too long: 2 of 4 goals wait"
     assert (world.clients.served, world.clients.waiting) == ([1, 2], [3, 4])
-    assert world.clients.waits(4) == ["4 goals were too much: it took too long"]
+    assert world.clients.waits(4) == ["4 goals were too many: it took too long"]
     assert planner is world.planners[-1]
     assert planner.without == requests("_request(go(3),5)", "_request(go(4),5)")
     assert world.questions == [

@@ -69,7 +69,7 @@ TOLD = Observation(parse_term("_shut(d)"), 5)
         (UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"),)), "go(a,3) cannot be met together with go(b,2)"),
         (
             UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"), goal("go(c,1)")), (TOLD,)),
-            "go(a,3) cannot be met together with go(b,2) and go(c,1) since _shut(d) was told in cycle 5",
+            "go(a,3) cannot be met together with go(b,2) and go(c,1) since _shut(d) was reported in cycle 5",
         ),
         (
             UnmetGoal(goal("go(a,3)"), (), (FAILED,)),
@@ -78,7 +78,7 @@ TOLD = Observation(parse_term("_shut(d)"), 5)
         (
             UnmetGoal(goal("go(a,3)"), (), (FAILED, TOLD), sure=False),
             "go(a,3) cannot be met perhaps since go(office4) returned blocked in cycle 3"
-            " and _shut(d) was told in cycle 5",
+            " and _shut(d) was reported in cycle 5",
         ),
     ],
 )
@@ -92,7 +92,7 @@ def test_losses_in_the_programs_words():
     loss = UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"),), (FAILED, FAILED, TOLD))
     assert loss.text(explanations, "") == (
         "go(a,3) cannot be met together with go(b,2): office4 is unreachable"
-        " since the way was blocked and _shut(d) was told in cycle 5"
+        " since the way was blocked and _shut(d) was reported in cycle 5"
     )
 
 

@@ -53,7 +53,7 @@ def test_undeclared_requests_end_their_goals_alone():
     ("key", "text", "reason"),
     [
         ("g1", "go(2)", "is in use"),
-        ("g2", "stay(1)", "is taken"),
+        ("g2", "stay(1)", "is in use"),
         ("g2", "go(", "cannot be a goal"),
         ("g2", "(go,2)", "names no goal"),
     ],

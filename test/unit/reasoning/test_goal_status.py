@@ -52,7 +52,7 @@ def test_malformed_statuses_are_faults():
 
 def test_a_goal_ends_with_words_of_its_own():
     assert judged("_status(1,succeeded,5)").message == "go(1) is met"
-    assert judged("_status(1,aborted(tired),5)").message == "the program gives go(1) up: tired"
+    assert judged("_status(1,aborted(tired),5)").message == "the program aborts go(1): tired"
     assert judged("_status(1,rejected(unknown(a)),5)").message == "the program rejects go(1): unknown(a)"
 
 
@@ -76,7 +76,7 @@ def test_an_end_that_was_told_in_a_cycle_without_an_answer_counts(word, told, en
 
 def test_of_missed_ends_the_first_counts():
     atoms = "_status(1,aborted(tired),4)", "_status(1,succeeded,5)", "_status(1,canceled,6)"
-    assert judged(*atoms, cycle=6, since=1).message == "the program gives go(1) up: tired"
+    assert judged(*atoms, cycle=6, since=1).message == "the program aborts go(1): tired"
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_a_node_that_does_not_hear_the_core_serves_nothing():
 
 
 def test_nobody_listens():
-    text = "no interface 'hold' for _action_lib(hold,cup,3): nobody listens on out_rosoclingo"
+    text = "no interface 'hold' for _action_lib(hold,cup,3): no node subscribes to out_rosoclingo"
     assert looked(register(), [HOLD], frozenset(), frozenset()) == [(HOLD, text, True)]
 
 

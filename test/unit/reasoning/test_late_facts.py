@@ -28,12 +28,12 @@ FACTS = {
         hear door _shut(den,now); goal a go(den,1); sent _shut(den,1).; does go,den,3; finish; is a succeeded"""),
     "late fact is redated": (DOORS, """
         goal a go(den,1); finish; hear door _shut(den,0); goal b go(hall,2); finish; is b succeeded; problems 1
-        problem _shut(den,0) from interface door contradicts that go(den) was done in cycle 1: taken for cycle 2
+        problem _shut(den,0) from interface door contradicts that go(den) was done in cycle 1: redated to cycle 2
         unsent ..._shut(den,0)...; sent ..._shut(den,2)..."""),
     "redated fact can be a reason": (ERRANDS + STORM, """
         goal a do(walk,1); finish; facts _storm(1); problems 1
-        problem _storm(1) from interface interface contradicts what was done and told before: taken for cycle 3
-        goal b do(walk,2); says b do(walk,2) cannot be met since _storm(3) was told in cycle 2"""),
+        problem _storm(1) from interface interface contradicts the history: redated to cycle 3
+        goal b do(walk,2); says b do(walk,2) cannot be met since _storm(3) was reported in cycle 2"""),
     "fact of a later cycle counts when that has come": (BATTERY + MUST, """
         goal r do(rest,9); facts _must(4); fail failed; fail failed; fail failed; finish; is r succeeded
         goal b do(run,2); finish; is b succeeded"""),
@@ -61,7 +61,7 @@ def test_facts_of_cycles_long_over_are_redated():
     driver.goal("b", "do(run,200)")
     assert f"_battery(low,{now})." in driver.journal.updates[-2]
     assert driver.awaited == [f"_action_lib(run,200,{now + 1})"]
-    told = f"_battery(low,3) from interface power comes too late: it is taken as _battery(low,{now})"
+    told = f"_battery(low,3) from interface power is too late: it is redated to _battery(low,{now})"
     assert driver.problems[0] == told
     assert driver.finish().states("b")[-1] == "succeeded"
 

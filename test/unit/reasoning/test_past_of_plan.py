@@ -46,7 +46,7 @@ def test_it_stays_when_nothing_has_been_done_for_long():
 
 def test_it_stays_when_everything_begins_anew():
     driver = Driver(TRAP).goal("a", "do(trap,1)").finish().goal("b", "do(run,2)")
-    assert any("it begins anew" in event.message for event in driver.journal.of(Problem))
+    assert any("it forgets its history" in event.message for event in driver.journal.of(Problem))
     cycle = driver.core.cycle
     plan = [str(one.atom) for one in driver.journal.of(PlanMade)[-1].actions]
     assert plan == ["_action_lib(trap,1,1)", f"_action_lib(run,2,{cycle})"]

@@ -284,7 +284,7 @@ def test_new_goal_joins_later_without_a_search(delay, cycles):
     run = JoiningRun(delay).ask((1, 4), (4, 1), (1, 4), (4, 1)).ask((2, 3))
     run.until("5")
     assert run.core.cycle == cycles[-1]
-    assert run.waits("5") == [f"it joins in cycle {one}, a plan is made for that" for one in cycles]
+    assert run.waits("5") == [f"it joins the plan in cycle {one}" for one in cycles]
     run.finish()
 
 
@@ -341,7 +341,7 @@ def test_failure_brings_new_goals_into_the_update():
     run.go_on(2)
     run.step(fails=True)
     assert run.fed == ["1", "2", "3"]
-    assert run.waits("3")[-1].startswith("it joins in cycle ")
+    assert run.waits("3")[-1].startswith("it joins the plan in cycle ")
     run.finish()
 
 

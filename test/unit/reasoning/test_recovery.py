@@ -112,7 +112,7 @@ RECOVERIES = {
         says a reach(hall,1) cannot be met: hall is unreachable since the way to hall was blocked in cycle 1"""),
     "fact of long before": (rooms(doors=[("hall", "d"), ("den", "e")]), None, """
         facts _shut(d); facts _shut(e); goal a reach(attic,1); finish; goal b reach(hall,2)
-        says b reach(hall,2) cannot be met since _shut(d) was told in cycle 1; is a succeeded"""),
+        says b reach(hall,2) cannot be met since _shut(d) was reported in cycle 1; is a succeeded"""),
     "malformed explanation": (rooms(words="_explain(I,R,soon(t)) :- asked(R,I,t)."), None, """
         goal a reach(hall,1); facts _return(enter,blocked,1)
         problem ...'_explain(1,hall,soon(1))' is no explanation: write _explain(What,Text,C)...
@@ -123,7 +123,7 @@ RECOVERIES = {
     "withheld fact is no reason, without time for what else is": (
         rooms(doors=[("hall", "d")]) + "#external _odd/1.\n:- _odd(X).", halting(1), """
         facts _odd(1) _odd(2); problems 2; problem ...withheld; facts _shut(d); goal a reach(hall,1)
-        says a reach(hall,1) cannot be met since _shut(d) was told in cycle 1"""),
+        says a reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"""),
     "request that contradicts the past is withdrawn": (
         BATTERY + ":- _request(do(jump,I),t+1), _action_lib(walk,J,t-2).\n", None, """
         goal a do(walk,1); finish; goal b do(jump,2); is b aborted; sends #withdraw _request(do(jump,2),4).
@@ -136,7 +136,7 @@ def test_recovery(row):
     text, watch, script = row
     driver = play(Driver(text, **({} if watch is None else {"watch_recovery": watch})), script)
     assert driver.core.live_goals == []
-    assert not any("begins anew" in problem for problem in driver.problems)
+    assert not any("forgets its history" in problem for problem in driver.problems)
 
 
 ROOM_NAMES = ("hall", "den", "attic", "loft")
@@ -313,4 +313,4 @@ def test_unmet_goal_names_the_fact_though_it_needs_others(facts, why):
     if why is None:
         assert message == "fetch(mug) cannot be met: there is no plan of at most 8 steps"
     else:
-        assert re.fullmatch(rf"fetch\(mug\) cannot be met since {why}[0-9]+\) was told in cycle [0-9]+", message)
+        assert re.fullmatch(rf"fetch\(mug\) cannot be met since {why}[0-9]+\) was reported in cycle [0-9]+", message)

@@ -106,7 +106,7 @@ def changes(world):
     """What becomes of the observations that are doubted: as which fact they are taken, and what they deny."""
     found = repair(world, world.impasse)
     return [
-        f"{one.observation.atom}{'' if one.sure else '?'} {one.taken_as or '-'}"
+        f"{one.observation.atom}{'' if one.sure else '?'} {one.redated or '-'}"
         + "".join(f" {action.interface}({action.parameter})" for action in one.against)
         for one in found.changes
     ]
@@ -225,12 +225,12 @@ WENT, TOOK = (action_of(parse_term(f"_action_lib({one},2)")) for one in ("go,den
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        (Change(SHUT, None), "_shut(d,2) contradicts what was done and told before: withheld"),
+        (Change(SHUT, None), "_shut(d,2) contradicts the history: withheld"),
         (
             Change(
                 SHUT._replace(origin="door", original=parse_term("_shut(d,1)")), parse_term("_shut(d,5)"), sure=False
             ),
-            "_shut(d,1) from interface door may contradict what was done and told before: taken for cycle 5",
+            "_shut(d,1) from interface door possibly contradicts the history: redated to cycle 5",
         ),
         (Change(SHUT, None, (WENT,)), "_shut(d,2) contradicts that go(den) was done in cycle 2: withheld"),
         (

@@ -142,7 +142,7 @@ def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low
     monitor.taken([Observation(high, 2, origin="meter", original=low, outdated=True)], ())
-    assert events[-1].message == f"{low} from interface meter comes too late: it is taken as {high}"
+    assert events[-1].message == f"{low} from interface meter is too late: it is redated to {high}"
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low, "it is known by what was told"
 
@@ -153,7 +153,7 @@ def test_facts_that_wait_are_bounded_by_their_text_as_well(monkeypatch):
     for number in range(4):
         driver.core.receive("eye", ["_seen({}{})".format("x" * 400, number)])
     assert [one.message.split(": ")[-1] for one in driver.journal.of(Problem)] == [
-        "2 facts wait for the next update already"
+        "2 facts already wait for the next update"
     ] * 2
     driver.succeed()
     driver.core.receive("eye", ["_seen(y)"])

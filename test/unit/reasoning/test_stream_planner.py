@@ -133,7 +133,7 @@ def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
     bench.halt, bench.solver.drops = Halt("news", disturbed=True), not kept
-    with pytest.raises(DisturbedError, match="the search was left: news") as caught:
+    with pytest.raises(DisturbedError, match="the search was interrupted: news") as caught:
         bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3).")
     assert caught.value.kept == kept
     bench.halt, bench.solver.drops = None, False

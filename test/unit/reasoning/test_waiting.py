@@ -67,7 +67,7 @@ class Errands(BusyDriver):
         assert set(ends(self).values()) == {Outcome.SUCCEEDED}
 
 
-WHY = "goals were too much: no plan was found before the search was ended: the test"
+WHY = "goals were too many: no plan was found before the search was ended: the test"
 
 #: How many goals there is time for at first, and the script.
 BUSY = {
@@ -126,7 +126,7 @@ def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
     assert (queue.patience, queue.unhurried) == (2, True)
     ask(driver, 2)
     assert not queue.unhurried
-    assert driver.waits("g2") == ["first comes do(walk,1)"]
+    assert driver.waits("g2") == ["do(walk,1) has priority"]
     driver.core.advance(1.0)
     assert driver.awaited == ["_action_lib(walk,2,2)"]
     assert [goal.key for goal in queue.waiting] == ["g1"]
@@ -161,7 +161,7 @@ def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
     order = driver.order()
     assert "far" in order
     assert limit <= order.index("far") <= limit + 1, "those that were with the program by then"
-    waited = [near for near in range(1, 31) if driver.waits(f"g{near}") == ["first comes do(far,0)"]]
+    waited = [near for near in range(1, 31) if driver.waits(f"g{near}") == ["do(far,0) has priority"]]
     assert waited
     assert order.index("far") < min(order.index(f"g{near}") for near in waited if f"g{near}" in order)
     driver.finish()

@@ -203,7 +203,7 @@ def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
     told = [
         GoalReport("a", "g(1)", 3, "g(1) is met"),
         GoalReport("b", "g(2)", 1, "g(2) is accepted", 4900.0),
-        GoalReport("c", "g(3)", 0, "8 goals at a time are planned for"),
+        GoalReport("c", "g(3)", 0, "at most 8 goals are planned for at a time"),
     ]
     account.goals(5000.0, told)
     account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])

@@ -85,7 +85,7 @@ def test_of_a_state_there_is_no_stream(late):
 
 def test_one_changed_character_is_refused_at_its_record(whole, tmp_path):
     change = "UPDATE record SET change = change || ' ' WHERE number = 2"
-    with pytest.raises(RecordingError, match=r"record 2 is not as it was written"):
+    with pytest.raises(RecordingError, match=r"record 2 is corrupt"):
         journal_run(changed(whole[0], tmp_path / "changed", change))
 
 

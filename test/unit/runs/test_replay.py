@@ -134,7 +134,7 @@ def test_other_actions_than_planned_are_an_error():
     [
         ([], False),
         (["no plan was found before the search was ended: it took longer than 10 s"], True),
-        (["the search was left: a goal was cancelled"], True),
+        (["the search was interrupted: a goal was cancelled"], True),
         (["the robot sings"], False),
     ],
 )
@@ -151,7 +151,7 @@ def test_a_search_that_was_left_has_no_plan_even_where_the_log_does_not_say_so_a
     run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [], None, []
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.MISSED, True)
-    assert "the search was left" in report.line()
+    assert "the search was interrupted" in report.line()
 
 
 def test_an_update_that_is_refused_ends_it():

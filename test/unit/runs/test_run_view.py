@@ -115,7 +115,7 @@ def test_goals_that_were_sent_before_are_told_at_once():
     told = [
         GoalReport("old", "g(0)", 3, "is met", 10.0),
         GoalReport("a", "g(1)", 1, "g(1) is accepted", 90.0),
-        GoalReport("b", "g(2)", 0, "8 goals at a time are planned for", 95.0),
+        GoalReport("b", "g(2)", 0, "at most 8 goals are planned for at a time", 95.0),
     ]
     view.goals(100.0, told)
     view.status(101.0, "b", 0, "")
@@ -129,7 +129,7 @@ def test_goals_that_were_sent_before_are_told_at_once():
     }
     assert found["a"]["states"] == [[0.0, "pending", ""], [10.0, "active", "is accepted"]]
     words = [(word, why) for _, word, why in found["b"]["states"]]
-    assert words == [("pending", ""), ("waiting", "8 goals at a time are planned for"), ("pending", "")]
+    assert words == [("pending", ""), ("waiting", "at most 8 goals are planned for at a time"), ("pending", "")]
     assert found["c"]["states"][-1][1:] == ["rejected", "there is no g"]
     view.finish()
     lines = [line["text"] for line in records(view.changes(), "log")]

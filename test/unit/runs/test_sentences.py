@@ -55,7 +55,7 @@ def test_the_shipped_rules_of_delivery(files):
         ("preempting", "is cancelled: goes to x, wave y"),
         ("active: has a lift", "goes to x, wave y (has a lift)"),
         ("preempting: has a lift", "is cancelled: goes to x, wave y (has a lift)"),
-        ("waiting: 8 goals at a time are planned for", "waiting: 8 goals at a time are planned for"),
+        ("waiting: at most 8 goals are planned for at a time", "waiting: at most 8 goals are planned for at a time"),
     ],
 )
 def test_what_is_done_now(state, expected):

@@ -386,7 +386,7 @@ class CoreNode:
 
     def _shut_down(self) -> None:
         self._ending = True
-        self._worker.put(lambda: self._core.leave("is given up: the core shuts down"))
+        self._worker.put(lambda: self._core.leave("is aborted: the core shuts down"))
         self._worker.put(self._send)
         self._worker.put(self._handles.board.flush)
         self._worker.put(self._keeper.close)

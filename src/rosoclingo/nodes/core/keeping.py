@@ -15,15 +15,15 @@ import rospy
 from rosoclingo.nodes.core.loading import AUTO, NONE, CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import TakenError, tidy
-from rosoclingo.reasoning.journal.resuming import Found, open_journal
+from rosoclingo.reasoning.journal.folder import LockedError, tidy
+from rosoclingo.reasoning.journal.resuming import OpenedJournal, open_journal
 from rosoclingo.runs.recorded_run import RunProgram
 
 #: Seconds of wall time for another core to leave the journal.
 TAKEN = 10.0
 
 
-def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> Found:
+def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> OpenedJournal:
     """Take the journal of the parameters, and say what was found; raises JournalError."""
     run = _new_run()
     description = RunProgram.of(run, program, parameters.deciding).text()
@@ -36,8 +36,8 @@ def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> Found:
     return found
 
 
-def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: float = TAKEN) -> Found:
-    """As :func:`open_journal`, but where another core has the journal wait for its end.
+def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: float = TAKEN) -> OpenedJournal:
+    """As :func:`open_journal`, but where another core uses the journal wait for its end.
 
     Of two nodes of the same name ROS ends the older one, which has it until then.
     """
@@ -45,7 +45,7 @@ def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: f
     while True:
         try:
             return open_journal(folder, resume, fresh)
-        except TakenError:
+        except LockedError:
             if time.monotonic() >= end or rospy.is_shutdown():
                 raise
             time.sleep(0.1)

@@ -1,4 +1,5 @@
-"""The journal: the state of a core is written down before anybody can see what follows from it, to go on from there.
+"""The journal: a write-ahead record of the core's state, from which a restarted core resumes.
 
-All of it lies around :mod:`rosoclingo.reasoning.core`, which knows nothing of it.
+The state is on disk before any message that depends on it is sent. :mod:`rosoclingo.reasoning.core` itself does not
+depend on the journal.
 """

@@ -1,8 +1,8 @@
 """The journal's database: a header, and one record for each change of the core's state.
 
-The first record has the whole state, each later one the sections that have changed: the records up to one, applied in
-order, give the state at that time. SQLite makes each record atomic and recovers the database after a crash. A checksum
-of each row detects bytes that have changed since.
+The first record contains the whole state, and each later record the changed sections. Applied in order, the records up
+to a given one yield the state at that time. SQLite makes each record atomic, and recovers the database after a crash. A
+checksum of each row detects corruption.
 """
 
 import json
@@ -32,17 +32,17 @@ _T = TypeVar("_T")
 
 
 class JournalError(Exception):
-    """A journal that cannot be used; the text says why, and what to do."""
+    """A journal cannot be used; the text gives the reason and the remedy."""
 
 
 class Header(NamedTuple):
-    """What a journal belongs to.
+    """The identity of the run and the program that a journal belongs to.
 
     Attributes:
         run: the identity of the core's run.
         program: the program's fingerprint.
-        launch: the launch that started the core, empty if none did.
-        description: the whole program and the settings that decisions depend on, as text for ``replay``.
+        launch: the launch that started the core, empty if it was started in another way.
+        description: the whole program and all settings that influence decisions, as text for ``replay``.
 
     """
 
@@ -52,7 +52,7 @@ class Header(NamedTuple):
     description: str = ""
 
 
-class Kept(NamedTuple):
+class JournalContent(NamedTuple):
     """The content of a journal: its header, the state after the last record, and the number of records."""
 
     header: Header
@@ -61,23 +61,23 @@ class Kept(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """The state after a record, and the time of that record in seconds of the run's clock, None if it has none."""
+    """The state after a record, and the time of the record in seconds of the run's clock, None if unknown."""
 
     state: Record
     time: Optional[float]
 
 
 def file_of(path: Path) -> Path:
-    """Return the journal in a folder; any other path is the journal itself."""
+    """Return the database of a journal, given its folder or the database itself."""
     return path / NAME if path.is_dir() else path
 
 
 def is_journal(file: Path) -> bool:
-    """Return whether a file is a journal rather than another kind of recording."""
+    """Return whether a file is a journal, and not another kind of recording."""
     try:
         with file.open("rb") as stream:
             return stream.read(6) == b"SQLite" or file.name == NAME
-    except OSError:  # the reader reports it
+    except OSError:  # reading the journal reports the error
         return file.name == NAME
 
 
@@ -86,15 +86,18 @@ def checksum(*values: Any) -> int:
     return zlib.crc32(repr(values).encode())
 
 
-def read(file: Path) -> Kept:
+def read(file: Path) -> JournalContent:
     """Return the content of a journal; raises JournalError, OSError."""
     header, moments = history(file)
     found = [moment.state for moment in moments]
-    return Kept(header, found[-1], len(found))
+    return JournalContent(header, found[-1], len(found))
 
 
 def history(file: Path) -> Tuple[Header, Iterator[Moment]]:
-    """Return the header, and the moment after each record: the same state, changed; raises JournalError, OSError."""
+    """Return the header, and the moment after each record; raises JournalError, OSError.
+
+    The moments share one state, which changes in place.
+    """
     header, rows = _reading(file, _content)
 
     def moments() -> Iterator[Moment]:
@@ -108,7 +111,7 @@ def history(file: Path) -> Tuple[Header, Iterator[Moment]]:
 
 
 def launch_of(file: Path) -> str:
-    """Return the launch in a journal's header, whatever else is wrong with it; empty if it cannot be read."""
+    """Return the launch in the header of a journal, which can be corrupt otherwise; empty if it cannot be read."""
     try:
         row = _reading(file, lambda db: db.execute("SELECT launch FROM header").fetchone())
     except JournalError:
@@ -117,7 +120,7 @@ def launch_of(file: Path) -> str:
 
 
 def is_empty(file: Path) -> bool:
-    """Return whether there is no journal, or none whose first record was written; raises OSError."""
+    """Return whether there is no journal, or its first record was never written; raises OSError."""
     try:
         return _reading(file, lambda db: db.execute("PRAGMA schema_version").fetchone()) == (0,)
     except FileNotFoundError:
@@ -127,25 +130,25 @@ def is_empty(file: Path) -> bool:
 
 
 def _reading(file: Path, ask: Callable[[sqlite3.Connection], _T]) -> _T:
-    """Return what ``ask`` reads in a database, also while a core writes it; raises JournalError, OSError."""
-    file.stat()  # an OSError names the file
+    """Return the result of the query ``ask``, even while a core writes; raises JournalError, OSError."""
+    file.stat()  # raises an OSError that names the file
     try:
         with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as db:
             return ask(db)
     except sqlite3.Error as error:
-        mend = f"copy it again, and {file.name}-wal with it, to a folder that can be written"
-        raise JournalError(f"it cannot be read as a journal ({error}): {mend}") from None
+        remedy = f"copy it again, together with {file.name}-wal, to a writable folder"
+        raise JournalError(f"it cannot be read as a journal ({error}): {remedy}") from None
 
 
 def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, Optional[float], str, int]]]:
-    """Return the header and the rows of the records; raises JournalError with the row that has changed."""
-    db.execute("BEGIN")  # one snapshot for all
+    """Return the header and the rows of the records; raises JournalError if a row is missing or corrupt."""
+    db.execute("BEGIN")  # one snapshot for all queries
     (version,) = db.execute("PRAGMA user_version").fetchone()
     if version != FORMAT:
         raise JournalError(f"it is of format {version}, this version reads {FORMAT}")
     row = db.execute("SELECT run, program, launch, description, crc FROM header").fetchone()
     if row is None or row[-1] != checksum(*row[:-1]):
-        raise JournalError("the header is not as it was written")
+        raise JournalError("the header is missing or corrupt")
     rows = db.execute("SELECT number, time, change, crc FROM record ORDER BY number").fetchall()
     if not rows:
         raise JournalError("record 1 is missing")
@@ -153,12 +156,12 @@ def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, Optional[f
         if number != expected:
             raise JournalError(f"record {expected} is missing")
         if crc != checksum(number, time, change):
-            raise JournalError(f"record {number} is not as it was written")
+            raise JournalError(f"record {number} is corrupt")
     return Header(*row[:-1]), rows
 
 
 def changes(before: Record, after: Record) -> Record:
-    """Return what makes one state of the other, in the same order within each group; empty if they are the same."""
+    """Return the difference of two states, which also keeps the order within each group; empty if they are equal."""
     moved = set() if list(before) == list(after) else _moved(before, after)
     gone = [name for name in before if name not in after or name in moved]
     new = {
@@ -174,10 +177,10 @@ def group_of(name: str) -> str:
     return name.partition(":")[0]
 
 
-def lines_of(kept: Kept) -> Iterable[str]:
-    """Yield a journal's content as lines of text."""
-    yield f"run {kept.header.run}, {kept.records} records since all was written"
-    for name, value in kept.state.items():
+def lines_of(content: JournalContent) -> Iterable[str]:
+    """Yield the content of a journal as lines of text."""
+    yield f"run {content.header.run}, {content.records} records since the last checkpoint"
+    for name, value in content.state.items():
         yield f"{name} {json.dumps(value)}"
 
 

@@ -1,4 +1,4 @@
-"""The folder of a journal: the core's state on disk, written before anybody outside can see what follows from it."""
+"""The folder of a journal: it is locked, written and tidied up here."""
 
 import contextlib
 import errno
@@ -14,8 +14,8 @@ from rosoclingo.reasoning.journal.database import (
     NAME,
     TABLES,
     Header,
+    JournalContent,
     JournalError,
-    Kept,
     changes,
     checksum,
     is_empty,
@@ -23,13 +23,13 @@ from rosoclingo.reasoning.journal.database import (
 )
 from rosoclingo.reasoning.records import Record
 
-#: Records after which the journal begins again with the whole state.
+#: Number of records after which the journal is rewritten with the whole state.
 RECORDS = 500
 
-#: Seconds between two attempts to write, after a write has failed.
+#: Seconds until the next attempt after a failed write.
 RETRY = 10.0
 
-#: The folders of a shelf that stay: the number of the latest ones, and the seconds since one was last written.
+#: Folders of a shelf are kept if they are among the latest ``STAY`` or were written in the last ``YOUNG`` seconds.
 STAY, YOUNG = 20, 7 * 24 * 3600.0
 
 
@@ -37,16 +37,16 @@ STAY, YOUNG = 20, 7 * 24 * 3600.0
 NO_RUN = Header("", "")
 
 
-class TakenError(JournalError):
-    """Another core has the journal."""
+class LockedError(JournalError):
+    """Another core uses the journal."""
 
 
 class Journal:
-    """The journal in a folder, locked by this process until :meth:`close`; it keeps a state by its changes.
+    """The journal in a folder, locked by this process until :meth:`close`. It records the changes of a state.
 
-    A disk that is full or fails does not stop the robot: :attr:`fault` reports it, and the next attempt is made after
-    some time. Until then there is no journal: the old one, now out of date, is renamed to ``journal.db.stale``.
-    ``journal.db.old`` is the one that was set aside last.
+    A full or broken disk does not stop the robot: :attr:`fault` reports it, and writing is tried again after
+    :data:`RETRY` seconds. Until then there is no journal: the outdated one is renamed to ``journal.db.stale``. The
+    journal of an earlier run is renamed to ``journal.db.old``.
 
     Attributes:
         path: the database.
@@ -56,7 +56,7 @@ class Journal:
     """
 
     def __init__(self, folder: Path, header: Header = NO_RUN) -> None:
-        """Lock the folder, which is made if there is none; raises TakenError if another core has it, and OSError."""
+        """Create and lock the folder; raises LockedError if another core has locked it, and OSError."""
         self.path, self.header = folder / NAME, header
         self._database = Database(self.path, TABLES, RETRY)
         self._written: Optional[Record] = None
@@ -66,38 +66,38 @@ class Journal:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not os.path.samestat(os.fstat(self._lock), os.stat(folder / "lock")):
-                raise BlockingIOError(errno.EAGAIN, "the folder was removed meanwhile")
+                raise BlockingIOError(errno.EAGAIN, "another process has removed the folder")
         except OSError as error:
             self.close()
             if error.errno not in (errno.EACCES, errno.EAGAIN, errno.ENOENT):
                 raise
-            raise TakenError(
-                f"another core has the journal in {folder}: end it, or give this one another folder by ~journal"
+            raise LockedError(
+                f"another core uses the journal in {folder}: stop it, or set ~journal to another folder"
             ) from None
 
-    def read(self) -> Optional[Kept]:
+    def read(self) -> Optional[JournalContent]:
         """Return the content of the journal, None if there is none; raises JournalError, OSError."""
         if is_empty(self.path):
             return None
         try:
             return read(self.path)
         except JournalError as error:
-            mend = f"start without it (~resume: no, or rosrun rosoclingo journal clear {self.path.parent})"
-            raise JournalError(f"{self.path}: {error}: {mend}; nothing of it is used") from None
+            remedy = f"start without it (~resume: no, or rosrun rosoclingo journal clear {self.path.parent})"
+            raise JournalError(f"{self.path}: {error}: {remedy}") from None
 
     @property
     def fault(self) -> str:
-        """Why nothing is written at present, empty if all is well."""
+        """Why the journal cannot be written at present, empty for none."""
         return self._database.fault and f"the journal {self.path} cannot be written: {self._database.fault}"
 
     def is_due(self, now: float) -> bool:
-        """Return whether it is time for another attempt after a write that failed."""
+        """Return whether it is time for another attempt after a failed write."""
         return self._database.is_due(now)
 
     def write(self, state: Record, now: float, time: Optional[float] = None) -> None:
-        """Write what is new in the ``state``, and wait for the disk.
+        """Write the changes of the ``state``, and wait for the disk.
 
-        ``now`` is in seconds of a monotonic clock; ``time``, which is written too, is in seconds of the run's clock.
+        ``now`` is in seconds of a monotonic clock. ``time`` is recorded, in seconds of the run's clock.
         """
         if self.fault and not self.is_due(now):
             return
@@ -112,12 +112,12 @@ class Journal:
                 self.set_aside("stale")
 
     def begin(self, state: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
-        """Write the whole state in place of all records; return whether the disk has it."""
+        """Replace all records by one with the whole state; return whether it is durable."""
         self.records = 0
         return self._commit({"set": state}, time, now)
 
     def append(self, change: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
-        """Write one more record; return whether the disk has it. If not, the record is not in the journal."""
+        """Append a record; return whether it is durable. If not, it is not in the journal."""
         return self._commit(change, time, now)
 
     def _commit(self, change: Record, time: Optional[float], now: float) -> bool:
@@ -138,7 +138,7 @@ class Journal:
         return written
 
     def set_aside(self, suffix: str) -> Optional[Path]:
-        """Rename the journal to end with ``suffix``; return its path, None if there is none; raises OSError."""
+        """Rename the journal with ``suffix``; return its new path, None if there is no journal; raises OSError."""
         if not is_empty(self.path):
             return self._database.set_aside(suffix)
         self._database.close()
@@ -147,7 +147,7 @@ class Journal:
         return None
 
     def clear(self) -> List[str]:
-        """Remove the journal and those that were set aside; return the names of the files; raises OSError."""
+        """Remove the journal and all renamed ones; return the names of the files; raises OSError."""
         self._database.close()
         found = sorted(self.path.parent.glob(f"{NAME}*"))
         for one in found:
@@ -163,9 +163,9 @@ class Journal:
 
 
 def tidy(shelf: Path, now: float) -> None:
-    """Remove old journals among the folders of a shelf, except those that a core has; ``now`` as files have times.
+    """Remove old journals from the folders of a shelf; ``now`` is in seconds, as the times of files.
 
-    A folder with other files stays, and so does a file that cannot be removed.
+    Journals in use, folders with other files and files that cannot be removed stay.
     """
     with contextlib.suppress(OSError):
         found = sorted(((_last_written(one), one) for one in shelf.iterdir() if (one / "lock").exists()), reverse=True)
@@ -179,7 +179,7 @@ def _last_written(folder: Path) -> float:
 
 
 def _remove(path: Path) -> None:
-    with contextlib.suppress(OSError, TakenError):
+    with contextlib.suppress(OSError, LockedError):
         folder = Journal(path)
         try:
             folder.clear()

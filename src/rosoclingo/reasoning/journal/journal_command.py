@@ -1,4 +1,4 @@
-"""The command ``journal``: shows the content of a core's journal, and clears it."""
+"""The command ``journal``: shows or removes the journal of a core."""
 
 import sys
 from pathlib import Path
@@ -6,15 +6,15 @@ from pathlib import Path
 from rosoclingo.reasoning.journal.database import JournalError, file_of, lines_of, read
 from rosoclingo.reasoning.journal.folder import Journal
 
-#: What can be done with a journal.
+#: The subcommands.
 VERBS = ("show", "clear")
 
 
 def main(verb: str, name: str) -> int:
-    """Show or clear the journal in a folder; returns the exit code.
+    """Show or clear the journal in a folder; return the exit code.
 
-    A journal that was set aside can be shown as well, and so can one that a core is writing. The journal of a running
-    core is not cleared.
+    Renamed journals and the journal of a running core can be shown, too. The journal of a running core cannot be
+    cleared.
     """
     try:
         return _show(Path(name)) if verb == "show" else _clear(Path(name))
@@ -27,10 +27,10 @@ def main(verb: str, name: str) -> int:
 def _show(path: Path) -> int:
     file = file_of(path)
     try:
-        kept = read(file)
+        content = read(file)
     except JournalError as error:
         raise JournalError(f"{file}: {error}") from None
-    sys.stdout.writelines(f"{line}\n" for line in lines_of(kept))
+    sys.stdout.writelines(f"{line}\n" for line in lines_of(content))
     return 0
 
 

@@ -1,4 +1,4 @@
-"""Between the core and the outside: the core's events go out once the state that led to them is written."""
+"""The keeper: it releases events of the core after the state that led to them is durable."""
 
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
@@ -11,7 +11,7 @@ from rosoclingo.reasoning.records import Record, group
 
 
 class Ending(NamedTuple):
-    """How a client's goal has ended."""
+    """The end of a client's goal."""
 
     state: GoalState
     outcome: Outcome
@@ -19,9 +19,14 @@ class Ending(NamedTuple):
 
 
 class ClientGoal(NamedTuple):
-    """A client's goal as it came, at ``stamp`` (seconds and nanoseconds), from then on until its end is told.
+    """A client's goal, from its arrival until its end is reported.
 
-    ``cancelled`` tells whether the client has asked to cancel it.
+    Attributes:
+        text: the goal as it was sent.
+        stamp: its time stamp, in seconds and nanoseconds.
+        cancelled: whether the client has cancelled it.
+        ending: its end, None while it is live.
+
     """
 
     text: str
@@ -30,7 +35,7 @@ class ClientGoal(NamedTuple):
     ending: Optional[Ending] = None
 
     def record(self) -> Record:
-        """Return all as a plain value."""
+        """Return the goal as a plain value."""
         end = self.ending
         ending = end and {"state": end.state.value, "outcome": int(end.outcome), "message": end.message}
         return {**self._asdict(), "stamp": list(self.stamp), "ending": ending}
@@ -44,11 +49,11 @@ class ClientGoal(NamedTuple):
 
 
 class Keeper:
-    """Collects the core's events, and lets them out step by step, after the journal has the state that led to them.
+    """Collects the core's events, and releases them once the journal contains the state that led to them.
 
     Attributes:
         clients: the clients' goals by their keys, in order of arrival.
-        given_up: the goals that were given up because there is no plan.
+        given_up: the latest goals that were aborted for lack of a plan.
 
     """
 
@@ -60,10 +65,10 @@ class Keeper:
         time: Optional[Callable[[], float]] = None,
         fault: str = "",
     ) -> None:
-        """Let events out by ``tell``.
+        """Release events to ``tell``.
 
-        ``now`` is a monotonic clock, ``time`` the run's clock, whose time is written; both in seconds. ``fault`` is why
-        there is no journal though one is wanted.
+        ``now`` is a monotonic clock, and ``time`` the run's clock, whose time is recorded; both in seconds. ``fault``
+        is the reason why a requested journal is missing, empty for none.
         """
         self._tell, self._journal, self._now, self._time, self._fault = tell, journal, now, time, fault
         self._core: Optional[KeptCore] = None
@@ -73,11 +78,11 @@ class Keeper:
         self.given_up = GivenUpGoals()
 
     def __call__(self, event: Event) -> None:
-        """Collect what the core tells: its observer."""
+        """Collect an event, as the observer of the core."""
         self._events.append(event)
 
     def attach(self, core: KeptCore, record: Optional[Record] = None) -> None:
-        """Keep this core, which may have been made of a ``record``; then all is written down again."""
+        """Record the state of this core from now on; ``record`` is the one from which the core was resumed, if any."""
         self._core = core
         if record is not None:
             self.clients = {key: ClientGoal.of_record(value) for key, value in group(record, "client").items()}
@@ -86,37 +91,37 @@ class Keeper:
         self._write()
 
     def forget(self, keys: Iterable[str]) -> None:
-        """Clients need not be told of the ends of these goals any more."""
+        """Remove goals whose ends have been reported to their clients."""
         for key in keys:
             self.clients.pop(key, None)
 
     @property
     def fault(self) -> str:
-        """Why nothing is written at present, empty where all is well."""
+        """Why no journal is written at present, empty for none."""
         return self._fault if self._journal is None else self._journal.fault
 
     def add(self, key: str, client: ClientGoal) -> None:
-        """A client's goal has arrived; :meth:`keep` it before the client hears of that."""
+        """Add a client's goal; call :meth:`keep` before reporting it to the client."""
         self.clients[key] = client
 
     def cancel(self, key: str) -> None:
-        """A client wants its goal to be cancelled; :meth:`keep` that before the client hears of it."""
+        """Mark a goal as cancelled; call :meth:`keep` before reporting this to the client."""
         if key in self.clients:
             self.clients[key] = self.clients[key]._replace(cancelled=True)
 
     def end(self, key: str, ending: Ending) -> None:
-        """A goal that the core has not heard of ends; :meth:`keep` that before the client hears of it."""
+        """End a goal that the core has not received; call :meth:`keep` before reporting this to the client."""
         self.clients[key] = self.clients[key]._replace(ending=ending)
 
     def keep(self) -> None:
-        """Write the arrivals, also within a step of the core."""
+        """Write the arrivals; can be called within a step of the core."""
         self._write()
 
     def send(self, keep_ends: bool = False) -> None:
-        """Write the state after a step of the core, and let its events out; also to be called if nothing happens.
+        """Write the state after a step of the core, and then release its events.
 
-        The disk has the state before any event goes out. With ``keep_ends`` ended goals stay
-        in the journal until :meth:`forget`, because their clients may not hear yet.
+        Call it also while nothing happens, to repeat failed writes. With ``keep_ends``, ended goals stay in the journal
+        until :meth:`forget`, because their clients may not be connected yet.
         """
         if not self._events:
             if self._journal is not None and self._journal.is_due(self._now()):
@@ -133,7 +138,7 @@ class Keeper:
             self.forget(ends)
 
     def close(self) -> None:
-        """Write no more, and unlock the journal."""
+        """Close and unlock the journal."""
         if self._journal is not None:
             self._journal.close()
             self._journal = None
@@ -151,7 +156,7 @@ class Keeper:
         self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time)
 
     def _note(self, event: Event) -> Optional[str]:
-        """Note the end of a client's goal, and return its key; note a goal that is given up."""
+        """Record the end of a client's goal and return its key, None for other events; record unmet goals."""
         if isinstance(event, GoalUnmet):
             self.given_up.add(event)
         if isinstance(event, GoalRefused):

@@ -1,4 +1,4 @@
-"""A core whose state can be written down, and that can go on from what was written."""
+"""A core that can save its state and resume from it."""
 
 from typing import Any, FrozenSet, Optional, Tuple
 
@@ -23,52 +23,52 @@ from rosoclingo.reasoning.records import (
 class KeptCore(Core):
     """The core, with its state as plain values between any two of its steps.
 
-    What it does from a state on follows from the state and from what comes; but for a search that time ends, or one of
-    several answers that are as good.
+    The state and the arrivals determine the behaviour, except for searches that time out and for the choice among
+    equally good answers.
     """
 
     def __init__(self, *arguments: Any, record: Optional[Record] = None, **more: Any) -> None:
-        """Begin, or resume from a ``record`` of a core with the same program; the rest is as :class:`Core` has it."""
+        """Start fresh, or resume from the ``record`` of a core with the same program; see :class:`Core`."""
         super().__init__(*arguments, **more)
         self._log = LogRecorder()
-        self._believed: Tuple[Optional[FrozenSet[Symbol]], Record] = (None, {})  # what is, and its sections
+        self._believed: Tuple[Optional[FrozenSet[Symbol]], Record] = (None, {})  # the beliefs and their sections
         self._started = False
         if record is not None:
             self._restore(record)
 
     def start(self) -> None:
-        """Begin; one that goes on has begun."""
+        """Start the core unless it has resumed."""
         if not self._started:
             super().start()
             self._started = True
 
     def remind(self) -> None:
-        """Tell what is believed, where that is known before anything is solved: by a core that goes on."""
+        """Report the restored beliefs of a resumed core, before any search."""
         self._announce.present()
 
     @property
     def preempted(self) -> Tuple[Action, ...]:
-        """The actions under way that are no longer wanted."""
+        """The running actions that are no longer wanted."""
         return self._preemption.found
 
     @property
     def shown(self) -> Tuple[Action, ...]:
-        """The last actions done, and the plan that remains."""
+        """The last executed actions, and the rest of the plan."""
         return self._shown()
 
     @property
     def horizon(self) -> int:
-        """The last step that the solver has ground."""
+        """The last grounded step."""
         return self._planner.log.horizon
 
     def goal(self, key: str) -> Optional[Goal]:
-        """The live goal of a client's handle."""
+        """Return the live goal with a client's handle, None if there is none."""
         return self._goals.by_key(key)
 
     def leave(self, why: str) -> None:
-        """End the actions under way and abort every goal, as the core ends.
+        """End the running actions and abort every goal, because the core shuts down.
 
-        A core that resumes sends the same cancels, and cancels the goals that its program knows.
+        A core that resumes sends the same cancels, and cancels the goals that its program has.
         """
         ended = self._preemption.end_all()
         if ended:
@@ -99,7 +99,7 @@ class KeptCore(Core):
         }
 
     def _record_beliefs(self) -> Record:
-        """Return what is believed, what is new behind the rest: so little of it is other than before."""
+        """Return the beliefs as sections; new ones come last, which keeps the changes small."""
         state, (known, sections) = self._announce.state, self._believed
         if state is not known:
             names = dict.fromkeys((f"believed:{text_of(symbol)}" for symbol in state or ()), 1)

@@ -1,26 +1,26 @@
-"""Whether a core that starts resumes from the journal that it finds, or begins a new run."""
+"""The decision at the start of a core: resume from a journal, or begin a new run."""
 
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
 
-from rosoclingo.reasoning.journal.database import Header, JournalError, Kept, is_empty, launch_of
+from rosoclingo.reasoning.journal.database import Header, JournalContent, JournalError, is_empty, launch_of
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.records import Record, group
 
-#: ``yes``: resume; ``no``: begin a new run; ``ask``: resume if the same launch has begun the run.
+#: ``yes``: resume; ``no``: begin a new run; ``ask``: resume if the same launch began the run.
 RESUMES = ("ask", "yes", "no")
 
 
-class Found(NamedTuple):
-    """The journal that a core writes, and what it resumes.
+class OpenedJournal(NamedTuple):
+    """The journal that a core writes, and the state that it resumes from.
 
     Attributes:
         journal: the journal, None if none is kept.
         run: the identity of the run.
         state: the state to resume from, None for a new run.
-        remarks: what was found.
+        remarks: messages for the log.
         odd: whether a remark is a warning.
-        fault: why no journal is kept though one is wanted, empty otherwise.
+        fault: why a requested journal is missing, empty for none.
 
     """
 
@@ -32,14 +32,14 @@ class Found(NamedTuple):
     fault: str = ""
 
 
-def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:
-    """Lock the journal in a folder, None for none; ``fresh`` is the header of a run that begins now.
+def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> OpenedJournal:
+    """Lock the journal in a folder, None for none; ``fresh`` is the header of a new run.
 
-    Raises JournalError if another core has it, or if the core should resume from it and cannot. If the folder cannot be
-    written, the core goes on without a journal and reports the fault.
+    Raises JournalError if another core uses it, or if the core has to resume from it and cannot. If the folder is not
+    writable, the core runs without a journal and reports the fault.
     """
     if folder is None:
-        return Found(None, fresh.run)
+        return OpenedJournal(None, fresh.run)
     place: Optional[Journal] = None
     try:
         place = Journal(folder, fresh)
@@ -49,45 +49,45 @@ def open_journal(folder: Optional[Path], resume: str, fresh: Header) -> Found:
             place.close()
         if isinstance(error, JournalError):
             raise
-        mend = "~journal names another folder, or none"
-        return Found(None, fresh.run, fault=f"no journal is kept in {folder}: {error.strerror} ({mend})")
+        remedy = "set ~journal to another folder, or to none"
+        return OpenedJournal(None, fresh.run, fault=f"no journal is kept in {folder}: {error.strerror} ({remedy})")
 
 
-def _open(place: Journal, resume: str, fresh: Header) -> Found:
+def _open(place: Journal, resume: str, fresh: Header) -> OpenedJournal:
     if is_empty(place.path):
         stale = Path(f"{place.path}.stale")
-        odd = [f"nothing is resumed: the disk failed before {stale} could have all"] if stale.exists() else []
-        return Found(place, fresh.run, None, odd, bool(odd))
+        odd = [f"nothing is resumed: the disk failed before {stale} was complete"] if stale.exists() else []
+        return OpenedJournal(place, fresh.run, None, odd, bool(odd))
     own = launch_of(place.path) == fresh.launch != ""
     if resume == "no" or (resume == "ask" and not own):
-        return _begin_anew(place, resume, fresh)
-    kept = place.read()
-    assert kept is not None
-    if kept.header.program != fresh.program:
-        mend = "start with that one, or without the journal (~resume: no), or give another folder (~journal)"
-        raise JournalError(f"{place.path} is of another program (files, constants or labels): {mend}")
-    place.header = fresh._replace(run=kept.header.run)
-    return Found(place, place.header.run, kept.state, [f"goes on with {place.path}: {_described(kept)}"])
+        return _begin_run(place, resume, fresh)
+    content = place.read()
+    assert content is not None
+    if content.header.program != fresh.program:
+        remedy = "start that program, ignore the journal (~resume: no), or set another folder (~journal)"
+        raise JournalError(f"{place.path} belongs to another program (files, constants or labels): {remedy}")
+    place.header = fresh._replace(run=content.header.run)
+    return OpenedJournal(place, place.header.run, content.state, [f"resumes from {place.path}: {_described(content)}"])
 
 
-def _begin_anew(place: Journal, resume: str, fresh: Header) -> Found:
-    """Set the journal aside; warn if it has open goals that nobody has asked to forget."""
+def _begin_run(place: Journal, resume: str, fresh: Header) -> OpenedJournal:
+    """Rename the journal and begin a new run; warn if the journal has open goals and ``resume`` is ``ask``."""
     try:
-        kept = place.read()
-        open_goals, described = any(_open_goals(kept)) if kept else False, _described(kept) if kept else ""
+        content = place.read()
+        open_goals, described = any(_open_goals(content)) if content else False, _described(content) if content else ""
     except JournalError as error:
         open_goals, described = True, str(error)
     aside = place.set_aside("old")
     odd = open_goals and resume == "ask"
-    back = f"to go on with it stop the core, move {aside} to {place.path} and start with ~resume: yes"
-    remarks = [f"begins anew; the journal of another launch ({described}) is {aside} now: {back}"] if odd else []
-    return Found(place, fresh.run, None, remarks, odd)
+    back = f"to resume it, stop the core, move {aside} to {place.path} and start with ~resume: yes"
+    remarks = [f"begins a new run; the journal of another launch ({described}) is now {aside}: {back}"] if odd else []
+    return OpenedJournal(place, fresh.run, None, remarks, odd)
 
 
-def _open_goals(kept: Kept) -> List[str]:
-    return list(group(kept.state, "goal"))
+def _open_goals(content: JournalContent) -> List[str]:
+    return list(group(content.state, "goal"))
 
 
-def _described(kept: Kept) -> str:
-    goals, cycle = len(_open_goals(kept)), max(1, kept.state["core"]["step"])
-    return f"run {kept.header.run}, cycle {cycle}, {goals} open goal{'s' * (goals != 1)}"
+def _described(content: JournalContent) -> str:
+    goals, cycle = len(_open_goals(content)), max(1, content.state["core"]["step"])
+    return f"run {content.header.run}, cycle {cycle}, {goals} open goal{'s' * (goals != 1)}"

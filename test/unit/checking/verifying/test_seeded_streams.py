@@ -128,7 +128,7 @@ def shows(kind, driver, finding):
     """Tell whether a core shows what was found."""
     problems, core = " ".join(driver.problems), driver.core
     if kind is NO_ANSWER:
-        return any(one in problems for one in ("contradict", "withheld", "begins anew", "no answer"))
+        return any(one in problems for one in ("contradict", "withheld", "forgets its history", "no answer"))
     if kind is NEVER_ENDED:
         return bool(core.live_goals) and (finding.circular or not core.awaited)
     if kind is DefectKind.MALFORMED:

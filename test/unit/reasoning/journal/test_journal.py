@@ -18,7 +18,7 @@ from killed_core import files_of, put_files
 from rosoclingo.common import database
 from rosoclingo.reasoning.journal import folder as module
 from rosoclingo.reasoning.journal.database import NAME, Header, JournalError, changes, history, lines_of, read
-from rosoclingo.reasoning.journal.folder import Journal, TakenError, tidy
+from rosoclingo.reasoning.journal.folder import Journal, LockedError, tidy
 
 HEADER = Header("run", "program", "launch")
 NAMES = st.sampled_from(["core", "goal:1", "goal:2", "goal:3", "fact:a", "fact:b"])
@@ -126,13 +126,13 @@ def test_one_changed_byte_of_the_log_leaves_no_state_that_never_was(killed, scra
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ("UPDATE record SET change = replace(change, '2', '3') WHERE number = 2", "record 2 is not as it was written"),
-        ("UPDATE record SET time = 7.0 WHERE number = 2", "record 2 is not as it was written"),
+        ("UPDATE record SET change = replace(change, '2', '3') WHERE number = 2", "record 2 is corrupt"),
+        ("UPDATE record SET time = 7.0 WHERE number = 2", "record 2 is corrupt"),
         ("DELETE FROM record WHERE number = 2", "record 2 is missing"),
         ("DELETE FROM record WHERE number = 1", "record 1 is missing"),
         ("DELETE FROM record", "record 1 is missing"),
-        ("UPDATE header SET program = 'other'", "the header is not as it was written"),
-        ("DELETE FROM header", "the header is not as it was written"),
+        ("UPDATE header SET program = 'other'", "the header is missing or corrupt"),
+        ("DELETE FROM header", "the header is missing or corrupt"),
         ("PRAGMA user_version = 99", "it is of format 99, this version reads 6"),
     ],
 )
@@ -212,7 +212,7 @@ def test_what_is_set_aside_is_no_journal_any_more(folder):
 
 
 def test_two_cores_on_one_journal(folder):
-    with pytest.raises(JournalError, match=r"another core has the journal in .*: end it, or"):
+    with pytest.raises(JournalError, match=r"another core uses the journal in .*: stop it, or"):
         Journal(folder.path.parent, HEADER)
     folder.close()
     Journal(folder.path.parent, HEADER).close()
@@ -339,7 +339,7 @@ def test_a_folder_that_is_removed_while_it_is_taken_is_not_had(tmp_path, monkeyp
         lock(file, how)
 
     monkeypatch.setattr(module.fcntl, "flock", remove_first)
-    with pytest.raises(TakenError):
+    with pytest.raises(LockedError):
         Journal(tmp_path, HEADER)
     monkeypatch.undo()
     Journal(tmp_path, HEADER).close()
@@ -348,7 +348,7 @@ def test_a_folder_that_is_removed_while_it_is_taken_is_not_had(tmp_path, monkeyp
 def test_a_journal_in_words(folder):
     folder.begin({"core": [1, 2], "goal:a": "x"})
     assert list(lines_of(folder.read())) == [
-        "run run, 1 records since all was written",
+        "run run, 1 records since the last checkpoint",
         "core [1, 2]",
         'goal:a "x"',
     ]

@@ -169,7 +169,7 @@ def test_a_core_that_is_shut_down_ends_each_action_under_way(start, text):
             assert all(str(one.atom) in json.dumps(node.on_disk["preemption"]) for one in under_way), "written before"
 
     node.at_event = look
-    node.core.leave("is given up: the core shuts down")
+    node.core.leave("is aborted: the core shuts down")
     node.keeper.send()
     assert [one.actions for one in node.told if isinstance(one, ActionsPreempted)] == [under_way]
     ends = [one for one in node.told if isinstance(one, GoalChanged) and one.outcome is Outcome.ABORTED]
@@ -187,10 +187,10 @@ def test_a_core_that_is_shut_down_ends_each_action_under_way(start, text):
 
 def test_a_core_that_is_shut_down_again_cancels_nothing_twice(start):
     node = start()
-    node.goal("a", "do(walk,1)").core.leave("is given up")
+    node.goal("a", "do(walk,1)").core.leave("is aborted")
     node.keeper.send()
     again = start()
-    again.core.leave("is given up")
+    again.core.leave("is aborted")
     again.keeper.send()
     assert not [one for one in again.told if isinstance(one, ActionsPreempted)]
 

@@ -164,9 +164,9 @@ def test_what_its_node_asks_of_a_core_that_goes_on():
     assert {*first.awaited} <= {*core.shown} == {*first.shown}
     assert core.horizon == first.horizon >= 1
     assert (str(core.goal("b")), core.goal("c")) == ("do(run,2)", None)
-    core.leave("is given up: the core shuts down")
+    core.leave("is aborted: the core shuts down")
     ends = {one.key: one.message for one in told if isinstance(one, GoalChanged) and one.outcome is not None}
-    assert ends == {key: f"{first.goal(key)} is given up: the core shuts down" for key in "ab"}
+    assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
     assert core.live_goals == []
     disk.write(core.record())
     next_one = KeptCore(program, lambda: shortest(program), told.append, settings, record=disk.read())

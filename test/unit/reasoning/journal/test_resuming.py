@@ -53,7 +53,7 @@ def test_nothing_is_there_yet(folder, resume):
 def test_it_goes_on(folder, left, resume, launch):
     found = opened(folder, resume, AGAIN._replace(launch=launch))
     assert (found.run, found.state, found.odd) == ("first", STATE, False)
-    assert found.remarks == [f"goes on with {left}: run first, cycle 7, 2 open goals"]
+    assert found.remarks == [f"resumes from {left}: run first, cycle 7, 2 open goals"]
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_nothing_is_said_of_a_journal_without_goals(folder):
 
 @pytest.mark.parametrize("resume", ["ask", "yes"])
 def test_another_program(folder, left, resume):
-    with pytest.raises(JournalError, match=r"is of another program .*: start with that one, or without the journal"):
+    with pytest.raises(JournalError, match=r"belongs to another program .*: start that program, ignore the journal"):
         opened(folder, resume, AGAIN._replace(program="other"))
     assert left.exists()
 
@@ -96,7 +96,7 @@ def test_another_program(folder, left, resume):
     [
         (
             "UPDATE record SET change = replace(change, 'goal(2)', 'goal(3)')",
-            "record 1 is not as it was written: start",
+            "record 1 is corrupt: start",
         ),
         ("PRAGMA user_version = 1", "it is of format 1, this version reads 6: .*journal clear"),
     ],
@@ -108,7 +108,7 @@ def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume, c
     with pytest.raises(JournalError, match=words):
         opened(folder, resume, AGAIN)
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
-    assert found.odd, "another launch begins anew, and tells it"
+    assert found.odd, "another launch begins a new run, and warns"
 
 
 def test_a_journal_that_cannot_be_read(folder):
@@ -123,7 +123,7 @@ def test_one_goal_of_a_core_that_had_hardly_begun(folder):
     place = Journal(folder, BEFORE)
     place.begin({"core": {"step": 0}, "goal:a": {"term": "goal(1)"}})
     place.close()
-    assert opened(folder, "yes", AGAIN).remarks == [f"goes on with {place.path}: run first, cycle 1, 1 open goal"]
+    assert opened(folder, "yes", AGAIN).remarks == [f"resumes from {place.path}: run first, cycle 1, 1 open goal"]
 
 
 def test_a_folder_that_cannot_be_written(folder, monkeypatch):
@@ -133,7 +133,7 @@ def test_a_folder_that_cannot_be_written(folder, monkeypatch):
     monkeypatch.setattr(os, "open", refuse)
     found = opened(folder, "ask", AGAIN)
     assert (found.journal, found.run, found.state) == (None, "second", None)
-    assert found.fault.startswith(f"no journal is kept in {folder}: Read-only file system (~journal names ")
+    assert found.fault.startswith(f"no journal is kept in {folder}: Read-only file system (set ~journal to ")
 
 
 def test_a_journal_that_went_stale_is_told(folder, left):
@@ -145,10 +145,10 @@ def test_a_journal_that_went_stale_is_told(folder, left):
 
 def test_the_command_shows_and_clears(folder, left, capsys):
     assert journal_command.main("show", str(folder)) == 0
-    assert capsys.readouterr().out.splitlines()[0] == "run first, 1 records since all was written"
+    assert capsys.readouterr().out.splitlines()[0] == "run first, 1 records since the last checkpoint"
     core = Journal(folder, BEFORE)
     assert journal_command.main("clear", str(folder)) == 1
-    assert "another core has the journal" in capsys.readouterr().err
+    assert "another core uses the journal" in capsys.readouterr().err
     core.close()
     assert journal_command.main("clear", str(folder)) == 0
     assert capsys.readouterr().out == "removed journal.db\n"
