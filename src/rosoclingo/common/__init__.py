@@ -1,9 +1,9 @@
-"""What all layers share: labels, parameters, the worker thread, names that load late.
+"""Modules shared by all layers: labels, parameters, the worker thread, lazy imports.
 
-Some modules change the behaviour of rospy and actionlib, each for promises of doc/reliability.md:
+Some modules change the behaviour of rospy and actionlib, for the guarantees of doc/reliability.md:
 
-* prompt_publisher: cancels, results and returns leave before their node ends; an interface hears of the run first.
-* action_servers: goals and their status survive when simulated time goes back.
-* registration: a master that was restarted knows the nodes again; publishers that rospy misses are connected.
-* streams: a full disk, or a locale without a character, costs no more than the text.
+* prompt_publisher: sends cancels, results and returns before the node ends, and the run to interfaces first.
+* action_servers: keeps goals and their status when simulated time goes back.
+* registration: registers the node again at a restarted master, and connects to publishers that rospy missed.
+* streams: lets a full disk, or a locale that lacks a character, only lose text.
 """

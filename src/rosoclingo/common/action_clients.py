@@ -1,4 +1,4 @@
-"""Clients of action servers: cancelling a goal, acknowledged or not."""
+"""Cancel goals of action servers, acknowledged or not."""
 
 from actionlib import ActionClient, ClientGoalHandle
 from actionlib_msgs.msg import GoalID
@@ -12,9 +12,9 @@ def goal_id(handle: ClientGoalHandle) -> str:
 
 
 def cancel_goal(client: ActionClient, handle: ClientGoalHandle) -> None:
-    """Ask the server to cancel a goal; it ends when the server says so.
+    """Ask the server to cancel a goal; the goal ends when the server ends it.
 
-    actionlib's own ``cancel`` takes a goal for lost that the server has not acknowledged yet: so the server is asked
-    without the client's knowledge. For a server, a cancel that comes before its goal counts as well.
+    actionlib's ``cancel`` counts a goal as lost that the server has not acknowledged yet. This function bypasses the
+    client instead. A server also accepts a cancel that arrives before its goal.
     """
     client.pub_cancel.publish(GoalID(id=goal_id(handle)))

@@ -1,4 +1,4 @@
-"""Action servers in simulated time, which may go back."""
+"""Action servers that tolerate resets of simulated time."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ __all__ = ["announce_server", "forget_cancels", "forget_goal_times", "start_serv
 
 
 def announce_server(server: ActionServer) -> None:
-    """Let clients know that there will be a server, which may take long to start; its own publishers share these."""
+    """Announce a server that can take long to start; the server's own publishers share these connections."""
     name = rospy.remap_name(server.ns)
     prompt_publisher(name + "/status", GoalStatusArray, latch=True)
     prompt_publisher(name + "/feedback", server.ActionFeedback)
@@ -21,9 +21,9 @@ def announce_server(server: ActionServer) -> None:
 
 
 def start_server(server: ActionServer) -> None:
-    """Start a server that sends at once: nothing waits in a queue as the node ends, and who publishes waits for nobody.
+    """Start a server that sends without a queue, so that no message is lost at shutdown.
 
-    Its status topic outlives a jump of simulated time; actionlib's own timer ends with one.
+    Its status topic survives a jump of simulated time, which would end actionlib's timer.
     """
     announce_server(server)
     server.start()
@@ -34,23 +34,23 @@ def start_server(server: ActionServer) -> None:
 
 
 def forget_cancels(server: ActionServer) -> None:
-    """Forget the last cancel's time; after time went back, each goal until that time would be cancelled on arrival."""
+    """Forget the last cancel's time: after time went back, the server would cancel all earlier goals on arrival."""
     with server.lock:
         server.last_cancel = rospy.Time()
 
 
 def forget_goal_times(server: SimpleActionServer) -> None:
-    """Forget when the last goals and cancels came; after time went back, each goal until then would be recalled."""
+    """Forget the times of the last goals and cancels: after time went back, the server would recall earlier goals."""
     with server.lock:
         for handle in (server.current_goal, server.next_goal):
             if handle.get_goal() is not None:
-                handle.get_goal_id().stamp = rospy.Time()  # the server compares the stamps alone, clients the ids
+                handle.get_goal_id().stamp = rospy.Time()  # the server compares only stamps, clients only ids
     forget_cancels(server.action_server)
 
 
 def _publish_status(server: ActionServer, event: Any) -> None:
     try:
         server.publish_status_async(event)
-    except rospy.ROSException:  # the topic has been closed since the server looked
+    except rospy.ROSException:  # the topic has just been closed
         if not ending():
             raise

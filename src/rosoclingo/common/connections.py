@@ -1,7 +1,7 @@
-"""Whether all that is published on a topic comes to a node, and whether who sent a message is still there.
+"""Check connections of topics: whether messages arrive at a node, and whether a sender is still connected.
 
-rospy counts a connection at its reading end first, and what is published before the writing end counts it as well is
-lost. So those who publish are asked whom they write to.
+rospy counts a connection at the reading end first. Messages that are published before the writing end counts the
+connection are lost. So this module asks the publishers for their connections.
 """
 
 from contextlib import suppress
@@ -16,10 +16,10 @@ __all__ = ["comes_to", "heard_nodes", "is_connected", "readers"]
 
 
 def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_do: bool = False) -> bool:
-    """Whether all that is published on a topic from now on comes to the node ``reader``; names are full ones.
+    """Return whether all messages published on a topic from now on arrive at the node ``reader``; names are absolute.
 
-    All nodes that publish it and answer have to write it to the reader: at least one node unless ``none_will_do``, and
-    the ``publishers`` among them.
+    All responding publishers of the topic have to be connected to the reader, including ``publishers``. There has to be
+    at least one, unless ``none_will_do``.
     """
     asked = {node: readers(node) for node in _publishers(topic)}
     answers = {node: found.get(topic, set()) for node, found in asked.items() if found is not None}
@@ -28,7 +28,7 @@ def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_
 
 
 def readers(node: str) -> Optional[Dict[str, Set[str]]]:
-    """Return topics of a node, each with the nodes to which it writes it; None where it does not answer."""
+    """Return the published topics of a node, each with its subscribed nodes; None if the node does not respond."""
     me = rospy.get_name()
     with suppress(*FAULTS):
         uri = address_of(node)
@@ -43,12 +43,12 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
 
 
 def heard_nodes(topic: Any) -> Set[str]:
-    """Return the nodes that a subscriber's ``impl`` is connected to at this end; none where it is closed."""
+    """Return the nodes that a subscriber's ``impl`` is connected to at this end; none if it is closed."""
     return {connection.callerid_pub for connection in topic.connections} if topic is not None else set()
 
 
 def is_connected(subscriber: rospy.Subscriber, header: Any) -> bool:
-    """Whether the connection lasts by which a message with this `_connection_header` came: one object for all of it."""
+    """Return whether the connection of a message with this `_connection_header` is open: one object per connection."""
     return any(one.header is header and one.socket is not None for one in subscriber.impl.connections)
 
 

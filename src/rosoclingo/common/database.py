@@ -1,4 +1,4 @@
-"""An SQLite database of one writer, in which each change is on the disk before anybody sees what follows from it."""
+"""An SQLite database with one writer, which syncs each change to disk before it becomes visible."""
 
 import contextlib
 import os
@@ -16,28 +16,28 @@ LOG_PAGES = 60
 
 
 class Database:
-    """A database that is opened, with its tables, when it is first used.
+    """A database that is opened, with its tables, on first use.
 
-    An error stops nothing: :attr:`fault` reports it, and the caller tries again when :meth:`is_due`.
+    Errors are not raised: :attr:`fault` reports them, and the caller retries when :meth:`is_due`.
 
     Attributes:
-        path: the file. SQLite keeps the latest changes in its log, ``PATH-wal``.
-        fault: why the last transaction failed, empty if it did not.
+        path: the file. SQLite writes the latest changes to its log, ``PATH-wal``.
+        fault: why the last transaction failed, empty if it succeeded.
 
     """
 
     def __init__(self, path: Path, tables: Sequence[str], retry: float) -> None:
-        """Use the file ``path``; ``tables`` are statements, ``retry`` is the time in seconds after a failure."""
+        """Use the file ``path``; ``tables`` are SQL statements, ``retry`` is the wait in seconds after a failure."""
         self.path, self.fault = path, ""
         self._tables, self._retry, self._retry_at = tables, retry, 0.0
         self._db: Optional[sqlite3.Connection] = None
-        self._ready = False  # whether the tables are there
+        self._ready = False  # whether the tables exist
 
     def run(self, work: Callable[[sqlite3.Connection], T], now: float = 0.0) -> Optional[T]:
-        """Return the result of ``work`` in one transaction, which the disk has then; None if it failed.
+        """Run ``work`` in one transaction, synced to disk, and return its result; None if it failed.
 
-        ``now`` is the steady time in seconds. A damaged database becomes ``PATH.damaged``, and the next transaction
-        begins a new one.
+        ``now`` is the steady time in seconds. A damaged database is renamed to ``PATH.damaged``, and the next
+        transaction creates a new file.
         """
         try:
             db = self._connected()
@@ -56,7 +56,7 @@ class Database:
         return result
 
     def is_due(self, now: float) -> bool:
-        """Return whether it is time for another attempt after a failure."""
+        """Return whether to retry now after a failure."""
         return bool(self.fault) and now >= self._retry_at
 
     def set_aside(self, suffix: str) -> Path:
@@ -65,7 +65,7 @@ class Database:
             self._connected()
         self.close()
         aside = Path(f"{self.path}.{suffix}")
-        os.replace(self.path, aside)  # first of all: SQLite ignores the log of a file that does not exist
+        os.replace(self.path, aside)  # before its log: SQLite ignores the log of a missing file
         for file in ("-wal", "-shm"):
             with contextlib.suppress(FileNotFoundError):
                 os.replace(f"{self.path}{file}", f"{aside}{file}")
@@ -75,7 +75,7 @@ class Database:
         return aside
 
     def close(self) -> None:
-        """Close the file; the log is moved into it where that is possible, so that it can be copied alone."""
+        """Close the file; if possible, move the log into it, so that the file can be copied alone."""
         db, self._db, self._ready = self._db, None, False
         if db is not None:
             with contextlib.suppress(sqlite3.Error):  # a full disk, a reader or damage
@@ -88,7 +88,7 @@ class Database:
             db = sqlite3.connect(str(self.path), 1.0, isolation_level=None, check_same_thread=False)
             self._db = db
             db.execute(f"PRAGMA synchronous = {SYNCED}")
-            db.execute("PRAGMA page_size = 1024")  # a commit writes whole pages, and a change is shorter than one
+            db.execute("PRAGMA page_size = 1024")  # small, as a commit writes whole pages and changes are short
             db.execute("PRAGMA journal_mode = WAL")
             db.execute(f"PRAGMA wal_autocheckpoint = {LOG_PAGES}")
         return self._db

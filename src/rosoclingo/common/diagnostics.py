@@ -1,4 +1,4 @@
-"""One line of /diagnostics: what a node says of one of its parts."""
+"""One entry of /diagnostics: the status of one part of a node."""
 
 import time
 from typing import Callable, Mapping, Optional, Tuple
@@ -16,9 +16,9 @@ Findings = Tuple[int, str, Mapping[str, object]]
 
 
 class Diagnostics:
-    """Publishes once a second, and on change. Time is wall time, as simulated time may stand still.
+    """Publishes a status once a second and on change, in wall time, as simulated time can stand still.
 
-    ``name`` is whose state it is; ``describe`` finds it, and is called ten times a second at most.
+    ``name`` is the name of the status; ``describe`` returns it, and is called at most ten times a second.
 
     Publishes:
         /diagnostics (diagnostic_msgs/DiagnosticArray)
@@ -32,7 +32,7 @@ class Diagnostics:
         self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
 
     def tick(self) -> None:
-        """Publish if something has changed or the last message is old; to be called often."""
+        """Publish if the status has changed or the last message is old; call this often."""
         now = time.monotonic()
         if now - self._looked < PAUSE:
             return

@@ -1,4 +1,4 @@
-"""State that a node which is killed leaves to its successor, in a private parameter."""
+"""Persisted state of a node in a private parameter, from which a successor resumes if the node is killed."""
 
 import threading
 import time
@@ -18,14 +18,14 @@ PERIOD = 2.0
 
 
 class KeptState:
-    """Keeps a value in a private parameter of this node, and removes it at the end.
+    """Stores a value in a private parameter of this node, and deletes it when the node shuts down.
 
-    A master can take seconds to answer, so this has a worker of its own. If the master does not answer, or has lost the
-    parameter, the worker tries again; the log reports that once.
+    The class has its own worker, as a master can take seconds to respond. If the master does not respond, or has lost
+    the parameter, the worker retries; the log reports this once.
     """
 
     def __init__(self, name: str, loss: str) -> None:
-        """Take the parameter's name, and for the log what is lost while the master does not answer."""
+        """Use the parameter ``name``; ``loss`` is the log text for the consequence if the master does not respond."""
         self._node, self._loss = rospy.get_name(), loss
         self._parameter = rospy.resolve_name(name)
         self._master = api(rosgraph.get_master_uri())
@@ -36,22 +36,22 @@ class KeptState:
         self._worker.start()
 
     def keep(self, value: Any, patience: float = 0.0) -> None:
-        """Keep a value of XML-RPC's types in place of the last one.
+        """Store a value of a type of XML-RPC in place of the previous value.
 
-        Waits until that is done or has failed, at most ``patience`` seconds of wall time.
+        Waits until this has succeeded or failed, at most ``patience`` seconds of wall time.
         """
         self._value, done = value, threading.Event()
         self._worker.put(partial(self._save, done))
         done.wait(patience)
 
     def end(self) -> None:
-        """Remove the parameter: a node that ends, and was not killed, has no successor."""
+        """Delete the parameter: after a regular shutdown no successor resumes."""
         self._value = None
         self._worker.put(lambda: self._ask(lambda: self._master.deleteParam(self._node, self._parameter)))
         self._worker.stop(PERIOD)
 
     def _save(self, done: threading.Event) -> None:
-        """Save the latest value, which can be another than when this was asked for, once."""
+        """Save the latest value, unless it is already saved."""
         if self._saved is not self._value:
             self._ask(self._set)
         done.set()
@@ -65,7 +65,7 @@ class KeptState:
 
     def _set(self) -> None:
         value = self._value
-        if value is not None:  # else the node ends
+        if value is not None:  # else the node shuts down
             self._master.setParam(self._node, self._parameter, value)
             self._saved = value
 
@@ -79,5 +79,5 @@ class KeptState:
             self._failing = False
         except FAULTS as error:
             if not self._failing:
-                rospy.logerr("%s: %s: the master does not answer: %s; it is tried again", self._node, self._loss, error)
+                rospy.logerr("%s: %s: the master does not answer: %s; retries", self._node, self._loss, error)
             self._failing = True

@@ -1,4 +1,4 @@
-"""Labels: named locations on the map, the abstract places that an answer set program reasons about."""
+"""Labels: named locations on the map, the places in an answer set program."""
 
 import math
 import re
@@ -12,7 +12,7 @@ _NAME = re.compile(r"(_*[a-z][A-Za-z0-9_']*(\(.+\))?|-?[0-9]+|\(.+\)|\".*\")\Z")
 
 
 class LabelError(ValueError):
-    """A label table that cannot be used; the message lists every fault with its mend."""
+    """An invalid label table; the message lists all faults and how to fix them."""
 
 
 class UnknownLabelError(KeyError):
@@ -28,7 +28,7 @@ class UnknownLabelError(KeyError):
 
 
 class Label(NamedTuple):
-    """A pose on the map with a name: metres and radians (counter-clockwise from the x axis) in the tf frame `frame`."""
+    """A named pose: metres and radians (counter-clockwise from the x axis) in the tf frame `frame`."""
 
     name: str
     x: float
@@ -38,11 +38,11 @@ class Label(NamedTuple):
 
     @property
     def quaternion(self) -> Tuple[float, float, float, float]:
-        """Return the heading as a unit quaternion (x, y, z, w)."""
+        """The heading as a unit quaternion (x, y, z, w)."""
         return (0.0, 0.0, math.sin(self.yaw / 2.0), math.cos(self.yaw / 2.0))
 
     def distance(self, x: float, y: float) -> float:
-        """Distance in metres from this label to (x, y)."""
+        """Return the distance in metres from this label to (x, y)."""
         return math.hypot(self.x - x, self.y - y)
 
 
@@ -54,7 +54,7 @@ class LabelTable:
 
     @classmethod
     def from_mapping(cls, data: Any) -> "LabelTable":
-        """As ``read``; raises LabelError listing all faults."""
+        """Create a table like ``read``; raises LabelError, which lists all faults."""
         reader = Reader(data, "labels")
         table = cls.read(reader)
         reader.check(LabelError)
@@ -62,16 +62,16 @@ class LabelTable:
 
     @classmethod
     def read(cls, reader: Reader, frame: str = DEFAULT_FRAME) -> "LabelTable":
-        """Read `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map}}` or `{name: [x, y, yaw]}`, as a YAML file holds it.
+        """Read a mapping like `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map}}` or `{name: [x, y, yaw]}`.
 
         `yaw` (0) and `frame` are optional; a frame's leading slash is dropped, as tf2 refuses it.
-        The reader has the faults; the table has the labels without faults.
+        The reader collects the faults; the table has only the valid labels.
         """
         found = reader.entries("a mapping of names to {x, y, yaw}")
         return cls(tuple(_label(name, place, bare_frame(frame)) for name, place in found))
 
     def __getitem__(self, name: object) -> Label:
-        """The label of that name (text, or anything that prints as the term); raises UnknownLabelError."""
+        """Return the label with this name (a text or symbol); raises UnknownLabelError."""
         text = str(name)
         if text not in self._labels:
             raise UnknownLabelError(text, tuple(self._labels))
@@ -92,7 +92,7 @@ class LabelTable:
         return tuple(self._labels)
 
     def nearest(self, x: float, y: float, tolerance: float) -> Optional[Label]:
-        """The label nearest to (x, y) that is at most `tolerance` metres away, else None."""
+        """Return the label nearest to (x, y) within `tolerance` metres, None if there is none."""
         label = min(self, key=lambda each: each.distance(x, y), default=None)
         return label if label is not None and label.distance(x, y) <= tolerance else None
 
@@ -105,7 +105,7 @@ def bare_frame(frame: str) -> str:
 def _label(key: str, reader: Reader, frame: str) -> Label:
     name = re.sub(r"\s*([(),])\s*", r"\1", key.strip())
     if not _NAME.match(name):
-        reader.fault("the name is no ASP term: write it in lower case without spaces, as the program does")
+        reader.fault("the name is no ASP term: write it in lower case without spaces, as in the program")
     if isinstance(reader.value, (list, tuple)):
         x, y, yaw = (*reader.numbers((2, 3), wanted="[x, y] or [x, y, yaw] in finite numbers"), 0.0)[:3]
         return Label(name, x, y, yaw, frame)

@@ -1,8 +1,8 @@
-"""A node that its roslaunch starts again whenever it ends, and an end for that where no start can help.
+"""End roslaunch when a respawned node fails for good.
 
-``respawn`` of a launch file has no conditions, and ``required`` starts nothing again. So a node with the parameter
-``~required`` asks the roslaunch that has started it whether it would do so again, and ends it as Ctrl-C does. This
-module needs the standard library alone, as what a script lacks may be ROS itself.
+``respawn`` of a launch file has no conditions, and ``required`` never restarts a node. So a node with the parameter
+``~required`` asks its roslaunch whether that would respawn the node, and ends roslaunch as Ctrl-C does. This module
+needs only the standard library, because ROS itself can be missing.
 """
 
 import contextlib
@@ -18,23 +18,23 @@ from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 __all__ = ["Required"]
 
-#: Seconds of wall time in which a node that was started again and fails has the same fault as before, most probably.
+#: Seconds of wall time within which a restarted node that fails most probably has the same fault as before.
 SOON = 60.0
 
 
 class Required:
-    """For a ``with`` statement around all that a script does, imports included.
+    """A context manager for the whole of a script, including its imports.
 
-    Where the node has ``~required`` and has not come up, another node has taken its name, or it fails within SOON
-    seconds of having been started again, the roslaunch ends that would start it.
+    It ends the roslaunch that would respawn the node if the node has ``~required`` and one of these holds: it did not
+    come up, another node has taken its name, or it failed within SOON seconds after a restart.
     """
 
     def __init__(self) -> None:
-        self._up: Optional[float] = None  # when it came up
+        self._up: Optional[float] = None  # time at which the node came up
         self._replaced = False
 
     def is_up(self, _node: object) -> None:
-        """The node has started; call it in that process once."""
+        """Record that the node has started; call this once, in the node's process."""
         import rospy
 
         self._up = time.monotonic()
@@ -57,9 +57,9 @@ class Required:
 
 
 def _end_launch(starts: int) -> None:
-    """End the roslaunch that would start this process again, if it has started it so often, and if it shall end."""
+    """End the roslaunch of this process if it has started it ``starts`` times and ``~required`` is set."""
     if not any(word.startswith("__log:=") for word in sys.argv):
-        return  # by hand
+        return  # not started by roslaunch
     try:
         master = api(os.environ["ROS_MASTER_URI"])
         node = _name()
@@ -67,15 +67,15 @@ def _end_launch(starts: int) -> None:
             return
         found = next(_started_by(master.getParam(node, "/roslaunch/uris")[2]), {})
     except (*FAULTS, KeyError) as error:
-        sys.stderr.write(f"{sys.argv[0]}: whether to end its roslaunch is not known: {error}\n")
+        sys.stderr.write(f"{sys.argv[0]}: cannot find out whether to end roslaunch: {error}\n")
         return
     if found.get("respawn") and found["spawn_count"] >= starts:
-        sys.stderr.write(f"{node}: to start it again cannot help: roslaunch ends\n")
+        sys.stderr.write(f"{node}: a restart cannot help: ends roslaunch\n")
         os.kill(os.getppid(), signal.SIGINT)
 
 
 def _started_by(uris: Any) -> Iterator[Dict[str, Any]]:
-    """Yield what the roslaunch says of this process that has started it; roslaunches may have gone, or be elsewhere."""
+    """Yield the process info of this process from its roslaunch; others can be dead or on another machine."""
     found = list(uris.values()) if isinstance(uris, dict) else []
     for uri in found:
         with contextlib.suppress(*FAULTS):
@@ -86,14 +86,14 @@ def _started_by(uris: Any) -> Iterator[Dict[str, Any]]:
 
 
 def _processes(launch: Any) -> Iterator[Dict[str, Any]]:
-    """Yield what a roslaunch says of its processes; of a master that it has started it cannot."""
+    """Yield the process info of a roslaunch's processes; it has none of a master that it has started."""
     for name in launch.get_node_names()[2]:
         with contextlib.suppress(xmlrpc.client.Error):
             yield launch.process_info(name)[2]
 
 
 def _name() -> str:
-    """The node's name as roslaunch gives it."""
+    """Return the node's name from the arguments of roslaunch."""
     name = next((word for word in sys.argv if word.startswith("__name:=")), "").partition(":=")[2]
     space = os.environ.get("ROS_NAMESPACE", "").strip("/")
     return f"/{space}/{name}" if space else f"/{name}"

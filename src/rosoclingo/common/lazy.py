@@ -1,6 +1,6 @@
-"""Names of a package that are loaded when they are asked for.
+"""Lazy imports of the names of a package.
 
-numba takes a second, and not everybody who wants a pose drives robots.
+Importing numba takes a second, and only some users of a package need it.
 """
 
 import importlib
@@ -8,13 +8,13 @@ from typing import Any, Callable, Mapping
 
 
 def loader(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
-    """Return a ``__getattr__`` for ``package``: it finds each name in the module that ``homes`` says.
+    """Return a ``__getattr__`` for ``package``, which imports each name from its module in ``homes``.
 
-    It raises AttributeError for every other name.
+    It raises AttributeError for any other name.
     """
 
     def load(name: str) -> Any:
-        """Return what a name stands for, from its module."""
+        """Import a name from its module."""
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(importlib.import_module(f"{package}.{homes[name]}"), name)

@@ -1,12 +1,12 @@
-"""A clock for time limits on work that takes processor time, at any pace of simulated time."""
+"""A clock for time limits on computation, at any pace of simulated time."""
 
 from typing import Optional, Tuple
 
 
 class PacedClock:
-    """Counts seconds of ROS time from the first look at it, but never faster than wall time, and never back.
+    """Counts seconds of ROS time from its first use, never faster than wall time, and never backwards.
 
-    A node that compiles or loads for a minute would be late by ten minutes of a simulation that runs ten times faster.
+    In a simulation at tenfold speed, a minute of compiling would otherwise count as ten minutes.
     """
 
     def __init__(self) -> None:
@@ -14,7 +14,7 @@ class PacedClock:
         self._last: Optional[Tuple[float, float]] = None
 
     def at(self, ros: float, wall: float) -> float:
-        """Return the seconds counted when ROS time is ``ros`` and a steady wall clock shows ``wall``."""
+        """Return the counted seconds at the ROS time ``ros`` and the steady wall time ``wall``."""
         if self._last is not None:
             self._elapsed += max(0.0, min(ros - self._last[0], wall - self._last[1]))
         self._last = (ros, wall)

@@ -1,4 +1,4 @@
-"""A node's private parameters, read with all their faults at once. One that nobody reads is probably misspelt."""
+"""Private parameters of a node: reports all faults at once, and unread parameters, which are probably misspelt."""
 
 from typing import AbstractSet, Any, Callable, Dict, Iterator, List, Mapping, Optional, Set, Type
 
@@ -9,7 +9,7 @@ from rosoclingo.common.xmlrpc_api import FAULTS
 
 __all__ = ["ParameterError", "Parameters", "unread", "warn_of_unread"]
 
-#: What the libraries of ROS read, when it pleases them.
+#: Parameters that ROS's own libraries read.
 OF_ROS = frozenset(
     {
         "actionlib_client_pub_queue_size",
@@ -27,23 +27,23 @@ _READ: Set[str] = set()
 
 
 class ParameterError(ValueError):
-    """Parameters that the node cannot work with; the message names each and says what it has to be."""
+    """Invalid parameters; the message names each with its valid values."""
 
 
 class Parameters(Reader):
-    """The node's private parameters, or ``values`` in their place; what is asked for is noted as read."""
+    """The node's private parameters, or ``values`` in their place; records which of them are read."""
 
     def __init__(self, values: Optional[Mapping[str, Any]] = None) -> None:
         super().__init__(_private() if values is None else values, "~")
 
     def at(self, key: str) -> Reader:
-        """The parameter of a name, with slashes where it is in a group."""
+        """Return the reader of a parameter; a name in a group has slashes."""
         _READ.add(key)
         where = f" in the launch file, or on the command line as _{key}:=..."
         return Reader(self._find(key), f"~{key}", "", where, "/", self.faults)
 
     def has(self, key: str) -> bool:
-        """Whether there is a parameter of that name, which is not noted as read by this."""
+        """Return whether a parameter is set, without recording it as read."""
         return self._find(key) is not MISSING
 
     def _find(self, key: str) -> Any:
@@ -53,28 +53,28 @@ class Parameters(Reader):
         return found
 
     def group(self, name: str) -> Callable[[str], Reader]:
-        """Return what finds the parameters of a group by their names in it."""
+        """Return a function that maps the names in a group to the readers of its parameters."""
         return lambda key: self.at(f"{name}/{key}")
 
     def check(self, error: Type[Exception] = ParameterError) -> None:
-        """Raise ParameterError, or another, with all faults that were noted so far, if there are any."""
+        """Raise ParameterError, or ``error``, with all faults so far, if there are any."""
         super().check(error)
 
 
 def warn_of_unread() -> None:
-    """Say once which private parameters the node, which has read all it wants, does not know."""
+    """Log the private parameters that the node has not read; call this after it has read all."""
     try:
         found = unread(_private(), frozenset(_READ))
-    except FAULTS:  # the master went while the node started: it is no reason to end
+    except FAULTS:  # a master that died meanwhile is no reason to end
         return
     if found:
-        rospy.logwarn("%s: parameters that it does not read: %s", rospy.get_name(), ", ".join(found))
+        rospy.logwarn("%s: unknown parameters: %s", rospy.get_name(), ", ".join(found))
 
 
 def unread(values: Mapping[str, Any], read: AbstractSet[str]) -> List[str]:
-    """The parameters that nobody has ``read`` (names with slashes), each with the likely name where there is one.
+    """Return the parameters that are not in ``read`` (names with slashes), each with the likely name, if any.
 
-    Where a group as a whole, or nothing of it, was read, it counts as one.
+    A group of which nothing was read counts as one parameter.
     """
     return [_described(name, read) for name in sorted(_unread(values, read, "")) if name not in OF_ROS]
 

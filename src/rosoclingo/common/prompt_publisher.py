@@ -1,9 +1,9 @@
-"""Publishers that send at once, in the thread that publishes.
+"""Publishers that send immediately, in the publishing thread.
 
-rospy's own, with a queue, hand each message to a thread of each connection and then give up the processor
-(``time.sleep(0)``, which takes 50 to 100 us): with a dozen subscribers that is most of a simulation step. Without a
-queue rospy sends at once, but then one subscriber that has been suspended stops the node. What waits in such a queue
-when the node ends is lost.
+With a queue, rospy hands each message to a thread of each connection and then yields the processor
+(``time.sleep(0)``, which takes 50 to 100 us). With a dozen subscribers this is most of a simulation step, and a node
+that shuts down loses the queued messages. Without a queue, rospy sends immediately, but a suspended subscriber blocks
+the node.
 """
 
 import contextlib
@@ -18,16 +18,16 @@ __all__ = ["prompt_publisher"]
 
 
 class PromptConnection(QueuedConnection):  # type: ignore[misc]
-    """A connection that sends what the socket takes at once; its thread and its queue are for what is left over."""
+    """A connection that sends immediately; its thread and queue serve the bytes that the socket does not accept."""
 
     def __init__(self, connection: Any, queue_size: int) -> None:
-        self._left: List[bytes] = []  # on its way: the rest of a message partly sent must never be dropped
-        with contextlib.suppress(AttributeError, OSError):  # closed already, or no TCP socket
+        self._left: List[bytes] = []  # the rest of a partly sent message must never be dropped
+        with contextlib.suppress(AttributeError, OSError):  # already closed, or no TCP socket
             connection.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         super().__init__(connection, queue_size)
 
     def write_data(self, data: bytes) -> bool:
-        """Send a message, or what fits, and queue the rest. Raises TransportTerminated once it is closed."""
+        """Send a message and queue the bytes that do not fit.  Raises TransportTerminated on a closed connection."""
         if self._connection.done or self._connection.socket is None:
             raise TransportTerminated("connection closed")
         with self._lock:
@@ -40,19 +40,19 @@ class PromptConnection(QueuedConnection):  # type: ignore[misc]
         return bool(super().write_data(data))
 
     def _send(self, data: bytes) -> int:
-        """Return how many bytes the socket takes without waiting."""
+        """Send without blocking; return the number of bytes that the socket accepted."""
         try:
             sent = int(self._connection.socket.send(data, socket.MSG_DONTWAIT))
         except BlockingIOError:
             return 0
-        except (AttributeError, OSError) as error:  # who publishes closes the connection then
+        except (AttributeError, OSError) as error:  # makes rospy close the connection
             raise TransportTerminated(str(error)) from error
         self._connection.stat_bytes += sent
         self._connection.stat_num_msg += 1
         return sent
 
     def _run(self) -> None:
-        """Relay what is left over, and what was queued behind it."""
+        """Send the remaining bytes and the messages queued after them."""
         while not self._connection.done:
             with self._lock:
                 while not (self._queue or self._left or self._connection.done):
@@ -70,14 +70,14 @@ class PromptConnection(QueuedConnection):  # type: ignore[misc]
 
 
 class _Greeting(rospy.SubscribeListener):  # type: ignore[misc]
-    """Sends a newcomer, and it alone, the messages that ``messages`` returns then."""
+    """Sends the messages that ``messages`` returns to each new subscriber only."""
 
     def __init__(self, messages: Callable[[], Iterable[Any]]) -> None:
         super().__init__()
         self._messages = messages
 
     def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
-        """Called by rospy when a subscriber has connected."""
+        """Greet a subscriber that has connected; called by rospy."""
         for message in self._messages():
             publish(message)
 
@@ -85,10 +85,10 @@ class _Greeting(rospy.SubscribeListener):  # type: ignore[misc]
 def prompt_publisher(
     name: str, kind: Any, queue_size: int = 100, greeting: Optional[Callable[[], Iterable[Any]]] = None, **more: Any
 ) -> rospy.Publisher:
-    """Return a rospy.Publisher that sends at once; ``queue_size`` messages wait for a subscriber that is slow.
+    """Return a rospy.Publisher that sends immediately; at most ``queue_size`` messages wait for a slow subscriber.
 
-    Each node that connects is sent the messages of ``greeting`` before any other message. Any other publisher of the
-    topic in this process shares its connections, and so sends at once too.
+    Each node that connects first gets the messages of ``greeting``. All publishers of the topic in this process share
+    the connections, so they send immediately too.
     """
     if greeting is not None:
         more["subscriber_listener"] = _Greeting(greeting)
@@ -98,13 +98,13 @@ def prompt_publisher(
         add = impl.add_connection
 
         def add_connection(connection: Any) -> bool:
-            """Add a connection and greet it, while no other thread publishes: rospy adds it to the listeners first."""
+            """Add and greet a connection under the lock: rospy lets other threads publish to it before the greeting."""
             with impl.publock:
                 return bool(add(PromptConnection(connection, queue_size)))
 
         impl.add_connection = add_connection
-        impl.set_queue_size(None)  # with a size it would wrap each connection once more
+        impl.set_queue_size(None)  # a size would make rospy wrap each connection again
         impl.set_queue_size = lambda size: None
-    for message in greeting() if greeting is not None else ():  # for those that connected before
+    for message in greeting() if greeting is not None else ():  # for nodes that are already connected
         publisher.publish(message)
     return publisher

@@ -1,4 +1,4 @@
-"""YAML and parameters: values read at their places, with all faults at once, each with its place and its mend."""
+"""Validation of YAML files and parameters: reports all faults at once, each with its place and how to fix it."""
 
 import re
 import sys
@@ -12,25 +12,25 @@ import yaml
 
 __all__ = ["MISSING", "Reader", "likely", "read_yaml"]
 
-MISSING: Any = object()  # what is not there, or as a default: what has to be there
+MISSING: Any = object()  # as a value: not given; as a default: required
 
 T = TypeVar("T")
 
 INF = float("inf")
 _LARGEST = sys.float_info.max
 _LONGEST = 200  # characters of a value that a message repeats
-# Numbers to ROS's C++ programs and to YAML 1.2, texts to PyYAML: an exponent without point or sign.
+# Exponents without point or sign: numbers to ROS's C++ programs and to YAML 1.2, texts to PyYAML.
 _EXPONENTIAL = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+\Z")
 
 
 class Reader:
-    """One value at its place, with what is inside of it.
+    """A value with its place in a file, and the values inside.
 
-    What reads a value gives one that can be worked with, also where it notes a fault: then the default, or an empty one
-    of that type. So all faults are found before ``check`` raises them. A value without a default has to be there.
+    The methods that read a value always return a valid value: for a fault, which they collect, the default or an empty
+    value of the type. So one pass finds all faults before ``check`` raises them. A value without a default is required.
 
-    ``source``, such as the file's name, begins each message; ``where`` says where to give what is missing, ``joint``
-    stands between the keys of a place.
+    ``source``, such as the file's name, begins each message; ``where`` says where to add a missing value; ``joint``
+    separates the keys of a place.
     """
 
     def __init__(
@@ -50,38 +50,38 @@ class Reader:
 
     @property
     def named(self) -> str:
-        """The place with its source, as messages begin with it."""
+        """The source and the place, the beginning of each message."""
         return self.source + self.place
 
     @property
     def given(self) -> bool:
-        """Whether there is a value; an empty one of YAML counts as left out."""
+        """Whether there is a value; an empty value of YAML counts as missing."""
         return self.value is not MISSING and self.value is not None
 
     # ---- faults ---------------------------------------------------------------------------------------------------
 
     def fault(self, text: str) -> None:
-        """Note a fault of this value."""
+        """Add a fault of this value."""
         self.faults.append(f"{self.named}{': ' if self.place else ''}{text}")
 
     def check(self, error: Type[Exception]) -> None:
-        """Raise an error with all faults that were noted so far, a line each, if there are any."""
+        """Raise ``error`` with all faults so far, a line each, if there are any."""
         if self.faults:
             raise error("\n".join(self.faults))
 
-    # ---- what is inside -------------------------------------------------------------------------------------------
+    # ---- values inside --------------------------------------------------------------------------------------------
 
     def at(self, key: str) -> "Reader":
-        """The value of a key of this mapping."""
+        """Return the reader of a key of this mapping."""
         if key not in self._known:
             self._known.append(key)
         inside = self.value.get(key, MISSING) if isinstance(self.value, Mapping) else MISSING
-        # Of what is no mapping no key is missing: it is a fault as a whole.
+        # A value that is no mapping is a single fault; do not report its keys as missing too.
         faults = self.faults if isinstance(self.value, Mapping) or not self.given else []
         return Reader(inside, self._of(key), self.source, self._where, self._joint, faults)
 
     def close(self, wanted: str = "", also: Iterable[str] = ()) -> None:
-        """Note which keys there are besides those asked for and ``also``, or that this is no mapping at all."""
+        """Add faults for keys that were neither read nor are in ``also``, or if the value is no mapping."""
         self._known += also
         known = ", ".join(self._known)
         if isinstance(self.value, Mapping):
@@ -92,21 +92,21 @@ class Reader:
             self.fault(f"must be {wanted or f'a mapping with the keys {known}'}, not {_shown(self.value)}")
 
     def items(self, wanted: str = "a list", default: Any = ()) -> List["Reader"]:
-        """The values in this list."""
+        """Return the readers of the values in this list."""
         found = self.read(wanted, lambda value: _as(value, list, tuple), default, ())
         return [self._inside(value, f"{self.place}[{index}]") for index, value in enumerate(found)]
 
     def entries(self, wanted: str = "a mapping", default: Any = MISSING) -> List[Tuple[str, "Reader"]]:
-        """The names in this mapping, as text, and their values."""
+        """Return the names in this mapping, as text, with the readers of their values."""
         found = self.mapping(wanted, default)
         return [(str(key), self._inside(value, self._of(str(key)))) for key, value in found.items()]
 
-    # ---- what it is -----------------------------------------------------------------------------------------------
+    # ---- the value by type ----------------------------------------------------------------------------------------
 
     def read(self, wanted: str, fit: Callable[[Any], Optional[T]], default: Any = MISSING, empty: Any = None) -> T:
-        """The value as ``fit`` gives it, which returns None for what is not as ``wanted`` says.
+        """Return the value converted by ``fit``, which returns None for a value that does not match ``wanted``.
 
-        Left out, it is the default; that or ``empty`` stands for what cannot be used.
+        A missing value is the default; an invalid value is the default or ``empty``.
         """
         instead: Any = empty if default is MISSING else default
         if not self.given:
@@ -121,46 +121,46 @@ class Reader:
     def number(
         self, default: Any = MISSING, low: float = -INF, high: float = INF, above: float = -INF, wanted: str = ""
     ) -> float:
-        """The value as a finite number from ``low`` to ``high``, more than ``above``."""
+        """Return the value as a finite number from ``low`` to ``high``, greater than ``above``."""
         fit = partial(_number, low=low, high=high, above=above)
         return self.read(wanted or _range("number", low, high, above), fit, default, 0.0)
 
     def whole(self, default: Any = MISSING, low: float = -INF, high: float = INF) -> int:
-        """The value as a whole number from ``low`` to ``high``."""
+        """Return the value as an integer from ``low`` to ``high``."""
         fit = partial(_number, low=low, high=high, kind=int)
         return self.read(_range("whole number", low, high), fit, default, 0)
 
     def numbers(self, sizes: Sequence[int], default: Any = MISSING, wanted: str = "") -> Tuple[float, ...]:
-        """The value as finite numbers, as many as one of ``sizes``."""
+        """Return the value as a tuple of finite numbers, whose length is in ``sizes``."""
         words = wanted or "{} finite numbers".format(" or ".join(map(str, sizes)))
         return self.read(words, partial(_all, fit=_number, sizes=sizes), default, (0.0,) * sizes[0])
 
     def text(self, default: Any = MISSING, empty: bool = False, wanted: str = "a text") -> str:
-        """The value as a text, which may be empty where ``empty`` says so or the default is."""
+        """Return the value as a text; it can be empty with ``empty`` or an empty default."""
         return self.read(wanted, partial(_text, empty=empty or default == ""), default, "")
 
     def texts(self, default: Any = MISSING, wanted: str = "a list of texts", some: bool = False) -> Tuple[str, ...]:
-        """The value as texts, none of them empty; at least one of them with ``some``."""
+        """Return the value as a tuple of non-empty texts; with ``some`` at least one."""
         return self.read(wanted, partial(_all, fit=_text, sizes=range(int(some), sys.maxsize)), default, ())
 
     def flag(self, default: Any = MISSING) -> bool:
-        """The value as true or false."""
+        """Return the value as a Boolean."""
         return self.read("true or false", lambda value: _as(value, bool), default, False)
 
     def choice(self, choices: Iterable[str], default: Any = MISSING) -> str:
-        """The value as one of some words."""
+        """Return the value, which has to be in ``choices``."""
         words = list(choices)
         wanted = "one of {}".format(", ".join(words))
         return self.read(wanted, lambda value: value if value in words else None, default, words[0])
 
     def like(self, default: Any, least: float = -INF) -> Any:
-        """The value as one of the default's kind: true or false, a whole number from ``least``, a number from 0 on."""
+        """Return the value in the default's type: a Boolean, an integer from ``least``, or a number from 0."""
         if isinstance(default, bool):
             return self.flag(default)
         return self.whole(default, least) if isinstance(default, int) else self.number(default, low=0.0)
 
     def mapping(self, wanted: str = "a mapping", default: Any = MISSING) -> Mapping[Any, Any]:
-        """The value as a mapping; its values are not looked at."""
+        """Return the value as a mapping; its values are not checked."""
         return self.read(wanted, lambda value: _as(value, Mapping), default, {})
 
     def _of(self, key: str) -> str:
@@ -171,7 +171,7 @@ class Reader:
 
 
 def read_yaml(path: Union[str, Path], what: str, error: Type[Exception]) -> Reader:
-    """What a YAML file holds; raises the error, which names ``what`` it is and the file, where it cannot be read."""
+    """Read a YAML file; raises ``error``, which names ``what`` and the file, if the file cannot be read."""
     try:
         data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, yaml.YAMLError) as cause:
@@ -180,7 +180,7 @@ def read_yaml(path: Union[str, Path], what: str, error: Type[Exception]) -> Read
 
 
 def likely(name: str, known: Iterable[str], before: str = "") -> str:
-    """Which of the ``known`` names a misspelt one probably stands for, in words; empty where none is near."""
+    """Return a hint with the ``known`` name closest to a misspelt name; empty if none is close."""
     close = get_close_matches(name, list(known), 1)
     return f" (is {before}{close[0]} meant?)" if close else ""
 
@@ -215,7 +215,7 @@ def _range(kind: str, low: float, high: float, above: float = -INF) -> str:
 
 
 def _shown(value: Any) -> str:
-    """Return the value as text or how that begins, without writing all of it: by its aliases a YAML may be endless."""
+    """Return the beginning of the value as text, without expanding all of it: YAML aliases can make it endless."""
     short = Repr()
     short.maxlist = short.maxtuple = short.maxdict = 12
     short.maxstring = short.maxlong = short.maxother = 3 * _LONGEST

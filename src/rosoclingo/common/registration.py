@@ -1,10 +1,11 @@
-"""A node's entry at the master, made again where the master was restarted; rospy makes it only once.
+"""Register a node again at a restarted master, and connect to publishers that rospy missed.
 
-What is connected stays connected without a master. But a new one knows no node, and so nobody new finds them.
+rospy registers a node only once. Connections survive without a master, but new nodes do not find the node at a new
+master.
 
-Publishers that rospy has missed are connected as well. Where a topic is subscribed to and published at the same moment,
-the master's news of the publisher can come before its reply to the subscription, which has none: rospy takes what came
-last, connects to nobody, for good.
+rospy misses a publisher that registers at the same moment as the subscription: the master's update with the publisher
+can arrive before its reply to the subscription, which does not list the publisher. rospy uses the later message and
+never connects.
 """
 
 import threading
@@ -22,30 +23,31 @@ __all__ = ["Registration"]
 
 Entries = Set[Tuple[str, ...]]
 
-#: Seconds of wall time between two questions to the master.
+#: Seconds of wall time between two requests to the master.
 PERIOD = 2.0
 
-#: Number of times that the master is asked for all its entries after a change: two find a publisher that rospy missed.
+#: Number of comparisons with all entries of the master after a change: two find a publisher that rospy missed.
 LOOKS = 4
 
 
 class Registration:
-    """Asks the master whether it knows this node, and tells it the topics, services and private parameters it lacks.
+    """Periodically compares the master's entries with this node, and registers missing ones again.
 
-    Trigger one connection attempt per publisher that the master lists and rospy is not connected to.
+    The entries are topics, services and private parameters. For each publisher that the master lists and rospy is not
+    connected to, it triggers one connection attempt.
 
-    Made by a node that has read its parameters and asked for all it wants; asks until the node ends, in a thread of
-    its own, as a master may take seconds to answer.
+    Create it after the node has read its parameters and created its topics and services. It runs in its own thread
+    until the node shuts down, as a master can take seconds to respond.
     """
 
     def __init__(self) -> None:
         self._name, self._uri = rospy.get_name(), rospy.get_node_uri()
         self._master = api(rosgraph.get_master_uri())
-        self._parameters: Optional[Dict[str, Any]] = None  # what the node was started with, once asked for
+        self._parameters: Optional[Dict[str, Any]] = None  # the node's initial parameters, once read
         self._ended = threading.Event()
-        self._lacking: List[Entries] = [set() for _ in range(4)]  # at the last comparison, see _compare
-        self._seen: Any = None  # own entries at the last question
-        self._looks = LOOKS  # still to come
+        self._lacking: List[Entries] = [set() for _ in range(4)]  # at the last comparison
+        self._seen: Any = None  # own entries at the last request
+        self._looks = LOOKS  # remaining comparisons
         self._lost = False
         self._asked: Entries = set()  # publishers to which rospy was asked to connect
         rospy.on_shutdown(self._ended.set)
@@ -56,11 +58,11 @@ class Registration:
             try:
                 self._ask()
             except FAULTS as error:
-                self._lose(f"no ROS master at {rosgraph.get_master_uri()} ({error}); connected nodes go on without")
+                self._lose(f"no ROS master at {rosgraph.get_master_uri()} ({error}); connections stay open")
             self._ended.wait(PERIOD)
 
     def _ask(self) -> None:
-        """Ask for this node, and for all entries where it has changed or is not known: these are long."""
+        """Look this node up, and compare all entries only if the node has changed or is unknown: the list is long."""
         before, self._seen = self._seen, self._own()
         known = self._master.lookupNode(self._name, self._name)[0] == 1
         self._looks = self._looks - 1 if known and self._seen == before and not self._lost else LOOKS
@@ -68,21 +70,21 @@ class Registration:
             self._compare()
 
     def _compare(self) -> None:
-        """Register the publications, subscriptions and services that the master lacks; connect missed publishers.
+        """Register publications, subscriptions and services that the master lacks, and connect to missed publishers.
 
-        Each has to be lacking twice: rospy is about to tell the master the latest entries.
+        An entry has to be missing in two comparisons, since rospy can still be registering it.
         """
         lists = self._master.getSystemState(self._name)[2]
         listed = [{name for name, nodes in entries if self._name in nodes} for entries in lists]
         lacking = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._seen, listed)]
         before, self._lacking = self._lacking, [*lacking, _unheard(dict(lists[0]))]
         *missing, unheard = (now & then for now, then in zip(self._lacking, before))
-        if ending():  # rospy takes its entries back
+        if ending():  # rospy removes its entries
             return
         if any(missing):
-            self._lose("the ROS master was restarted and does not know all of this node: it is told again")
+            self._lose("the ROS master was restarted and lacks entries of this node: registers them again")
             self._register(*missing)
-        # rospy asks a node that does not answer again itself, so one subscription is enough
+        # rospy itself retries a publisher that does not respond, so one subscription is enough
         self._subscribe({(topic, kind) for topic, kind, _ in unheard - self._asked})
         self._asked = (self._asked | unheard) & self._lacking[3]
         if self._parameters is None:
@@ -90,7 +92,7 @@ class Registration:
         self._lost = False
 
     def _own(self) -> Tuple[Any, Any, Any]:
-        """Publications and subscriptions with their types, services with their addresses: lists of pairs of str."""
+        """Return publications and subscriptions with their types, services with their URIs: lists of pairs of str."""
         topics = get_topic_manager()
         return topics.get_publications(), topics.get_subscriptions(), get_service_manager().get_services()
 
@@ -114,14 +116,14 @@ class Registration:
                 api(self._uri).publisherUpdate("/master", topic, publishers)
 
     def _restore_parameters(self) -> None:
-        """Set what the node was started with, for a process that takes its place; what is there already stays."""
+        """Set missing initial parameters of the node again, for a process that replaces it."""
         for name, value in (self._parameters or {}).items():
             if not self._master.hasParam(self._name, name)[2]:
                 self._master.setParam(self._name, name, value)
 
 
 def _unheard(publishers: Dict[str, List[str]]) -> Entries:
-    """Subscriptions with their types, each with a node among its publishers that rospy is not connected to."""
+    """Return subscriptions with their types, each with a publisher that rospy is not connected to."""
     topics = get_topic_manager()
     return {
         (topic, kind, node)

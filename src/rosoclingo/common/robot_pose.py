@@ -14,9 +14,8 @@ class RobotPose:
 
     Parameters
     ----------
-        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames between which the robot is
-            looked up.
-        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
+        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): the tf frames of the map and the robot.
+        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old.
     Subscribes:
         /tf, /tf_static (tf2_msgs/TFMessage)
 
@@ -31,11 +30,11 @@ class RobotPose:
 
     @property
     def is_known(self) -> bool:
-        """Whether tf has any pose of the robot, however old: as long as a system starts it has none."""
+        """Whether tf has any pose of the robot, of any age: there is none while a system starts."""
         return bool(self._buffer.can_transform(self.map_frame, self.base_frame, rospy.Time(0)))
 
     def look_up(self) -> Optional[Tuple[float, float]]:
-        """The robot's x and y in metres in the map frame; None, with a warning, if unknown or too old."""
+        """Return the robot's x and y in metres in the map frame; None, with a warning, if unknown or too old."""
         try:
             transform = self._buffer.lookup_transform(self.map_frame, self.base_frame, rospy.Time(0))
         except tf2_ros.TransformException as error:
@@ -44,6 +43,6 @@ class RobotPose:
         stamp = transform.header.stamp
         age = (rospy.get_rostime() - stamp).to_sec()
         if not stamp.is_zero() and age > self._max_age:
-            rospy.logwarn("the robot's pose is %.1f s old", age)
+            rospy.logwarn("the robot's pose is too old: %.1f s", age)
             return None
         return (transform.transform.translation.x, transform.transform.translation.y)

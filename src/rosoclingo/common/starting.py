@@ -1,4 +1,4 @@
-"""How the scripts start: with words for what is missing, ``--help``, and a node's errors as one line of the log."""
+"""Start of scripts and nodes: messages about missing modules, ``--help``, and errors as one line of the log."""
 
 import argparse
 import contextlib
@@ -14,15 +14,15 @@ from rosoclingo.common.streams import print_utf8, tolerate_any_locale, tolerate_
 
 __all__ = ["leave", "missing", "needed_modules", "node_arguments", "print_utf8", "run_node"]
 
-#: PyPI's packages where they have another name than the module.
+#: Names of PyPI packages that differ from the module.
 _PYPI = {"PIL": "Pillow", "clingo": "clingo>=5.7", "llvmlite": "numba", "yaml": "PyYAML"}
 
 
 @contextlib.contextmanager
 def needed_modules() -> Iterator[None]:
-    """Around a script's imports: end the script with the missing module and how to install it.
+    """Wrap a script's imports: exit with a message about a missing module and how to install it.
 
-    From here on the script prints any text in any locale.
+    From then on the script prints any text in any locale.
     """
     tolerate_any_locale()
     try:
@@ -32,25 +32,25 @@ def needed_modules() -> Iterator[None]:
 
 
 def missing(module: str) -> str:
-    """How to install a module that this Python lacks."""
+    """Return how to install a module that this Python lacks."""
     name = module.partition(".")[0]
     if name == "rosoclingo":
-        return f"there is no {module}: build the workspace and source its setup.bash (devel/setup.bash)"
+        return f"no module {module}: build the workspace and source its setup.bash (devel/setup.bash)"
     python, package = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})", _PYPI.get(name, name)
     mend = f"rosdep install rosoclingo, or {sys.executable} -m pip install {shlex.quote(package)}"
     return f"{name} is not installed for {python}: {mend}"
 
 
 def leave(code: int) -> NoReturn:
-    """End the process with this exit code and what it has written, but do not take apart what it has in memory."""
-    with contextlib.suppress(BrokenPipeError):  # nobody reads on
+    """Flush the output and exit with this code, without the destructors of Python."""
+    with contextlib.suppress(BrokenPipeError):  # the reader has ended
         sys.stdout.flush()
         sys.stderr.flush()
     os._exit(code)
 
 
 def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequence[str]:
-    """The command line's arguments without those of ROS, at most one; ``--help`` shows the node's docstring."""
+    """Return the command line's arguments without those of ROS, at most one; ``--help`` shows the node's docstring."""
     from rospy import myargv
 
     tolerate_any_locale()
@@ -74,9 +74,9 @@ def run_node(
     arguments: Sequence[Any] = (),
     begin: Callable[[Any], None] = lambda node: None,
 ) -> int:
-    """Be the node until shutdown; the exit code: 0, or 1 where making it raised one of ``errors`` or its worker failed.
+    """Run a node until shutdown; return the exit code: 1 if its constructor raised ``errors`` or its worker failed.
 
-    Parameters that it has not read by then are logged.
+    Parameters that the node does not read are logged.
     """
     import rospy
 
@@ -101,7 +101,7 @@ def run_node(
 
 
 def _shut_down(number: int, _frame: Any) -> None:
-    """Shut down in a thread: rospy's own handler waits for a lock that the thread it interrupts can hold."""
+    """Shut down in a thread: rospy's handler waits for a lock that the interrupted thread can hold."""
     import rospy
 
     threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",)).start()

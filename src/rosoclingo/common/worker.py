@@ -1,4 +1,4 @@
-"""The one thread in which a node does its work; its ROS callbacks only put things into the queue."""
+"""The worker thread of a node, which runs all its work; ROS callbacks only put jobs into the queue."""
 
 import queue
 import threading
@@ -17,28 +17,28 @@ Answer = TypeVar("Answer")
 #: Seconds of wall time between two checks for the worker's end while an answer is awaited.
 CHECK = 0.5
 
-_failure = threading.Event()  # of any worker: it is the node, thus the process, that ends
+_failure = threading.Event()  # of any worker, since it ends the process
 
 
 def failed() -> bool:
-    """Whether a worker of this process has failed, and thus the node."""
+    """Return whether a worker of this process has failed."""
     return _failure.is_set()
 
 
 def ending() -> bool:
-    """Whether the node ends: rospy closes the topics before ``rospy.is_shutdown`` says so."""
+    """Return whether the node shuts down: rospy closes the topics before ``rospy.is_shutdown`` returns True."""
     return bool(rospy.core.is_shutdown_requested())
 
 
 class Worker:
-    """Runs jobs one after the other, and settles after those that waited: what goes on with time, and what follows.
+    """Runs jobs in order, and calls the settlers after each batch and periodically.
 
-    Settling happens at least every ``period`` seconds of wall time, or sooner or later where a settler returns in how
-    many seconds it wants its next turn.
+    Settlers do the periodic work. They run at least every ``period`` seconds of wall time; a settler can return the
+    seconds until its next turn instead.
 
-    An exception that reaches the worker is a fault of the program, and its state may be half changed: it is logged with
-    its traceback and the node ends (run_node: with exit code 1), as a node without its worker would only seem to live.
-    What a plugin, a user's subclass or a file may raise is caught where these are called.
+    An exception that reaches the worker is an internal error, and its state can be inconsistent. The worker logs the
+    traceback and shuts the node down (run_node: with exit code 1), as a node without its worker would only seem alive.
+    Callers of plugins, subclasses of users and files catch their exceptions.
     """
 
     def __init__(self, settle: Optional[Settle] = None, period: float = 0.05) -> None:
@@ -49,27 +49,27 @@ class Worker:
         self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
 
     def add(self, settle: Settle) -> None:
-        """Have one more settler called."""
+        """Add a settler."""
         self._settlers.append(settle)
 
     def start(self) -> None:
-        """Begin with the jobs that were put so far."""
+        """Start with the jobs in the queue."""
         self._thread.start()
 
     def put(self, job: Job) -> None:
-        """Have a job done; returns at once, from any thread, and takes no lock that a job may hold."""
+        """Queue a job; returns immediately, from any thread, and needs no lock that a job can hold."""
         self._queue.put(job)
 
     def ask(self, work: Callable[[], Answer], timeout: float = 30.0) -> Answer:
-        """Have the worker find an answer and wait for it: what the callback of a service does.
+        """Run ``work`` on the worker and return its result, for the callback of a service.
 
-        Raises rospy.ServiceException after ``timeout`` seconds (wall time), or soon after the worker's end.
+        Raises rospy.ServiceException after ``timeout`` seconds of wall time, or soon after the worker's end.
         """
         answer: futures.Future[Answer] = futures.Future()
         self.put(lambda: answer.set_result(work()))
         end = time.monotonic() + timeout
         while time.monotonic() < end:
-            ended = self._ended.is_set()  # first: an answer can be the worker's last deed
+            ended = self._ended.is_set()  # first, since the answer can be the worker's last job
             with suppress(futures.TimeoutError):
                 return answer.result(min(timeout, CHECK))
             if ended:
@@ -77,14 +77,14 @@ class Worker:
         raise rospy.ServiceException(f"{rospy.get_name()} does not answer")
 
     def stop(self, timeout: float = 2.0) -> None:
-        """End after the jobs that wait now, and wait for that, at most ``timeout`` seconds (wall time)."""
+        """Stop after the queued jobs; wait for this at most ``timeout`` seconds of wall time."""
         self._queue.put(None)
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
             self._thread.join(timeout)
 
     @property
     def waiting(self) -> bool:
-        """Whether a job waits."""
+        """Whether the queue has a job."""
         return not self._queue.empty()
 
     def _run(self) -> None:
@@ -95,14 +95,14 @@ class Worker:
                     wait = self._once(wait)
             finally:
                 self._ended.set()
-        except BaseException:  # noqa: BLE001 the last resort: anything expected was caught where it belongs
-            if not ending():  # else topics are closed, which is no fault
-                rospy.logfatal("the worker failed, the node ends:\n%s", traceback.format_exc())
+        except BaseException:  # noqa: BLE001 the last resort: expected exceptions are caught elsewhere
+            if not ending():  # closed topics at shutdown are no error
+                rospy.logfatal("the worker failed, the node shuts down:\n%s", traceback.format_exc())
                 _failure.set()
                 rospy.signal_shutdown("the worker failed")
 
     def _once(self, wait: float) -> Optional[float]:
-        """Do what comes within ``wait`` seconds, and settle; return how long to wait next, None at the end."""
+        """Run jobs that arrive within ``wait`` seconds, and settle; return the next wait, None at the end."""
         try:
             jobs = [self._queue.get(timeout=max(wait, 0.0))]
         except queue.Empty:

@@ -1,6 +1,6 @@
-"""The life of one action at the interface: waiting for the server, sent, running, ending, done.  No ROS.
+"""State machine of one action at the interface: waiting for the server, sent, running, ending, done.  No ROS.
 
-Time is an argument: an Instant holds ROS time (which may be simulated, stand still or jump) and steady wall time.
+Time is an argument: an Instant holds ROS time (which can be simulated, stand still or jump) and steady wall time.
 """
 
 import enum
@@ -8,7 +8,7 @@ from typing import Dict, Iterable, NamedTuple, Optional, Tuple
 
 
 class Instant(NamedTuple):
-    """A point in time in seconds: ROS time, and a wall clock that only goes forward."""
+    """A point in time in seconds: ROS time and monotonic wall time."""
 
     ros: float
     wall: float
@@ -18,43 +18,43 @@ class ActionLimits(NamedTuple):
     """Time limits of a run in seconds, and retries."""
 
     timeout: float = 120.0  # from sending a goal to its end, in ROS time; 0 for no limit
-    server_timeout: float = 5.0  # for the server to appear, to acknowledge a goal, to end a cancelled one; > 0
+    server_timeout: float = 5.0  # for the server to appear, to acknowledge a goal, to end a cancelled goal; > 0
     retries: int = 0  # how often a failed goal is sent again
-    pause: float = 3.0  # how long the server is left to another client that has taken it, in ROS time
+    pause: float = 3.0  # wait after another client has preempted the goal, in ROS time
 
 
 DEFAULT_LIMITS = ActionLimits()
 
-# Seconds of wall time that a server which has announced itself may take to start: it may compile or load for minutes.
+# Limit in seconds of wall time for the start of a server that has announced itself: it can compile or load for minutes.
 START_TIME = 300.0
 
 
 class Phase(enum.Enum):
-    """Phases of a run."""
+    """The phases of a run."""
 
     WAITING = "waiting for the server"
     SENT = "sent, not acknowledged"
     RUNNING = "running"
     ENDING = "cancelled, not ended"
-    YIELDING = "left to somebody else"
+    YIELDING = "left to another client"
     DONE = "done"
 
 
 class ActionEvent(enum.Enum):
-    """Events of a run."""
+    """The events of a run."""
 
     SERVER_FOUND = "the server is connected"
     ACKNOWLEDGED = "the server knows the goal"
     ENDED = "the goal has a terminal status"
-    TAKEN = "the server has cancelled the goal for somebody else"
+    PREEMPTED = "the server has cancelled the goal for another client"
     SERVER_LOST = "the server is gone or has forgotten the goal"
-    EXPIRED = "the time for this phase is over"
-    CANCEL = "the core does not want it any more"
-    SHUTDOWN = "the interface ends"
+    EXPIRED = "the time limit of this phase has expired"
+    CANCEL = "the core has cancelled the action"
+    SHUTDOWN = "the interface shuts down"
 
 
 class Effect(enum.Enum):
-    """The interface's next step."""
+    """The interface's response to an event."""
 
     NOTHING = "nothing"
     SEND = "send the goal"
@@ -74,13 +74,13 @@ def _all(events: Iterable[ActionEvent], transition: _Transition) -> Dict[ActionE
 _WITH_SERVER: Dict[ActionEvent, _Transition] = {
     ActionEvent.ACKNOWLEDGED: (Phase.RUNNING, Effect.NOTHING),
     ActionEvent.ENDED: _FINISH,
-    ActionEvent.TAKEN: (Phase.YIELDING, Effect.NOTHING),
+    ActionEvent.PREEMPTED: (Phase.YIELDING, Effect.NOTHING),
     ActionEvent.SERVER_LOST: _FINISH,
     ActionEvent.CANCEL: (Phase.ENDING, Effect.CANCEL),
     ActionEvent.SHUTDOWN: _ABANDON,
 }
 _BY_INTERFACE = (ActionEvent.EXPIRED, ActionEvent.CANCEL, ActionEvent.SHUTDOWN)
-_BY_SERVER = (ActionEvent.ENDED, ActionEvent.TAKEN, ActionEvent.SERVER_LOST)
+_BY_SERVER = (ActionEvent.ENDED, ActionEvent.PREEMPTED, ActionEvent.SERVER_LOST)
 
 #: Phase and effect after each event in each phase; an event that is not here is illegal.
 TRANSITIONS: Dict[Phase, Dict[ActionEvent, _Transition]] = {
@@ -92,7 +92,7 @@ TRANSITIONS: Dict[Phase, Dict[ActionEvent, _Transition]] = {
         **_all((*_BY_SERVER, ActionEvent.EXPIRED, ActionEvent.SHUTDOWN), _FINISH),
     },
     Phase.YIELDING: {
-        **_all((ActionEvent.ACKNOWLEDGED, ActionEvent.ENDED, ActionEvent.TAKEN), (Phase.YIELDING, Effect.NOTHING)),
+        **_all((ActionEvent.ACKNOWLEDGED, ActionEvent.ENDED, ActionEvent.PREEMPTED), (Phase.YIELDING, Effect.NOTHING)),
         **_all((ActionEvent.SERVER_LOST, *_BY_INTERFACE), _FINISH),
     },
     Phase.DONE: _all(ActionEvent, (Phase.DONE, Effect.NOTHING)),
@@ -116,13 +116,13 @@ class IllegalEventError(RuntimeError):
 
 
 class _Stopwatch:
-    """Measures both times since its start."""
+    """Measures ROS time and wall time since its start."""
 
     def __init__(self, now: Instant) -> None:
         self._start = now
 
     def elapsed(self, now: Instant) -> Instant:
-        """Seconds since the start; ROS time counts from the first /clock or the last reset of simulated time."""
+        """Return the seconds since the start; ROS time counts from the first /clock or the last reset."""
         if self._start.ros <= 0.0 or now.ros < self._start.ros:
             self._start = Instant(now.ros, self._start.wall)
         return Instant(now.ros - self._start.ros, now.wall - self._start.wall)
@@ -132,9 +132,9 @@ class Run:
     """One attempt of one action.
 
     Attributes:
-        phase: where the run is.
-        verdict: `timeout`, `preempted`, `server_lost` or `interface_lost` if the run did not end by the server's will.
-        unheeded: the server has not ended the cancelled goal, and can go on with it.
+        phase: the current phase.
+        verdict: `timeout`, `preempted`, `server_lost` or `interface_lost` if the server did not end the run.
+        cancel_ignored: the server has not ended the cancelled goal, and can continue it.
 
     """
 
@@ -143,19 +143,19 @@ class Run:
         self._in_phase = self._since_sent = _Stopwatch(now)
         self.phase = Phase.WAITING
         self.verdict: Optional[str] = None
-        self.unheeded = self._waits = False
+        self.cancel_ignored = self._waits = False
 
     @property
     def done(self) -> bool:
-        """True if the run has ended and takes no further event."""
+        """Whether the run has ended; it ignores further events."""
         return self.phase is Phase.DONE
 
     def handle(self, event: ActionEvent, now: Instant) -> Effect:
-        """Take an event and return its effect.  Raises IllegalEventError."""
+        """Process an event and return its effect.  Raises IllegalEventError."""
         before = self.phase
         if event not in TRANSITIONS[before]:
             raise IllegalEventError(f"{event.value} while {before.value}")
-        self.unheeded |= (before, event) == (Phase.ENDING, ActionEvent.EXPIRED)
+        self.cancel_ignored |= (before, event) == (Phase.ENDING, ActionEvent.EXPIRED)
         self.verdict = _VERDICTS.get((before, event), self.verdict)
         self.phase, effect = TRANSITIONS[before][event]
         if self.phase is not before:
@@ -169,7 +169,7 @@ class Run:
         return self.handle(ActionEvent.EXPIRED, now) if self._expired(now) else Effect.NOTHING
 
     def wait_on(self, now: Instant) -> bool:
-        """Wait for a server that is starting, for START_TIME in all; return whether that is new."""
+        """Extend the wait for a starting server, up to START_TIME; return True for the first extension."""
         if self.phase is not Phase.WAITING or self._since_sent.elapsed(now).wall >= START_TIME:
             return False
         self._in_phase = _Stopwatch(now)
@@ -185,5 +185,5 @@ class Run:
             return 0.0 < self._limits.timeout <= sent.ros
         if self.phase is Phase.YIELDING:
             return elapsed.ros >= self._limits.pause
-        # A server that answers by simulated time must not be called lost because simulated time stands still or flies.
+        # A server in simulated time must not count as lost because simulated time stands still or runs fast.
         return self.phase is not Phase.DONE and min(elapsed) >= limit

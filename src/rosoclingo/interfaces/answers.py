@@ -1,4 +1,4 @@
-"""From the end of a goal to the facts that answer the core: the return term and further facts.  No ROS."""
+"""Answers to the core: the return term and further facts for a goal that has ended.  No ROS."""
 
 import re
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Pattern, Tuple
@@ -22,7 +22,7 @@ SUCCEEDED = "succeeded"
 LOST = "server_lost"
 INTERRUPTED = "interrupted"
 
-# Return term by how the goal ended, where no rule says otherwise; the parameter itself stands for success.
+# The default return term by the status of the goal; the parameter stands for success.
 DEFAULT_RETURNS: Dict[str, str] = {
     SUCCEEDED: "$parameter",
     "aborted": "failed",
@@ -45,7 +45,7 @@ _PLACEHOLDER = Function("x")
 
 
 class Rule(NamedTuple):
-    """An answer for goals that ended in a certain way; None and {} match everything.
+    """An answer for goals with matching status, text and result; None and {} match everything.
 
     With ``success`` the action counts as done, regardless of the server's status.
     """
@@ -58,7 +58,7 @@ class Rule(NamedTuple):
     success: bool = False
 
     def matches(self, ended: Ended) -> bool:
-        """True if the status, the server's words and the named fields of the result are as the rule wants."""
+        """Return whether the rule's status, text and result fields match the end of a goal."""
         if self.status is not None and self.status != ended.status:
             return False
         if self.text is not None and not self.text.search(ended.text):
@@ -69,7 +69,7 @@ class Rule(NamedTuple):
 class Answer(NamedTuple):
     """An answer to the core: the value V of `_return(A,V,C)`, further facts, and warnings about unfilled templates.
 
-    Only a ``success`` can return the action's parameter; by default the answer is one if the goal has succeeded.
+    Only an answer with ``success`` can return the action's parameter. None means success if the goal has succeeded.
     """
 
     value: Symbol
@@ -79,7 +79,7 @@ class Answer(NamedTuple):
 
 
 def answer(rules: Tuple[Rule, ...], scope: ActionScope) -> Answer:
-    """The answer of the first matching rule, else of DEFAULT_RETURNS."""
+    """Return the answer of the first matching rule, else of DEFAULT_RETURNS."""
     ended = scope.ended
     rule = next((each for each in rules if each.matches(ended)), None)
     if rule is None:
@@ -95,14 +95,14 @@ def answer(rules: Tuple[Rule, ...], scope: ActionScope) -> Answer:
 
 
 def default_value(ended: Ended, scope: ActionScope) -> Symbol:
-    """The return term where no rule says otherwise: the parameter on success, else a reason named like the status."""
+    """Return the default return term: the parameter on success, else the reason for the status."""
     if ended.status == SUCCEEDED:
         return scope.parameter
     return Function(DEFAULT_RETURNS.get(ended.status, ended.status))
 
 
 def conclude(verdict: Optional[str], ended: Optional[Ended]) -> Ended:
-    """How the action ended as the core sees it: the interface's own verdict stands unless the server succeeded."""
+    """Return the end of the action for the core: the interface's verdict, unless the server reports success."""
     if verdict is None:
         return ended if ended is not None else Ended("aborted")
     if ended is None:
@@ -111,13 +111,13 @@ def conclude(verdict: Optional[str], ended: Optional[Ended]) -> Ended:
 
 
 def in_words(ended: Ended, server: str) -> str:
-    """Return a text for people about the end of an action."""
+    """Return a log text about the end of an action."""
     why = ended.text or (f"the action server {server} does not answer" if ended.status == LOST else "")
     return f"{ended.status}: {why}" if why else ended.status
 
 
 def fact_fault(template: str) -> str:
-    """Return the fault that a fact's template has for any values; empty for none, and for a single reference."""
+    """Return the fault of a fact's template that no value can fix; empty for none, and for a single reference."""
     if is_reference(template):
         return ""
     try:
@@ -130,7 +130,7 @@ def fact_fault(template: str) -> str:
 def _tried(
     kind: str, template: Any, fill: Callable[[Any, ActionScope], Symbol], scope: ActionScope, warnings: List[str]
 ) -> Optional[Symbol]:
-    """Return the symbol of a filled template; None, and a warning, where it cannot be filled."""
+    """Return the symbol of a filled template; None and a warning if it cannot be filled."""
     try:
         return fill(template, scope)
     except (FillError, TermError, UnknownLabelError) as error:
@@ -155,7 +155,7 @@ def _filled(template: Any, scope: ActionScope) -> Symbol:
 
 
 def _refers(template: Any) -> bool:
-    """Tell whether a template depends on the action or on its end."""
+    """Return whether a template depends on the action or on its end."""
     return isinstance(template, str) and bool(references(template))
 
 
@@ -170,7 +170,7 @@ def _field(result: Any, name: str) -> Any:
 
 
 def equal(value: Any, wanted: Any) -> bool:
-    """Equality, and for a text in slashes a match of the regular expression between them."""
+    """Return whether a value equals the wanted value, or matches it if that is a `/regular expression/`."""
     pattern = pattern_of(wanted)
     if pattern is not None:
         return re.search(pattern, as_text(value)) is not None
@@ -178,6 +178,6 @@ def equal(value: Any, wanted: Any) -> bool:
 
 
 def pattern_of(wanted: Any) -> Optional[str]:
-    """The regular expression that a condition's text in slashes holds; None where it is none."""
+    """Return the regular expression of a condition's text in slashes, None for any other value."""
     slashed = isinstance(wanted, str) and len(wanted) > 1 and wanted[0] == wanted[-1] == "/"
     return str(wanted[1:-1]) if slashed else None

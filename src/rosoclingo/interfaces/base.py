@@ -1,4 +1,4 @@
-"""The common pattern of all interfaces: read commands, send actionlib goals, wait, answer."""
+"""Base class of all interfaces: reads commands, sends actionlib goals, waits and answers."""
 
 import abc
 import functools
@@ -16,7 +16,7 @@ from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionEvent, Actio
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, in_words
 from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
-from rosoclingo.interfaces.doubt import Check, Inquiry, InquiryResult, Listed
+from rosoclingo.interfaces.inquiry import Check, Inquiry, InquiryResult, Listed
 from rosoclingo.interfaces.facts import (
     CommandError,
     InterfaceCommand,
@@ -39,12 +39,12 @@ IN_TOPIC = "in_rosoclingo"
 
 DEFAULT_MEMORY = Path(rospkg.get_ros_home(), "rosoclingo", "interfaces")
 
-TICK, IDLE_TICK = 0.05, 1.0  # seconds of wall time between two looks at what is under way, and where nothing is
-CANCEL_PATIENCE = 1.0  # seconds of wall time that an interface which ends waits for its server to take the cancels
+TICK, IDLE_TICK = 0.05, 1.0  # seconds of wall time between two checks, with and without running actions
+CANCEL_PATIENCE = 1.0  # limit in seconds of wall time for the server to receive the cancels of a shutdown
 
 
 class RefusalError(ValueError):
-    """An action that cannot be turned into a goal: `reason` is the name of the return term, the message says why."""
+    """An action that has no goal: `reason` is the name of the return term, the message is for the log."""
 
     def __init__(self, reason: str, message: str) -> None:
         super().__init__(message)
@@ -52,9 +52,9 @@ class RefusalError(ValueError):
 
 
 class Interface(abc.ABC):
-    """Base of every interface: turns `_action_lib(A,P,C)` into a goal of one actionlib server, its end into facts.
+    """Base class of interfaces: turns `_action_lib(A,P,C)` into a goal of an actionlib server, and its end into facts.
 
-    A subclass supplies `make_goal` and, where the defaults do not do, `make_answer`; both run on the worker thread:
+    A subclass implements `make_goal` and can override `make_answer`; both run on the worker thread:
 
         class GripperInterface(Interface):
             def make_goal(self, action):
@@ -64,31 +64,30 @@ class Interface(abc.ABC):
         GripperInterface("gripper", GripperCommandAction, "gripper_controller", worker=worker)
         worker.start()
 
-    Several actions may be under way at once.  Whatever happens, each is answered by exactly one return: the parameter
-    itself on success, otherwise a reason (answers.DEFAULT_RETURNS).  Commands that cannot be read are logged and
-    dropped.  An exception of a subclass ends the action that it belongs to, its traceback is logged once, and
-    diagnostics has it until an action succeeds.
+    Several actions can run at once.  Each gets exactly one return: the parameter on success, otherwise a reason
+    (answers.DEFAULT_RETURNS).  Invalid commands are logged and dropped.  An exception of a subclass ends its action;
+    the traceback is logged once, and diagnostics show the error until an action succeeds.
 
-    An action that a core which announces its run sends again is not done again: what is under way goes on, what was
-    answered is answered again, and what a node that died had begun is looked for at the server, then by `make_check`;
-    if neither can tell, it is done again if `repeatable`, else answered `interrupted`.  Actions of a former run are
-    cancelled, and not answered.
+    If the core announces its run, an action that it sends again is not repeated: a running action continues, and an
+    answered action gets the same answer.  If a killed node had begun the action, the interface looks for the goal at
+    the server, then calls `make_check`.  If the outcome stays unknown, the action is repeated if it is `repeatable`,
+    else it returns `interrupted`.  Actions of a previous run are cancelled without an answer.
 
     Subscribes:
-        out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it;
-            under the name `rosoclingo` the core's `_run("ID")`, before anything else that it sends to a listener.
-            Messages with another interface's name are dropped unread.
+        out_rosoclingo (rosoclingo/InterfaceIO): `_action_lib(A,P,C)` runs an action, `_cancel(A,P,C)` cancels it.
+            The core first announces its run to each subscriber, under the name `rosoclingo`: `_run("ID")`.
+            Messages for other interfaces are ignored.
     Publishes:
-        in_rosoclingo (rosoclingo/InterfaceIO): `_return(A,V,C)` behind the further facts of the answer, if any; to each
-            node that connects first a message without facts, which announces the interface.
-        /diagnostics (diagnostic_msgs/DiagnosticArray): server, actions under way, counts, the last failure and
-            fault, once a second and on change.
+        in_rosoclingo (rosoclingo/InterfaceIO): the further facts of an answer, if any, and `_return(A,V,C)`. Each node
+            that connects first gets a message without facts, which announces the interface.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): server, running actions, counts, the last failure and the last
+            internal error, once a second and on change.
     Actions called:
-        SERVER: that of the action, by name and type; it may come, go and come back.
+        SERVER: the action server, by name and type; it can start late, stop and restart.
 
     Arguments: the interface's name (the first argument of `_action_lib`), the action type, the server's name, time
-    limits and retries, the reasons after which a goal is sent again, the worker on which all this runs, whether an
-    action may be done twice without harm, and the folder that keeps what was begun and answered (None: in no file).
+    limits and retries, the reasons for which a goal is sent again, the worker for all callbacks, whether repeating an
+    action does no harm, and the folder in which begun and answered actions are recorded (None: no file).
     """
 
     def __init__(
@@ -123,21 +122,22 @@ class Interface(abc.ABC):
 
     @abc.abstractmethod
     def make_goal(self, action: Action) -> Any:
-        """The goal message for an action.  Raise RefusalError if there is none."""
+        """Return the goal message for an action.  Raise RefusalError if there is none."""
 
     def make_answer(self, action: Action, ended: Ended) -> Answer:
-        """What to tell the core about an action whose goal has ended in this way."""
+        """Return the answer to the core for the end of an action's goal."""
         return answer((), ActionScope(action.parameter, action.cycle, ended=ended))
 
     def make_check(self, action: Action) -> Optional[Check]:
-        """What tells of an action that may have been done whether it was; None where nothing can.
+        """Return a function that checks whether an action was done, None if nothing shows that.
 
-        It is called without arguments until it says True or False, for at most `server_timeout` seconds; None means
-        that it cannot tell yet.  During these calls no server has the action's goal, unless it ignores cancels.
+        The function has no arguments and returns True, False, or None for unknown. It is called until it returns True
+        or False, at most for `server_timeout` seconds.  Meanwhile no server has the action's goal, unless the server
+        ignores cancels.
         """
         return None
 
-    # ---- in: what the inbox reads, on the worker's thread -----------------------------------------------------------
+    # ---- commands from the inbox, on the worker's thread ------------------------------------------------------------
 
     def _read(self, message: InterfaceIO, sender: Sender) -> None:
         commands: List[InterfaceCommand] = []
@@ -155,22 +155,23 @@ class Interface(abc.ABC):
         if command.verb is Verb.RUN and attempt is None:
             self._begin(command.action, sender)
         elif command.verb is Verb.RUN and attempt is not None:
-            attempt.asked_by = attempt.asked_by if sender.run is None else sender
-            rospy.loginfo("%s: %s is under way already", self.name, command.action.atom)
+            attempt.sender = attempt.sender if sender.run is None else sender
+            rospy.loginfo("%s: %s is already running", self.name, command.action.atom)
         elif attempt is None:
-            rospy.logwarn("%s: nothing to cancel, %s is not under way", self.name, command.action.atom)
-        elif not sender.may_cancel(attempt.asked_by):
-            rospy.logwarn("%s: %s goes on: the core that cancels it has been replaced", self.name, command.action.atom)
+            rospy.logwarn("%s: cannot cancel %s: it is not running", self.name, command.action.atom)
+        elif not sender.may_cancel(attempt.sender):
+            text = "%s: ignored the cancel of %s: its sender is a core that has been replaced"
+            rospy.logwarn(text, self.name, command.action.atom)
         else:
-            attempt.unwanted = True
+            attempt.cancelled = True
 
     def _begin_run(self, run: str) -> None:
         if not self._memory.begin_run(run):
             return
         self._sent.clear()
         for action, attempt in list(self._attempts.items()):
-            if attempt.asked_by.run is not None:
-                rospy.logwarn("%s: %s is of a former run: it is cancelled", self.name, action.atom)
+            if attempt.sender.run is not None:
+                rospy.logwarn("%s: cancels %s, which belongs to a previous run", self.name, action.atom)
                 del self._attempts[action]
                 self._cancel(attempt)
 
@@ -179,29 +180,29 @@ class Interface(abc.ABC):
     def _begin(self, action: Action, sender: Sender) -> None:
         known = self._memory.recall(str(action.atom)) if self._remembers(sender) else None
         if known is not None and known.facts is not None:
-            rospy.loginfo("%s: %s was answered already: it is answered again", self.name, action.atom)
+            rospy.loginfo("%s: %s has already ended: sends the same answer again", self.name, action.atom)
             self._send(list(known.facts), sender)
             return
         try:
             goal = self.make_goal(action)
             if not isinstance(goal, self._goal_class):
-                raise TypeError(f"make_goal gave {goal!r}: return a {self._goal_class.__name__}")
-            goal.serialize(io.BytesIO())  # a value that does not fit fails here: rospy's publisher would be broken
+                raise TypeError(f"make_goal returned {goal!r}, not a {self._goal_class.__name__}")
+            goal.serialize(io.BytesIO())  # an invalid value has to fail here: it would break rospy's publisher
         except RefusalError as error:
             self._conclude(action, Ended(error.reason, str(error)), sender)
-        except Exception as error:  # noqa: BLE001 a subclass's fault must not leave the core without an answer
+        except Exception as error:  # noqa: BLE001 the core needs an answer even if a subclass fails
             self._conclude(action, Ended("bad_parameter", self._health.fault(error)), sender)
         else:
             attempt = self._attempts[action] = Attempt(action, goal, sender, self._limits, _now())
             if known is not None:
-                rospy.logwarn("%s: %s was begun by a node that died", self.name, action.atom)
+                rospy.logwarn("%s: a killed node had begun %s", self.name, action.atom)
                 attempt.goal_id = known.goal
                 self._inquire(attempt, self.make_check(action))
             self._settle()
 
-    def _do(self, attempt: Attempt, effect: Effect) -> None:
+    def _apply(self, attempt: Attempt, effect: Effect) -> None:
         if effect is Effect.SEND:
-            if self._remembers(attempt.asked_by):
+            if self._remembers(attempt.sender):
                 self._memory.note_begun(str(attempt.action.atom), attempt.goal_id)
             self._link.send(self._tracked(attempt))
         if effect in (Effect.CANCEL, Effect.ABANDON):
@@ -220,10 +221,10 @@ class Interface(abc.ABC):
 
     def _finish(self, attempt: Attempt) -> None:
         ended, sent = attempt.conclusion, attempt.handle is not None and attempt.lost is None
-        asks = ended.status == LOST and attempt.lost is None and (sent or attempt.doubtful)
+        asks = ended.status == LOST and attempt.lost is None and (sent or attempt.uncertain)
         check = self.make_check(attempt.action) if asks else None
         if check is None:
-            attempt.doubtful |= ended.status == LOST and sent
+            attempt.uncertain |= ended.status == LOST and sent
             self._end(attempt, ended)
         else:
             attempt.lost, attempt.handle = ended, None
@@ -232,12 +233,12 @@ class Interface(abc.ABC):
     def _end(self, attempt: Attempt, ended: Ended) -> None:
         action = attempt.action
         result = self._answer(action, ended)
-        if attempt.is_worth_another(ended, result.value, self._retry_on):
-            rospy.logwarn("%s: %s: %s; once more", self.name, action.atom, in_words(ended, self._server))
-            self._attempts[action] = attempt.again(ended, _now())
+        if attempt.should_retry(ended, result.value, self._retry_on):
+            rospy.logwarn("%s: %s: %s; retries", self.name, action.atom, in_words(ended, self._server))
+            self._attempts[action] = attempt.next_attempt(ended, _now())
             return
         del self._attempts[action]
-        self._publish(action, ended, result, attempt.asked_by)
+        self._publish(action, ended, result, attempt.sender)
 
     def _conclude(self, action: Action, ended: Ended, sender: Sender) -> None:
         self._publish(action, ended, self._answer(action, ended), sender)
@@ -246,21 +247,21 @@ class Interface(abc.ABC):
         try:
             found = self.make_answer(action, ended)
             if not isinstance(found, Answer):
-                raise TypeError(f"make_answer gave {found!r}: return an Answer")
+                raise TypeError(f"make_answer returned {found!r}, not an Answer")
             return found
         except Exception as error:  # noqa: BLE001 as in _begin
             return Answer(Function("failed"), warnings=(self._health.fault(error),))
 
-    # ---- in doubt: what may have been done --------------------------------------------------------------------------
+    # ---- actions of unknown outcome ---------------------------------------------------------------------------------
 
     def _inquire(self, attempt: Attempt, check: Optional[Check]) -> None:
         attempt.inquiry = Inquiry(check, attempt.limits.server_timeout, _now().wall)
         attempt.stale_status = self._link.last_status
         self._tracked(attempt)
 
-    def _look_for(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
-        """Go on with an attempt in doubt as soon as it is known what has become of its action."""
-        held = attempt.run.unheeded  # perhaps for ever: only the world is asked
+    def _continue_inquiry(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
+        """Continue or end an attempt once its inquiry has a result."""
+        held = attempt.run.cancel_ignored  # the server can keep the goal for ever: check the world only
         listed = Listed.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
         finding = inquiry.look(listed, now.wall)
         if finding is InquiryResult.OPEN:
@@ -268,21 +269,21 @@ class Interface(abc.ABC):
         rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, finding.value)
         attempt.inquiry = None
         if finding in (InquiryResult.UNKNOWN, InquiryResult.NOT_DONE):
-            attempt.doubtful = finding is InquiryResult.UNKNOWN
+            attempt.uncertain = finding is InquiryResult.UNKNOWN
         if finding is InquiryResult.HELD:
-            self._take_up(attempt, now)
+            self._resume(attempt, now)
         elif finding is InquiryResult.DONE:
-            self._end(attempt, Ended(SUCCEEDED, "it was done already"))
+            self._end(attempt, Ended(SUCCEEDED, "it was already done"))
         elif attempt.lost is not None:
             self._end(attempt, attempt.lost)
-        elif finding is InquiryResult.UNKNOWN and (attempt.unwanted or not self._repeatable):
-            text = "it was begun by a node that died, and whether it was done is not known"
+        elif finding is InquiryResult.UNKNOWN and (attempt.cancelled or not self._repeatable):
+            text = "a killed node had begun it, and its outcome is unknown"
             self._end(attempt, Ended(INTERRUPTED, text))
         elif inquiry.used:
             attempt.goal_id, attempt.handle = new_goal_id(), None
 
-    def _take_up(self, attempt: Attempt, now: Instant) -> None:
-        """Go on with the goal that the server has."""
+    def _resume(self, attempt: Attempt, now: Instant) -> None:
+        """Resume the goal that the server has."""
         attempt.lost, attempt.run = None, Run(attempt.limits, now)
         attempt.run.handle(ActionEvent.SERVER_FOUND, now)
         attempt.run.handle(ActionEvent.ACKNOWLEDGED, now)
@@ -300,21 +301,21 @@ class Interface(abc.ABC):
 
     def _tick(self, attempt: Attempt, now: Instant, gone: bool) -> None:
         if attempt.inquiry is not None:
-            self._look_for(attempt, attempt.inquiry, now)
+            self._continue_inquiry(attempt, attempt.inquiry, now)
             return
         run = attempt.run
-        for event in (self._event(attempt, gone), ActionEvent.CANCEL if attempt.unwanted else None):
+        for event in (self._event(attempt, gone), ActionEvent.CANCEL if attempt.cancelled else None):
             if event is not None and not run.done:
-                self._do(attempt, run.handle(event, now))
+                self._apply(attempt, run.handle(event, now))
         if run.phase is Phase.WAITING and self._link.starting and run.wait_on(now):
-            rospy.loginfo("%s: waits for the action server %s, which is starting", self.name, self._server)
+            rospy.loginfo("%s: waits for the action server %s to start", self.name, self._server)
         elif not run.done:
-            self._do(attempt, run.tick(now))
+            self._apply(attempt, run.tick(now))
 
     def _event(self, attempt: Attempt, gone: bool) -> Optional[ActionEvent]:
-        """Return what the server has done, None for nothing yet."""
+        """Return the latest event of the server, None before the first."""
         if attempt.run.phase is Phase.WAITING:
-            return ActionEvent.SERVER_FOUND if self._link.connected and not attempt.unwanted else None
+            return ActionEvent.SERVER_FOUND if self._link.connected and not attempt.cancelled else None
         if gone:
             return ActionEvent.SERVER_LOST
         event, ended = progress(attempt.handle)
@@ -325,33 +326,33 @@ class Interface(abc.ABC):
         return self._link.connected, [str(action.atom) for action in self._attempts]
 
     def _shut_down(self) -> None:
-        self._settle()  # goals that have ended are answered by their ends
+        self._settle()  # goals that have ended get their own answers
         attempts = list(self._attempts.values())
         for attempt in attempts:
-            self._guarded(functools.partial(self._give_up, attempt), attempt)
+            self._guarded(functools.partial(self._abort, attempt), attempt)
         self._link.wait_for_cancels([one.handle for one in attempts if one.handle is not None], CANCEL_PATIENCE)
 
-    def _give_up(self, attempt: Attempt) -> None:
+    def _abort(self, attempt: Attempt) -> None:
         if attempt.inquiry is not None:
             self._cancel(attempt)
-        attempt.unwanted = True
+        attempt.cancelled = True
         if attempt.lost is not None:
             self._end(attempt, attempt.lost)
         else:
-            self._do(attempt, attempt.run.handle(ActionEvent.SHUTDOWN, _now()))
+            self._apply(attempt, attempt.run.handle(ActionEvent.SHUTDOWN, _now()))
 
-    # ---- faults: of this interface, which others on its worker have no part in --------------------------------------
+    # ---- internal errors, which must not affect other interfaces of the worker --------------------------------------
 
     def _guarded(self, job: Callable[[], None], attempt: Optional[Attempt] = None) -> None:
-        """Do what a subclass, its goals and its server have a hand in; a fault costs no more than its attempt."""
+        """Run a job that depends on a subclass, its goals or its server; an exception ends its attempt only."""
         try:
             job()
-        except Exception as error:  # noqa: BLE001 a subclass may give anything, such as a goal of another type
+        except Exception as error:  # noqa: BLE001 a subclass can return anything, such as a goal of another type
             ended = Ended("aborted", self._health.fault(error))
             if attempt is not None and self._attempts.get(attempt.action) is attempt:
                 del self._attempts[attempt.action]
                 self._cancel(attempt)
-                self._publish(attempt.action, ended, Answer(Function("failed")), attempt.asked_by)
+                self._publish(attempt.action, ended, Answer(Function("failed")), attempt.sender)
 
     # ---- out ------------------------------------------------------------------------------------------------------
 
@@ -365,7 +366,7 @@ class Interface(abc.ABC):
         done = succeeded if result.success is None else result.success
         value = self._sent.value(action, result.value, done, self._knows)
         if value != result.value:
-            text = "%s: %s returns %s: its reason %s is the parameter of an action, which would mean success"
+            text = "%s: %s returns %s, since its reason %s is the parameter of an action, which would mean success"
             rospy.logwarn(text, self.name, action.atom, value, result.value)
         facts = [*result.facts, return_text(action, value)]
         if self._remembers(reader):
@@ -376,23 +377,23 @@ class Interface(abc.ABC):
         return self._memory.recall(str(action.atom)) is not None
 
     def _send(self, facts: List[str], reader: Sender) -> None:
-        """Tell the core. One that has announced its run asks again when it is back; another is waited for a moment."""
+        """Send facts to the core; they wait only briefly for a core that announces no run, as it does not ask again."""
         wanted = None if reader.run is None else functools.partial(self._inbox.hears, reader)
         self._outbox.put(InterfaceIO(interface=self.name, facts=facts), reader.node, _now().wall, wanted)
 
     def _remembers(self, sender: Sender) -> bool:
-        """Whether the sender's run is the one that is remembered."""
+        """Return whether the memory belongs to the sender's run."""
         return sender.run is not None and sender.run == self._memory.run
 
     def _look_at_memory(self, wall: float) -> None:
         self._memory.tend(wall)
         known, self._health.trouble = self._health.trouble, self._memory.trouble
         if known != self._health.trouble:
-            rospy.logerr("%s: %s", self.name, self._health.trouble or "the file of what it has begun is in order again")
+            rospy.logerr("%s: %s", self.name, self._health.trouble or "the file of its actions can be written again")
 
 
 def _wake() -> None:
-    """Let the worker settle, which looks at what is under way."""
+    """Do nothing: any job makes the worker check the running actions."""
 
 
 def _now() -> Instant:

@@ -1,4 +1,4 @@
-"""Interfaces by configuration: reading and checking the entries of config/interfaces.yaml.
+"""Read and check the interface entries of config/interfaces.yaml.
 
 An entry with all fields::
 
@@ -8,13 +8,13 @@ An entry with all fields::
       goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
       timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
       server_timeout: 5.0                # seconds until a silent server counts as lost
-      pause: 3.0                         # seconds for which the server is left to another client that has taken it
-      retries: 0                         # how often a goal that failed is sent again ...
+      pause: 3.0                         # seconds to wait after another client has preempted the goal
+      retries: 0                         # how often a failed goal is sent again ...
       retry_on: [failed]                 # ... for these reasons only
-      repeatable: false                  # whether it may be done twice without harm
-      done:                              # how to see whether it was done: a message on a topic that has these fields
+      repeatable: false                  # whether repeating the action does no harm
+      done:                              # the message on a topic that shows that the action was done
         {topic: packages, type: rosoclingo/PackageStates, when: {packages: {id: $parameter, carried: true}}}
-      returns:                           # first rule that matches; without: the parameter, or a reason
+      returns:                           # the first matching rule applies; default: the parameter, or a reason
         - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
         - {status: aborted, when: {outcome: 3}, return: not_here}
         - {status: aborted, when: {outcome: 4}, success: true}  # counts as done: the parameter is returned
@@ -37,11 +37,11 @@ _ACTION_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z"
 
 
 class ConfigError(ValueError):
-    """A configuration that cannot be used; the message lists each fault with its place and its mend."""
+    """An invalid configuration; the message lists each fault with its place and how to fix it."""
 
 
-class Done(NamedTuple):
-    """Where to see whether an action was done: a message of the topic has the fields `when`, templates of the goal."""
+class DoneCondition(NamedTuple):
+    """A message that shows that an action was done: its topic, type, and values (or templates) of its fields."""
 
     topic: str
     type: str
@@ -49,7 +49,7 @@ class Done(NamedTuple):
 
 
 class InterfaceSpec(NamedTuple):
-    """One interface: which actionlib action it drives, how goals are filled, how ends are answered."""
+    """The description of one interface: its actionlib action, goal templates and answer rules."""
 
     name: str
     type: str
@@ -59,11 +59,11 @@ class InterfaceSpec(NamedTuple):
     limits: ActionLimits = DEFAULT_LIMITS
     retry_on: Tuple[str, ...] = DEFAULT_RETRY_ON
     repeatable: bool = False
-    done: Optional[Done] = None
+    done: Optional[DoneCondition] = None
 
 
 def survey(reader: Reader) -> Dict[str, InterfaceSpec]:
-    """All entries by name, with defaults in place of what cannot be used; the reader has the faults."""
+    """Return all entries by name, with defaults in place of invalid values; the reader collects the faults."""
     entries = reader.entries("a mapping of interface names to their settings")
     if reader.value == {}:
         reader.fault("has no entries; write one for each action, like move_base: {type: move_base_msgs/MoveBaseAction}")
@@ -94,17 +94,17 @@ def _term(name: str, entry: Reader) -> str:
         return name
 
 
-def _done(reader: Reader) -> Optional[Done]:
+def _done(reader: Reader) -> Optional[DoneCondition]:
     if not reader.given:
         return None
     topic, kind, when = (reader.at(key) for key in ("topic", "type", "when"))
-    done = Done(
+    done = DoneCondition(
         topic=topic.text(wanted="the name of a topic"),
         type=_type(kind, "a message type like rosoclingo/PackageStates", _MESSAGE_TYPE),
         when=_templates(when, "a mapping of the message's fields to values"),
     )
     if when.value == {}:
-        when.fault("names no field: any message would do")
+        when.fault("names no field, so any message would match; add a field and its value")
     reader.close()
     return done
 
@@ -120,7 +120,7 @@ def _templates(reader: Reader, wanted: str, default: Any = MISSING) -> Mapping[s
 
 
 def read_limits(reader: Reader, defaults: ActionLimits = DEFAULT_LIMITS) -> ActionLimits:
-    """Time-outs and pause (s), and retries; ``defaults`` where the reader has none."""
+    """Return time-outs and pause (s), and retries; missing values are those of ``defaults``."""
     return ActionLimits(
         reader.at("timeout").number(defaults.timeout, low=0.0),
         reader.at("server_timeout").number(defaults.server_timeout, above=0.0),
@@ -155,8 +155,8 @@ def _pattern(value: Any, reader: Reader) -> Optional[Pattern[str]]:
             warnings.simplefilter("error", FutureWarning)
             return None if value is None else re.compile(str(value))
     except re.error as error:
-        reader.fault(f"{value!r} is no regular expression: {error}")
+        reader.fault(f"{value!r} is not a regular expression: {error}")
     except FutureWarning as warning:
         mend = "put a backslash before the character"
-        reader.fault(f"{value!r} is a regular expression that a later Python reads in another way, {mend}: {warning}")
+        reader.fault(f"later versions of Python read the regular expression {value!r} differently, {mend}: {warning}")
     return None

@@ -1,4 +1,4 @@
-"""Interfaces without code: an entry of config/interfaces.yaml drives any actionlib action."""
+"""Interfaces without code, each described by an entry of config/interfaces.yaml."""
 
 import functools
 from pathlib import Path
@@ -11,7 +11,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.answers import Answer, Rule, answer
 from rosoclingo.interfaces.base import DEFAULT_MEMORY, Interface, RefusalError
 from rosoclingo.interfaces.config import InterfaceSpec
-from rosoclingo.interfaces.doubt import Check
+from rosoclingo.interfaces.inquiry import Check
 from rosoclingo.interfaces.message_filling import FieldError, fill
 from rosoclingo.interfaces.templates import ActionScope, Ended, FillError, evaluate
 from rosoclingo.interfaces.type_faults import loaded
@@ -20,9 +20,9 @@ from rosoclingo.reasoning.keywords import Action
 
 
 class ConfiguredInterface(Interface):
-    """An interface that an InterfaceSpec describes (see config.py for its fields, templates.py for the templates).
+    """An interface described by an InterfaceSpec (see config.py for its fields, templates.py for the templates).
 
-    The types of the entry have to fit, see :func:`type_faults`; raises ConfigError if one cannot be loaded.
+    Check the types of the entry with :func:`type_faults` first; a type that cannot be loaded raises ConfigError.
     Topics and returns are those of Interface.
     """
 
@@ -46,7 +46,7 @@ class ConfiguredInterface(Interface):
         )
 
     def make_goal(self, action: Action) -> Any:
-        """The goal message, filled as the entry's `goal` says."""
+        """Return the goal message, filled from the entry's `goal`."""
         scope = ActionScope(action.parameter, action.cycle, self._labels)
         try:
             return fill(self._goal_class(), evaluate(self._spec.goal, scope), rospy.get_rostime())
@@ -56,11 +56,11 @@ class ConfiguredInterface(Interface):
             raise RefusalError("bad_parameter", str(error)) from error
 
     def make_answer(self, action: Action, ended: Ended) -> Answer:
-        """The answer that the entry's `returns` says."""
+        """Return the answer by the entry's `returns`."""
         return answer(self._spec.rules, ActionScope(action.parameter, action.cycle, self._labels, ended))
 
     def make_check(self, action: Action) -> Optional[Check]:
-        """What looks at the topic that the entry's `done` names."""
+        """Return a check of the topic of the entry's `done`."""
         if self._spec.done is None or self._watch is None:
             return None
         scope = ActionScope(action.parameter, action.cycle, self._labels)
@@ -68,7 +68,7 @@ class ConfiguredInterface(Interface):
 
 
 def _with_constants(rule: Rule, result: Any) -> Rule:
-    """Return a rule with values in place of the names of the result type's constants, as in `{outcome: NOT_HERE}`."""
+    """Replace names of the result type's constants in a rule by their values, as in `{outcome: NOT_HERE}`."""
     kind = type(result)
     constants = {name: getattr(kind, name) for name in dir(kind) if name.isupper()}
     when = {

@@ -1,4 +1,4 @@
-"""Facts on the two topics between the core and the interface layer: reading commands, writing returns.  No ROS."""
+"""Facts between the core and the interfaces: parse commands, write returns.  No ROS."""
 
 import enum
 from collections import deque
@@ -18,29 +18,29 @@ from rosoclingo.reasoning.keywords import (
     is_keyword,
 )
 
-REMEMBERED = 1000  # actions, those of the present cycle among them
+REMEMBERED = 1000  # limit of remembered actions; those of the present cycle always fit
 
 
 class CommandError(ValueError):
-    """A fact that is no command; the message holds the text and what is wrong with it."""
+    """A fact that is no command; the message has the text and its fault."""
 
 
 class Verb(enum.Enum):
-    """What the core asks of an interface."""
+    """The kinds of commands."""
 
     RUN = ACTION_LIB
     CANCEL = CANCEL_ACTION
 
 
 class InterfaceCommand(NamedTuple):
-    """A fact read from out_rosoclingo: run an action, or cancel one that is running."""
+    """A command from out_rosoclingo: run an action, or cancel a running action."""
 
     verb: Verb
     action: Action
 
 
 def parse_command(text: str, interface: str) -> InterfaceCommand:
-    """Read `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises CommandError."""
+    """Parse `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises CommandError."""
     try:
         atom = read_atom(text)
         verb = Verb.CANCEL if is_keyword(atom, CANCEL_ACTION) else Verb.RUN
@@ -53,15 +53,15 @@ def parse_command(text: str, interface: str) -> InterfaceCommand:
 
 
 class Sender(NamedTuple):
-    """A message's sender: the node's name, and the run announced by the same connection, if any."""
+    """The sender of a message: the node's name, and the run announced by the same connection, if any."""
 
     node: str
     run: Optional[str]
 
     def may_cancel(self, owner: "Sender") -> bool:
-        """Tell whether it can cancel actions of ``owner``: unless it is a core that the owner has replaced.
+        """Return whether this sender can cancel actions of ``owner``: a core that the owner has replaced cannot.
 
-        Such a core has another run, or the owner's name and another connection.
+        A replaced core has another run, or the owner's name and another connection.
         """
         if owner.run is None or self.run == owner.run:
             return True
@@ -69,7 +69,7 @@ class Sender(NamedTuple):
 
 
 class SentActions:
-    """The latest actions that the core has sent; no reason of one must read as the success of another."""
+    """The latest actions that the core has sent, so that no reason of one reads as the success of another."""
 
     def __init__(self) -> None:
         self._actions: Deque[Action] = deque(maxlen=REMEMBERED)
@@ -79,13 +79,13 @@ class SentActions:
         self._actions.extend(command.action for command in commands if command.verb is Verb.RUN)
 
     def clear(self) -> None:
-        """Forget all actions, since another run begins."""
+        """Forget all actions, when another run begins."""
         self._actions.clear()
 
     def value(self, action: Action, value: Symbol, succeeded: bool, is_known: Callable[[Action], bool]) -> Symbol:
-        """Return an action's value for ``value``: its parameter only for a success, never another action's.
+        """Return the value of an action's return: its own parameter only for a success, never another action's.
 
-        ``is_known`` tells whether the core has sent an action in this run.
+        ``is_known`` returns whether the core has sent an action in this run.
         """
         if succeeded and value == action.parameter:
             return value
@@ -98,5 +98,5 @@ class SentActions:
 
 
 def return_text(action: Action, value: Symbol) -> str:
-    """The fact that answers an action: `_return(move_base,office2,1)`."""
+    """Return the fact that answers an action: `_return(move_base,office2,1)`."""
     return str(Return(action.interface, value, action.cycle).atom)

@@ -1,4 +1,4 @@
-"""The interface node: reads its parameters and runs the interfaces that they describe."""
+"""The interface node: reads its parameters and runs the configured interfaces."""
 
 import os
 from pathlib import Path
@@ -27,20 +27,19 @@ class InterfacesNode:
 
     Parameters
     ----------
-        ~interfaces (map, optional): the entries, as doc/interfaces.md has them; without, those of
-            config/interfaces.yaml.
-        ~names (list of str, default []): which of them this node runs; without, what the script says, else all.
-        ~labels (map, optional): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`; without, an entry that asks
-            for the pose of a label returns unknown_label.
-        ~frame (str, default "map"): tf frame of labels that name none.
+        ~interfaces (map, optional): the entries, see doc/interfaces.md; default: config/interfaces.yaml.
+        ~names (list of str, default []): the interfaces of this node; default: those of the script, else all.
+        ~labels (map, optional): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`. Without them, an action that
+            needs the pose of a label returns unknown_label.
+        ~frame (str, default "map"): tf frame of labels without a frame.
         ~server (str, optional), ~timeout (float, optional), ~server_timeout (float, optional), ~pause (float,
-            optional), ~retries (int, optional), ~repeatable (bool, optional): in place of the entry's own, if the node
-            runs a single interface.
-        ~memory (str, optional): folder in which the node keeps what it has begun and answered, so that it does nothing
-            twice when it has died and is started again; empty: none; without, rosoclingo/interfaces in ROS's home.
+            optional), ~retries (int, optional), ~repeatable (bool, optional): override the entry, if the node runs a
+            single interface.
+        ~memory (str, optional): folder in which the node records begun and answered actions, so that it repeats none
+            after it was killed; empty: no file; default: rosoclingo/interfaces in ROS's home.
 
-    Topics and actions are those of Interface, for each of them.
-    Raises ConfigError, listing every fault, if a parameter cannot be used.
+    Topics and actions are those of Interface, for each interface.
+    Raises ConfigError, which lists all faults of the parameters.
 
     """
 
@@ -53,13 +52,13 @@ class InterfacesNode:
 
 
 def run(node_name: str, names: Sequence[str] = ()) -> int:
-    """Be an interface node until shutdown; the exit code: 0, or 1 if a parameter cannot be used."""
+    """Run an interface node until shutdown; return the exit code: 0, or 1 for an invalid parameter."""
     node_arguments(InterfacesNode, node_name)
     return run_node(node_name, InterfacesNode, (ConfigError,), [names])
 
 
 def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ...], Optional[Path]]:
-    """The parameters. Raises ConfigError listing all that is wrong with them."""
+    """Read the parameters.  Raises ConfigError, which lists all their faults."""
     given = Parameters()
     places, frame = given.at("labels"), given.at("frame").text(DEFAULT_FRAME)
     labels = LabelTable.read(places, frame) if places.given else LabelTable()
@@ -76,19 +75,19 @@ def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ..
 
 
 def _warn(labels: LabelTable, specs: Tuple[InterfaceSpec, ...]) -> None:
-    """Say what is odd but may be meant."""
+    """Warn of settings that are suspicious, but valid."""
     for spec in specs:
         if not labels and labelled(spec.goal):
-            text = "%s: %s asks for labels, but ~labels is empty: each of its actions will return unknown_label"
+            text = "%s: %s needs labels, but ~labels is empty: each of its actions will return unknown_label"
             rospy.logwarn(text, rospy.get_name(), spec.name)
 
 
 def _entries(given: Reader, say: Callable[..., None]) -> Reader:
-    """The entries, each in messages with the place where they stand; ``say`` hears where they are not the user's."""
+    """Return the reader of the entries; ``say`` logs that they are the default ones."""
     if given.given:
         return Reader(given.value, source="~interfaces: ")
     path = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "config", "interfaces.yaml")
-    say("%s: ~interfaces is not set: the entries are those of %s", rospy.get_name(), path)
+    say("%s: ~interfaces is not set: reads the entries of %s", rospy.get_name(), path)
     return read_yaml(path, "the interfaces of", ConfigError)
 
 
@@ -96,7 +95,7 @@ def _choose(specs: Mapping[str, InterfaceSpec], given: Reader, names: Sequence[s
     chosen = given.texts(tuple(names), "a list of interface names") or tuple(specs)
     for name in chosen:
         if name not in specs:
-            given.fault(f"no entry {name} in ~interfaces{likely(name, specs)}; entries are {', '.join(specs)}")
+            given.fault(f"~interfaces has no entry {name}{likely(name, specs)}; its entries are {', '.join(specs)}")
     return tuple(specs[name] for name in chosen if name in specs)
 
 

@@ -1,4 +1,4 @@
-"""What comes from the core: to each interface its own messages, to all of them the run."""
+"""The inbox of a node's interfaces: distributes the core's commands and announced runs."""
 
 import functools
 from typing import Any, Callable, Dict, List, NamedTuple, Optional
@@ -25,10 +25,9 @@ BeginRun = Callable[[str], None]
 
 
 class CommandInbox:
-    """The one subscriber of all interfaces of a worker, which call it on the worker's thread.
+    """The subscriber shared by all interfaces of a worker; use it on the worker's thread.
 
-    It subscribes with the worker's first job, thus after all interfaces that were made before the worker started: what
-    the core tells a newcomer comes once for the node.
+    It subscribes in the worker's first job, when all interfaces are added: the core greets a subscriber only once.
     """
 
     def __init__(self, worker: Worker) -> None:
@@ -40,12 +39,12 @@ class CommandInbox:
         worker.put(self._subscribe)
 
     def add(self, name: str, read: Read, begin_run: BeginRun) -> None:
-        """Have the messages for the interface ``name`` read, and each run announced that comes."""
+        """Add an interface: call ``read`` for messages with its ``name``, ``begin_run`` for each announced run."""
         self._readers[name] = read
         self._followers.append(begin_run)
 
     def hears(self, sender: Sender) -> bool:
-        """Whether the core that has announced its run is still connected, and still in that run."""
+        """Return whether the core of the sender's run is still connected, and still in that run."""
         known = self._announced.get(sender.node)
         if known is None or known.run != sender.run or self._subscriber is None:
             return False
@@ -55,7 +54,7 @@ class CommandInbox:
         self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
 
     def _on_message(self, message: InterfaceIO) -> None:
-        """A callback of rospy's."""
+        """Queue a message for the worker; rospy calls this on a thread of its own."""
         if message.interface == CORE or message.interface in self._readers:
             self._worker.put(functools.partial(self._take, message))
 
@@ -75,5 +74,5 @@ class CommandInbox:
 
 @functools.lru_cache(maxsize=None)
 def inbox_of(worker: Worker) -> CommandInbox:
-    """The inbox of a worker."""
+    """Return the inbox of a worker."""
     return CommandInbox(worker)

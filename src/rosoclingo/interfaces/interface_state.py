@@ -1,4 +1,4 @@
-"""How an interface is doing, for /diagnostics and the log."""
+"""The health of an interface, for /diagnostics and the log."""
 
 import traceback
 from typing import Callable, List, Set, Tuple
@@ -10,9 +10,9 @@ from rosoclingo.common.diagnostics import Diagnostics, Findings
 
 
 class InterfaceHealth:
-    """Counts what became of an interface's actions, and its faults; reports it with the state of the server.
+    """Counts an interface's successes, failures and internal errors, and reports them with the state of the server.
 
-    ``look`` tells whether the server is connected, and the actions under way.
+    ``look`` returns whether the server is connected, and the running actions.
     """
 
     def __init__(self, interface: str, server: str, look: Callable[[], Tuple[bool, List[str]]]) -> None:
@@ -20,12 +20,12 @@ class InterfaceHealth:
         self._succeeded = self._failed = self._faults = 0
         self._last_failure = self._last_fault = self._fault = ""
         self._told: Set[str] = set()
-        self.trouble = ""  # with what the interface needs besides its server
+        self.trouble = ""  # a problem other than with the server
         self._diagnostics = Diagnostics(f"rosoclingo: interface {interface}", self._describe)
         self.tick = self._diagnostics.tick
 
     def note(self, succeeded: bool, what: str) -> None:
-        """Record how an action ended; `what` says it for people."""
+        """Record the end of an action; `what` describes it."""
         if succeeded:
             self._succeeded += 1
             self._fault = ""
@@ -34,9 +34,9 @@ class InterfaceHealth:
             self._last_failure = what
 
     def fault(self, error: Exception) -> str:
-        """Record the exception that is being handled, a fault of the program; returns it in a line.
+        """Record the exception that is being handled, and return it as one line.
 
-        Its traceback is logged once; the state is an error until an action succeeds.
+        Its traceback is logged once; the status is an error until an action succeeds.
         """
         self._faults += 1
         self._fault = self._last_fault = f"internal error: {type(error).__name__}: {error}"

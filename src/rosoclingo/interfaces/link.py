@@ -1,4 +1,4 @@
-"""The client of one actionlib server: whether it is connected, goals sent to it, and their progress."""
+"""The client of one actionlib server: its connection, goals and their progress."""
 
 import threading
 import time
@@ -14,16 +14,16 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import heard_nodes, readers
 from rosoclingo.interfaces.action_runs import ActionEvent
-from rosoclingo.interfaces.doubt import Listed
+from rosoclingo.interfaces.inquiry import Listed
 from rosoclingo.interfaces.templates import Ended
 
-# Seconds of wall time that the connection to a server may be down before the server counts as gone.
+# Seconds of wall time without a connection after which a server counts as gone.
 CONNECTION_GRACE = 1.0
 
-# Seconds of wall time that a server which is connected, but does not say that it writes to this node, is waited for.
+# Seconds of wall time after which a connected server counts as writing to this node, even if it does not report that.
 WRITING_GRACE = 5.0
 
-RESULTS = 100  # of goals of this node that are kept, the last ones
+RESULTS = 100  # limit of cached results of this node's goals, the latest
 
 STATUS_NAMES = {
     TerminalState.SUCCEEDED: "succeeded",
@@ -33,8 +33,8 @@ STATUS_NAMES = {
     TerminalState.RECALLED: "recalled",
 }
 
-#: The ends of a goal that its server has cancelled.
-TAKEN = ("preempted", "recalled")
+#: The terminal statuses of a goal that its server has cancelled.
+CANCELLED = ("preempted", "recalled")
 
 _ACKNOWLEDGING = (
     CommState.PENDING,
@@ -50,13 +50,13 @@ _ENDED = (*STATUS_NAMES, GoalStatus.LOST)
 
 
 class ServerLink:
-    """An ActionClient that can be asked whether its server is connected, and that keeps the results of goals.
+    """An ActionClient that reports whether its server is connected, and caches the results of goals.
 
-    actionlib's own `wait_for_server` blocks, and measures its time-out in simulated time, which may stand still.
+    actionlib's `wait_for_server` blocks, and measures its time-out in simulated time, which can stand still.
     """
 
     def __init__(self, server: str, action_type: type) -> None:
-        self._results: OrderedDict[str, Any] = OrderedDict()  # of this node's goals, by id: it may be tracked later
+        self._results: OrderedDict[str, Any] = OrderedDict()  # of this node's goals, by id, for goals tracked later
         kind = type(action_type().action_result)
         self._result_sub = rospy.Subscriber(rospy.remap_name(server) + "/result", kind, self._keep)
         self._client = ActionClient(server, action_type)
@@ -66,9 +66,9 @@ class ServerLink:
 
     @property
     def connected(self) -> bool:
-        """True if one server hears goals and cancels and is heard with status and result.
+        """Whether a single node receives goals and cancels, and sends status and results.
 
-        Names are compared, because a recorder of these topics is connected as well.
+        The names are compared, because a recorder of these topics is connected as well.
         """
         client, now = self._client, time.monotonic()
         servers = heard_nodes(client.status_sub.impl) & heard_nodes(client.result_sub.impl)
@@ -78,7 +78,7 @@ class ServerLink:
         return any(self._is_written_to_by(server, now) for server in found)
 
     def _is_written_to_by(self, server: str, now: float) -> bool:
-        """Whether what the server publishes comes here: rospy counts a connection at this end first."""
+        """Return whether the server's messages arrive: rospy counts a connection at this end first."""
         if now < self._met[server]:
             topics, written = (self._client.status_sub.name, self._client.result_sub.name), readers(server) or {}
             if not all(rospy.get_name() in written.get(topic, ()) for topic in topics):
@@ -88,11 +88,11 @@ class ServerLink:
 
     @property
     def starting(self) -> bool:
-        """True if somebody has announced the server, but does not serve yet: it may load or compile for a while."""
+        """Whether the server has been announced, but is not ready yet: it can load or compile for a while."""
         return self._client.status_sub.get_num_connections() > 0 and not self.connected
 
     def gone(self, wall: float) -> bool:
-        """True if no server has been heard for a while; `wall` is steady time in seconds."""
+        """Return whether no server has been connected for CONNECTION_GRACE; `wall` is steady time in seconds."""
         if self._client.status_sub.get_num_connections() > 0:
             self._down_since = None
             return False
@@ -101,10 +101,10 @@ class ServerLink:
         return wall - self._down_since >= CONNECTION_GRACE
 
     def track(self, goal: Any, identity: str, changed: Callable[[], None]) -> ClientGoalHandle:
-        """Follow the goal of this id, which was sent before or is sent next.
+        """Track the goal with this id, which was sent before or is sent next.
 
-        `changed` is called on rospy's threads and must only enqueue. actionlib's own ``send_goal`` chooses the id: it
-        is not known before the goal is sent, nor after the node has died.
+        `changed` is called on rospy's threads and must only enqueue. actionlib's ``send_goal`` chooses the id itself,
+        but this node needs the id before it sends the goal and after a crash.
         """
         client = self._client
         message = client.ActionGoal(goal_id=GoalID(id=identity), goal=goal)
@@ -119,7 +119,7 @@ class ServerLink:
         return ClientGoalHandle(machine)
 
     def send(self, handle: ClientGoalHandle) -> None:
-        """Send a goal; a server that has it already does not begin it again."""
+        """Send a goal; a server that already has the goal does not start it twice."""
         message = handle.comm_state_machine.action_goal
         message.header.stamp = message.goal_id.stamp = rospy.get_rostime()
         handle.comm_state_machine.send_goal_fn(message)
@@ -130,7 +130,7 @@ class ServerLink:
         return self._client.last_status_msg
 
     def look_up(self, handle: ClientGoalHandle, stale: Any) -> Optional[Listed]:
-        """What the server says of a goal in a status message after the `stale` one; None while it has sent none."""
+        """Return the server's report about a goal in a status message newer than `stale`; None before that message."""
         if handle.get_comm_state() == CommState.DONE and handle.get_result() is not None:
             return Listed.HELD
         message = self._client.last_status_msg
@@ -147,9 +147,9 @@ class ServerLink:
         cancel_goal(self._client, handle)
 
     def wait_for_cancels(self, handles: Iterable[ClientGoalHandle], timeout: float) -> bool:
-        """Wait until the server knows of the cancels of these goals, at most ``timeout`` seconds of wall time.
+        """Wait until the server has received the cancels of these goals, at most ``timeout`` seconds of wall time.
 
-        A node that ends before loses what rospy has not sent yet.
+        A node that shuts down earlier loses the messages that rospy has not sent yet.
         """
         goals = list(handles)
         with self._changed:
@@ -169,7 +169,7 @@ class ServerLink:
 
 
 def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[Ended]]:
-    """Return the event of a goal's present state, None while the server has not acknowledged it, and its end."""
+    """Return the event of a goal's present state (None before the server has acknowledged the goal), and its end."""
     state = handle.get_comm_state()
     if state in _ACKNOWLEDGING:
         return ActionEvent.ACKNOWLEDGED, None
@@ -179,9 +179,9 @@ def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[
     if status is None:
         return ActionEvent.SERVER_LOST, None
     ended = Ended(status, handle.get_goal_status_text(), handle.get_result())
-    return ActionEvent.TAKEN if status in TAKEN else ActionEvent.ENDED, ended
+    return ActionEvent.PREEMPTED if status in CANCELLED else ActionEvent.ENDED, ended
 
 
 def new_goal_id() -> str:
-    """An id for a goal that no other has: nor one of this node's before it was started again."""
+    """Return a goal id that is unique, also across restarts of this node."""
     return f"{rospy.get_name()}-{uuid.uuid4().hex}"

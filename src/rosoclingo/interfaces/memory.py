@@ -1,6 +1,6 @@
-"""The actions that an interface has begun and answered in a run of the core, in a database that outlives the node.
+"""Persistent record of the actions that an interface has begun and answered in a run of the core.
 
-No ROS. Each change is on the disk before anybody else can see it: before its goal is sent, before its answer goes out.
+No ROS. Each change is synced to disk before it becomes visible: before the goal or the answer is sent.
 """
 
 import hashlib
@@ -12,9 +12,9 @@ from typing import Dict, NamedTuple, Optional, Set, Tuple
 
 from rosoclingo.common.database import Database
 
-KEPT = 1000  # limit of remembered answers, the latest ones; actions under way are always remembered
-RUNS = 5  # number of runs that stay in the database besides the present one, the latest ones
-RETRY = 2.0  # seconds of wall time between two attempts to write, after a write has failed
+KEPT = 1000  # limit of remembered answers, the latest; running actions are always remembered
+RUNS = 5  # limit of previous runs in the database, the latest
+RETRY = 2.0  # seconds of wall time between a failed write and the next attempt
 
 _TABLE = "CREATE TABLE IF NOT EXISTS action (run TEXT, action TEXT, goal TEXT, facts TEXT, PRIMARY KEY (run, action))"
 _FORGET_RUNS = """
@@ -23,17 +23,16 @@ _FORGET_RUNS = """
 
 
 class Record(NamedTuple):
-    """An action that was begun: the id of its last goal, and the facts of its answer, None without one."""
+    """A begun action: the id of its last goal, and the facts of its answer (None before the answer)."""
 
     goal: str
     facts: Optional[Tuple[str, ...]] = None
 
 
 class ActionMemory:
-    """The actions of the present run. ``folder`` has the database, None for none; ``owner`` identifies the interface.
+    """Actions of the present run; the database is in ``folder`` (None: no database), ``owner`` names the interface.
 
-    A disk that cannot be written stops nothing: ``trouble`` reports it, and each later change, and ``tend``, tries to
-    write everything that the database lacks.
+    A failed write raises nothing: ``trouble`` reports it. Each later change, and ``tend``, writes the missing changes.
     """
 
     def __init__(self, folder: Optional[Path], owner: str) -> None:
@@ -47,19 +46,19 @@ class ActionMemory:
 
     @property
     def path(self) -> Optional[Path]:
-        """The file of the database, None for none."""
+        """The file of the database, None without a database."""
         return None if self._db is None else self._db.path
 
     @property
     def trouble(self) -> str:
-        """What is wrong with the database, for people; empty if nothing is."""
+        """The problem with the database, for people; empty if there is none."""
         if self._db is None or not self._db.fault:
             return self._damage
-        mend = "goes on, but what is begun now is not known after a crash"
-        return f"cannot write {self.path}: {self._db.fault}: {mend}"
+        consequence = "continues, but after a crash actions begun now will be unknown"
+        return f"cannot write {self.path}: {self._db.fault}: {consequence}"
 
     def begin_run(self, run: str) -> bool:
-        """Load the actions of this run in place of another one's; return False if it is the present run already."""
+        """Load the actions of a run and forget the present run; return False if it is the present run."""
         if run == self.run:
             return False
         self.run, self._damage = run, ""
@@ -70,22 +69,22 @@ class ActionMemory:
         return True
 
     def recall(self, action: str) -> Optional[Record]:
-        """Return what is known of an action (the atom's text); None if it was not begun in this run."""
+        """Return the record of an action (the atom's text), None if the action was not begun in this run."""
         return self._records.get(action)
 
     def note_begun(self, action: str, goal: str) -> None:
-        """Record that a goal is about to be sent for an action."""
+        """Record an action and the id of its goal; call this before sending the goal."""
         self._keep(action, Record(goal))
         self._save()
 
     def note_answered(self, action: str, facts: Tuple[str, ...]) -> None:
-        """Record an answer that is about to be given."""
+        """Record the facts of an answer; call this before sending them."""
         known = self._records.get(action)
         self._keep(action, Record(known.goal if known else "", facts))
         self._save()
 
     def tend(self, wall: float) -> None:
-        """Retry a failed write now and then; to be called often, with steady time in seconds."""
+        """Retry a failed write every RETRY seconds; call this often, with steady time in seconds."""
         if self._db is not None and self._db.is_due(wall):
             self._save(wall)
 
@@ -106,13 +105,13 @@ class ActionMemory:
         query = "SELECT action, goal, facts FROM action WHERE run = ? ORDER BY rowid"
         rows = database.run(lambda db: db.execute(query, (self.run,)).fetchall())
         if rows is None:
-            self._damage = f"cannot read {database.path}: {database.fault}: what was begun before is not known"
+            self._damage = f"cannot read {database.path}: {database.fault}: actions begun before are unknown"
             database.fault = ""
         for action, goal, facts in rows or ():
             self._keep(action, Record(goal, None if facts is None else tuple(json.loads(facts))))
 
     def _save(self, wall: float = 0.0) -> None:
-        """Write each change that the database lacks, and wait for the disk."""
+        """Write the missing changes to the database, and sync it."""
         if self._db is None or self.run is None:
             return
         changed = [(one, record) for one, record in self._records.items() if one in self._unsaved]
@@ -120,7 +119,7 @@ class ActionMemory:
         gone = [(self.run, one) for one in self._unsaved - self._records.keys()]
 
         def write(db: sqlite3.Connection) -> bool:
-            """Write the changes, and forget the oldest runs."""
+            """Write the changes, and delete the oldest runs."""
             db.executemany("REPLACE INTO action VALUES (?, ?, ?, ?)", rows)
             db.executemany("DELETE FROM action WHERE run = ? AND action = ?", gone)
             db.execute(_FORGET_RUNS, (self.run, RUNS + 1))
@@ -128,5 +127,5 @@ class ActionMemory:
 
         if self._db.run(write, wall):
             self._unsaved.clear()
-        else:  # the next database can be a new one
+        else:  # a damaged database is replaced by an empty one, which needs all records
             self._unsaved.update(self._records)

@@ -1,4 +1,4 @@
-"""Filling the fields of a ROS message from evaluated templates, checked against the message's own types.
+"""Fill the fields of a ROS message from evaluated templates, checked against the types of the message.
 
 Needs genpy only.
 """
@@ -18,7 +18,7 @@ _FRAMES = ("frame_id", "child_frame_id")
 
 
 class FieldError(ValueError):
-    """Values that do not fit the fields of the message; the message names each field."""
+    """Values that do not fit the fields of a message; the text names each field."""
 
 
 def fill(message: Any, values: Mapping[str, Any], now: genpy.Time, place: str = "goal") -> Any:
@@ -34,7 +34,7 @@ def fill(message: Any, values: Mapping[str, Any], now: genpy.Time, place: str = 
 
 
 def field_faults(message: Any, template: Mapping[str, Any], place: str = "goal") -> List[str]:
-    """Return the faults of a template for any action: fields that the type lacks, values that do not fit.
+    """Return the faults of a template, independent of the action: unknown fields and values of a wrong type.
 
     A mapping or a value in place of an array stands for one element.
     """
@@ -44,12 +44,12 @@ def field_faults(message: Any, template: Mapping[str, Any], place: str = "goal")
 
 
 def field_types(message: Any) -> Dict[str, str]:
-    """The fields of a message with their ROS types."""
+    """Return the fields of a message with their ROS types."""
     return dict(zip(message.__slots__, message._slot_types))
 
 
 class _Filler:
-    """Fills messages and collects the faults; skips the texts of a template that depend on the action."""
+    """Fills messages and collects the faults; skips texts of a template that depend on the action."""
 
     def __init__(self, now: genpy.Time, is_template: bool) -> None:
         self.faults: List[str] = []
@@ -69,7 +69,7 @@ class _Filler:
         return message
 
     def _value(self, value: Any, ros_type: str, default: Any, place: str) -> Any:
-        """Return a value as a field of this type has it; the default, and a fault, for a value that does not fit."""
+        """Convert a value to the type of a field; for an invalid value, note a fault and return the default."""
         if self._is_template and isinstance(value, str) and ("$" in value or pattern_of(value) is not None):
             return default
         base, is_array, length = parse_type(ros_type)
@@ -81,7 +81,7 @@ class _Filler:
             if ros_type in BUILTIN_TYPES:
                 return _primitive(value, ros_type)
         except TermError as error:
-            self.faults.append(f"{place}: {ros_type} is wanted, but {error}")
+            self.faults.append(f"{place}: needs {ros_type}, but {error}")
             return default
         if isinstance(value, Label) and ros_type in _POSES:
             value = _POSES[ros_type](value)
@@ -96,7 +96,7 @@ class _Filler:
         items = _items(value)
         given = [value] if items is None else items
         if length not in (None, len(given)) and not (self._is_template and items is None):
-            raise TermError(f"it was given {len(given)} values")
+            raise TermError(f"has {len(given)} values")
         places = [place] if items is None else [f"{place}[{index}]" for index in range(len(given))]
         return [self._value(one, base, None, where) for one, where in zip(given, places)]
 
@@ -111,7 +111,7 @@ def _items(value: Any) -> Any:
 
 def _primitive(value: Any, ros_type: str) -> Any:
     if isinstance(value, (Label, Now, Mapping, list)):
-        raise TermError("it was given a {}".format(_KINDS.get(type(value), "list")))
+        raise TermError("has a {}".format(_KINDS.get(type(value), "list")))
     if ros_type in _SCALARS:
         return _SCALARS[ros_type](value)
     number = as_integer(value)

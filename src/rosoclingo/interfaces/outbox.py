@@ -6,7 +6,7 @@ from typing import Callable, Deque, NamedTuple, Optional
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO
 
-# Seconds of wall time that an answer waits for the node that asked to be connected.
+# Limit in seconds of wall time that an answer waits for its receiver to connect.
 PATIENCE = 1.0
 
 
@@ -18,12 +18,11 @@ class _Waiting(NamedTuple):
 
 
 class Outbox:
-    """Publishes messages in order, each as soon as the node that is to read it is connected, and at once.
+    """Publishes messages in order, each as soon as its receiver is connected.
 
-    What an interface says when it ends must not wait in a queue of rospy's, which ends with the node.
-
-    A node that has just started is connected in one direction before the other; an answer sent then would be lost.
-    Each node that connects gets the interface's name.
+    A node that has just started is connected in one direction before the other, and would lose an earlier answer.
+    Messages bypass rospy's queue, because a node loses its queue at shutdown.
+    Each node that connects first gets a message with the interface's name.
     """
 
     def __init__(self, topic: str, interface: str) -> None:
@@ -32,17 +31,16 @@ class Outbox:
         self._waiting: Deque[_Waiting] = deque()
 
     def put(self, message: InterfaceIO, reader: str, wall: float, wanted: Optional[Callable[[], bool]] = None) -> None:
-        """Publish now or, while `reader` (a node's name) is not connected, later; `wall` is steady time in seconds.
+        """Publish a message once the node `reader` is connected; `wall` is steady time in seconds.
 
-        With ``wanted``, the message waits until it is published or no longer wanted: a reader that is back asks again.
-        Without, it waits for PATIENCE.
+        The message waits while ``wanted`` returns True, or without ``wanted`` for PATIENCE.
         """
         if not any(one.message == message for one in self._waiting):
             self._waiting.append(_Waiting(message, reader, wall, wanted))
         self.flush(wall)
 
     def flush(self, wall: float) -> bool:
-        """Publish what can be published; True if something still waits."""
+        """Publish messages whose receivers are connected; return whether others still wait."""
         while self._waiting:
             message, reader, since, wanted = self._waiting[0]
             dropped = wanted is not None and not wanted()

@@ -1,12 +1,12 @@
-"""Templates: how fields of a goal and terms of an answer are filled from what is known of an action.  No ROS.
+"""Templates: fill fields of a goal and terms of an answer from an action and its end.  No ROS.
 
-A text that is one reference stands for the value itself; other texts may hold references in braces:
+A text that is a single reference stands for the value itself; other texts can contain references in braces:
 
     $parameter         the parameter P of `_action_lib(A,P,C)`
-    $1, $2.1           its first argument, the first argument of its second one ($1 of a constant is itself)
+    $1, $2.1           its first argument, the first argument of its second argument ($1 of a constant is itself)
     $parameter.pose    the label that this term names: .pose .x .y .yaw .frame; also $1.pose and so on
     $cycle, $now       the cycle C, the ROS time at which the goal is sent
-    $status, $text     how the goal ended, and the server's words (only in answers)
+    $status, $text     the goal's terminal status, and the server's status text (only in answers)
     $result.field      a field of the result (only in answers)
     box_${1}           text with the value of $1 in it;  $$ is a dollar sign
 
@@ -36,15 +36,15 @@ _PART_OF_NAME = re.compile(r"[A-Za-z0-9_']+\Z")
 
 
 class FillError(ValueError):
-    """A template that this action cannot fill, for example because its parameter has too few arguments."""
+    """A template that cannot be filled for an action, for example because its parameter has too few arguments."""
 
 
 class Now:
-    """Stands for the time at which the message is built."""
+    """A placeholder for the time at which the message is built."""
 
 
 class Ended(NamedTuple):
-    """How a goal ended: actionlib's terminal status in lower case, the server's words, the result message."""
+    """The end of a goal: actionlib's terminal status in lower case, the server's status text, the result message."""
 
     status: str
     text: str = ""
@@ -52,7 +52,7 @@ class Ended(NamedTuple):
 
 
 class ActionScope(NamedTuple):
-    """What the references of a template may refer to."""
+    """The values for the references of a template."""
 
     parameter: Symbol
     cycle: int
@@ -61,7 +61,7 @@ class ActionScope(NamedTuple):
 
 
 def evaluate(template: Any, scope: ActionScope) -> Any:
-    """The value of a template; lists and mappings are filled inside.  Raises FillError, UnknownLabelError."""
+    """Return the value of a template, with lists and mappings filled.  Raises FillError, UnknownLabelError."""
     if isinstance(template, Mapping):
         return {key: evaluate(value, scope) for key, value in template.items()}
     if isinstance(template, (list, tuple)):
@@ -75,7 +75,7 @@ def evaluate(template: Any, scope: ActionScope) -> Any:
 
 
 def is_reference(template: Any) -> bool:
-    """Tell whether a template is one reference, which stands for the value itself."""
+    """Return whether a template is a single reference, which stands for the value itself."""
     return isinstance(template, str) and _WHOLE.match(template) is not None
 
 
@@ -93,7 +93,7 @@ def term_with(template: str, placeholder: Symbol) -> str:
 
 
 def texts_in(template: Any, place: str = "") -> Iterator[Tuple[str, str]]:
-    """All texts of a template, wherever in it, each with its place."""
+    """Yield all texts of a template, at any depth, each with its place."""
     if isinstance(template, Mapping):
         for key, value in template.items():
             yield from texts_in(value, f"{place}.{key}")
@@ -105,7 +105,7 @@ def texts_in(template: Any, place: str = "") -> Iterator[Tuple[str, str]]:
 
 
 def faults(template: Any, names: Tuple[str, ...] = GOAL_NAMES, place: str = "") -> List[str]:
-    """The references of a template that are malformed or not among `names`, each with its place."""
+    """Return the faults of a template's references, which are malformed or not in `names`, each with its place."""
     found = []
     for where, text in texts_in(template, place):
         wrong = [fault for fault in (_reference_fault(one, names) for one in references(text)) if fault]
@@ -116,7 +116,7 @@ def faults(template: Any, names: Tuple[str, ...] = GOAL_NAMES, place: str = "") 
 
 
 def references(template: str) -> List[str]:
-    """The references in one text, without dollar and braces."""
+    """Return the references in a text, without dollar and braces."""
     whole = _WHOLE.match(template)
     if whole:
         return [whole.group(1) or whole.group(2)]
@@ -124,13 +124,13 @@ def references(template: str) -> List[str]:
 
 
 def labelled(template: Any) -> List[str]:
-    """The references, as templates, to the terms of which a template asks for the label."""
+    """Return references, as templates, to the terms that a template uses as labels."""
     steps = [reference.split(".") for _, text in texts_in(template) for reference in references(text)]
     return ["$" + ".".join(one[:-1]) for one in steps if one[1:] and one[-1] in LABEL_FIELDS and one[0] != "result"]
 
 
 def _reference_fault(reference: str, names: Tuple[str, ...]) -> str:
-    """Return why no action could fill a reference, empty if one could."""
+    """Return the fault of a reference that no action can fill, empty for a valid reference."""
     head, _, tail = reference.partition(".")
     if not head.isdigit() and head not in names:
         near = likely(head, names, "$")
@@ -167,7 +167,7 @@ def _written(template: str, value_of: Callable[[str], Any]) -> str:
 
 
 def _one_term(reference: str, value: Any, joined: bool) -> str:
-    """Return the text of a value outside quotes.  Raises FillError if it is no single term."""
+    """Return the text of a value outside quotes.  Raises FillError if it is not a single term."""
     text = str(value) if isinstance(value, Symbol) and not joined else _inner_text(value)
     if joined and not _PART_OF_NAME.match(text):
         raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no part of a name")

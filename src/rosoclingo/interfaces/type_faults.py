@@ -1,4 +1,4 @@
-"""Interfaces against the definitions of messages: types that cannot be loaded, fields and constants that they lack.
+"""Check interfaces against message definitions: missing types, fields and constants.
 
 Needs genpy only.
 """
@@ -25,7 +25,7 @@ def loaded(name: str, place: str, kind: str = "message") -> Any:
 
 
 def type_faults(spec: InterfaceSpec) -> List[str]:
-    """Return the faults of an entry against its types, each with its place; none where it names no type."""
+    """Return the faults of an entry against its message types, each with its place; none without a type."""
     faults: List[str] = []
     for look in (_action_faults, _done_faults):
         try:

@@ -1,4 +1,4 @@
-"""Between ASP terms and plain Python values.  No ROS."""
+"""Conversion between ASP terms and plain Python values.  No ROS."""
 
 import math
 import re
@@ -12,11 +12,11 @@ _NO_TEXT = re.compile("[\0\ud800-\udfff]")
 
 
 class TermError(ValueError):
-    """A text that is no ground term, or a value that does not fit the field it is meant for."""
+    """A text that is no ground term, or a value that does not fit its field."""
 
 
 def read_term(text: str) -> Symbol:
-    """The ground term that the text holds.  Raises TermError."""
+    """Parse a ground term.  Raises TermError."""
     try:
         return parse_term(text)
     except ProgressionError as error:
@@ -24,7 +24,7 @@ def read_term(text: str) -> Symbol:
 
 
 def read_atom(text: str) -> Symbol:
-    """The ground atom that the text holds.  Raises TermError."""
+    """Parse a ground atom.  Raises TermError."""
     try:
         return parse_atom(text)
     except ProgressionError as error:
@@ -32,12 +32,12 @@ def read_atom(text: str) -> Symbol:
 
 
 def as_string(text: str) -> Symbol:
-    """Return the ASP string of a text. NUL and half a surrogate pair, which it cannot hold, become U+FFFD."""
+    """Return the ASP string of a text. NUL and lone surrogates, which no ASP string can hold, become U+FFFD."""
     return String(_NO_TEXT.sub("\ufffd", text))
 
 
 def as_text(value: Any) -> str:
-    """The value as plain text: the characters of an ASP string, any other term as clingo prints it."""
+    """Return a value as plain text: the characters of an ASP string, any other term as clingo prints it."""
     if isinstance(value, Symbol):
         return value.string if value.type == SymbolType.String else str(value)
     if isinstance(value, bool):
@@ -46,7 +46,7 @@ def as_text(value: Any) -> str:
 
 
 def as_term(value: Any) -> Symbol:
-    """The value as a term: whole numbers as numbers, text that is a term as that term, other text as a string."""
+    """Return a value as a term: integers as numbers, the text of a term as that term, other text as a string."""
     if isinstance(value, Symbol):
         return value
     if isinstance(value, int) and not isinstance(value, bool):
@@ -59,7 +59,7 @@ def as_term(value: Any) -> Symbol:
 
 
 def as_integer(value: Any) -> int:
-    """The value as a whole number (also a string that holds one).  Raises TermError."""
+    """Return a value as an integer; strings are parsed.  Raises TermError."""
     if isinstance(value, Symbol) and value.type == SymbolType.Number:
         return value.number
     if isinstance(value, int) and not isinstance(value, bool):
@@ -71,7 +71,7 @@ def as_integer(value: Any) -> int:
 
 
 def as_real(value: Any) -> float:
-    """The value as a finite number; ASP writes fractions as strings ("0.5").  Raises TermError."""
+    """Return a value as a finite number; ASP writes fractions as strings ("0.5").  Raises TermError."""
     try:
         number = float(value) if isinstance(value, (int, float)) else float(as_text(value))
     except ValueError:
@@ -82,7 +82,7 @@ def as_real(value: Any) -> float:
 
 
 def as_boolean(value: Any) -> bool:
-    """The value as a truth value: true, false, 1 or 0.  Raises TermError."""
+    """Return a value as a Boolean: true, false, 1 or 0.  Raises TermError."""
     text = as_text(value)
     if text in ("true", "1"):
         return True

@@ -1,4 +1,4 @@
-"""The world as a topic reports it: whether its last message shows the effect of an action."""
+"""Watch a topic for a message that shows the effect of an action."""
 
 import contextlib
 import functools
@@ -14,7 +14,7 @@ from rosoclingo.interfaces.values import TermError, as_real, as_text
 
 
 class Watch:
-    """Remembers the last message of a topic while its sender is connected: a dead node's message can be outdated."""
+    """Caches the last message of a topic while its publisher is connected: a dead node's message can be outdated."""
 
     def __init__(self, topic: str, kind: type) -> None:
         self._last: Any = None
@@ -24,7 +24,7 @@ class Watch:
         self._last = message
 
     def shows(self, wanted: Mapping[str, Any], scope: ActionScope) -> Optional[bool]:
-        """Whether the message has these fields, see :func:`holds`; None without a message."""
+        """Return whether the last message has these fields, see :func:`holds`; None without a message."""
         message = self._last
         if message is None or not is_connected(self._subscriber, message._connection_header):
             return None
@@ -33,12 +33,12 @@ class Watch:
 
 @functools.lru_cache(maxsize=None)
 def watch(topic: str, kind: type) -> Watch:
-    """Return the one watch of a topic in this process: a latched message comes once for the node."""
+    """Return the watch of a topic, shared by the process: rospy delivers a latched message once per process."""
     return Watch(topic, kind)
 
 
 def holds(message: Any, wanted: Mapping[str, Any], scope: ActionScope) -> Optional[bool]:
-    """Whether a message has these fields, templates filled for the action; None where they cannot be filled.
+    """Return whether a message has these fields, with templates filled for the action; None if one cannot be filled.
 
     Of an array, one element has to match.
     """

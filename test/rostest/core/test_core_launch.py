@@ -111,7 +111,7 @@ class CoreLaunch(unittest.TestCase):
         for word in words:
             self.assertIn(word, text)
         self.assertEqual(launched.starts, 1, text)
-        self.assertIn("to start it again cannot help: roslaunch ends", text)
+        self.assertIn("a restart cannot help: ends roslaunch", text)
 
     def test_a_program_with_a_fault(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:

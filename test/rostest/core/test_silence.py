@@ -66,7 +66,7 @@ class Misspelt(unittest.TestCase):
     def told(self, script, *values):
         command = (executable(script), f"__name:=misspelt_{script}", "_zzz:=1", *values)
         with Process(*command) as process:
-            lines = process.lines_until("parameters that it does not read")
+            lines = process.lines_until("unknown parameters")
         self.assertEqual(len([line for line in lines if "that it does not read" in line]), 1)
         return lines[-1]
 

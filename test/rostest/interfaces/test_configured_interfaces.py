@@ -306,7 +306,7 @@ class SubclassedInterface(unittest.TestCase):
         status, values = reports.wait_for("sum", lambda _, values: values["succeeded"] == "4")
         self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "idle"))
         self.assertEqual((values["server"], values["failed"], values["faults"]), ("adder", "5", "4"))
-        self.assertIn("TypeError: make_answer gave None", values["last fault"])
+        self.assertIn("TypeError: make_answer returned None", values["last fault"])
         status, _ = reports.wait_for("absent", lambda *_: True)
         self.assertEqual((status.level, status.message), (DiagnosticStatus.WARN, "server absent is not connected"))
 
@@ -376,7 +376,7 @@ class InterfaceNode(unittest.TestCase):
         faults = str(caught.exception).splitlines()
         beginnings = (
             "~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3",
-            "~names: no entry tail in ~interfaces; entries are ",
+            "~names: ~interfaces has no entry tail; its entries are ",
             "~server, ~timeout, ~server_timeout, ~pause, ~retries and ~repeatable need",
             "~server: must be the name of an actionlib server, not 3",
             "~timeout: must be a number from 0 on",
@@ -388,7 +388,7 @@ class InterfaceNode(unittest.TestCase):
             "~interfaces: leg.type: no action nowhere/NoAction",
             "~interfaces: leg.done.when.packages.idea: rosoclingo/PackageState has no such field; it has id, location",
             "~interfaces: head.done.type: no message nowhere/Nothing",
-            "~interfaces: head.goal.goal: int32 is wanted, but much is no whole number",
+            "~interfaces: head.goal.goal: needs int32, but much is no whole number",
         )
         for beginning in beginnings:
             self.assertEqual(len([fault for fault in faults if fault.startswith(beginning)]), 1, (beginning, faults))

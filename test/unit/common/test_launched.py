@@ -88,7 +88,7 @@ def test_a_start_that_fails_ends_the_roslaunch(serving, ended, monkeypatch, erro
     with pytest.raises(type(error)), Required():
         raise error
     assert ended == THE_END
-    assert f"{NODE}: to start it again cannot help: roslaunch ends" in capsys.readouterr().err
+    assert f"{NODE}: a restart cannot help: ends roslaunch" in capsys.readouterr().err
 
 
 def test_a_roslaunch_on_another_machine_is_a_child_of_one_that_is_known(serving, ended, monkeypatch):
@@ -138,7 +138,7 @@ def test_where_no_master_answers_it_is_said(ended, monkeypatch, capsys, uri):
     with pytest.raises(StartError), Required():
         raise StartError
     assert ended == []
-    assert "whether to end its roslaunch is not known" in capsys.readouterr().err
+    assert "cannot find out whether to end roslaunch" in capsys.readouterr().err
 
 
 def live(happens, code):

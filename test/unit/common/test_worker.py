@@ -139,4 +139,4 @@ def test_a_node_whose_worker_failed_ends_with_exit_code_1(job, code):
         [sys.executable, "-c", NODE.format(job=job)], capture_output=True, text=True, check=False, timeout=120
     )
     assert done.returncode == code, done.stderr
-    assert ("the worker failed, the node ends" in done.stderr) == bool(code)
+    assert ("the worker failed, the node shuts down" in done.stderr) == bool(code)

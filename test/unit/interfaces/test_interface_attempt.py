@@ -34,7 +34,7 @@ def test_an_attempt_without_a_goal_is_preempted_by_a_cancel():
 
 @pytest.mark.parametrize("status", ["preempted", "recalled", "aborted", "rejected", "succeeded"])
 def test_a_cancelled_goal_ends_as_its_server_says(status):
-    event = ActionEvent.TAKEN if status in ("preempted", "recalled") else ActionEvent.ENDED
+    event = ActionEvent.PREEMPTED if status in ("preempted", "recalled") else ActionEvent.ENDED
     assert attempt(*SENT, ActionEvent.CANCEL, event, ended=Ended(status)).conclusion.status == status
 
 
@@ -42,35 +42,35 @@ def test_a_cancelled_goal_ends_as_its_server_says(status):
 def test_a_goal_that_outlives_its_cancel_is_lost_and_not_sent_again(why):
     one = attempt(*SENT, why, ActionEvent.EXPIRED)
     assert one.conclusion.status == "server_lost"
-    assert not one.is_worth_another(one.conclusion, Function("server_lost"), ("server_lost",))
+    assert not one.should_retry(one.conclusion, Function("server_lost"), ("server_lost",))
 
 
 def test_a_cancel_between_two_goals_leaves_the_end_of_the_first():
     first = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted", "slipped"))
-    assert first.is_worth_another(first.conclusion, Function("failed"), ("failed",))
-    second = first.again(first.conclusion, NOW)
+    assert first.should_retry(first.conclusion, Function("failed"), ("failed",))
+    second = first.next_attempt(first.conclusion, NOW)
     assert after(second, ActionEvent.CANCEL).conclusion == Ended("aborted", "slipped")
 
 
 def test_a_cancel_while_an_absent_server_is_tried_again_preempts():
     first = attempt(ActionEvent.EXPIRED)
     assert first.conclusion.status == "server_lost"
-    assert after(first.again(first.conclusion, NOW), ActionEvent.CANCEL).conclusion.status == "preempted"
+    assert after(first.next_attempt(first.conclusion, NOW), ActionEvent.CANCEL).conclusion.status == "preempted"
 
 
 @pytest.mark.parametrize(
     ("events", "ended"),
-    [([ActionEvent.CANCEL], None), ([*SENT, ActionEvent.CANCEL, ActionEvent.TAKEN], Ended("preempted"))],
+    [([ActionEvent.CANCEL], None), ([*SENT, ActionEvent.CANCEL, ActionEvent.PREEMPTED], Ended("preempted"))],
 )
 def test_nobody_is_preempted_while_an_earlier_goal_is_in_doubt(events, ended):
     first = attempt(*SENT, ActionEvent.SERVER_LOST)
-    first.doubtful = True
-    second = first.again(first.conclusion, NOW)
+    first.uncertain = True
+    second = first.next_attempt(first.conclusion, NOW)
     assert second.limits.retries == 0
     assert after(second, *events, ended=ended).conclusion.status == "server_lost"
 
 
 def test_an_action_that_is_not_wanted_is_not_sent_again():
     one = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted"))
-    one.unwanted = True
-    assert not one.is_worth_another(one.conclusion, Function("failed"), ("failed",))
+    one.cancelled = True
+    assert not one.should_retry(one.conclusion, Function("failed"), ("failed",))

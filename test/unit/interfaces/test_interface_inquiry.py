@@ -2,7 +2,7 @@
 
 import pytest
 
-from rosoclingo.interfaces.doubt import RESULT_GRACE, Inquiry, InquiryResult, Listed
+from rosoclingo.interfaces.inquiry import RESULT_GRACE, Inquiry, InquiryResult, Listed
 
 LIMIT = 5.0
 

@@ -93,7 +93,7 @@ def test_a_damaged_database_is_reported_and_set_aside(tmp_path, damage):
     dead.path.write_bytes(damage)
     heir = memory(tmp_path)
     assert heir.recall(PICKUP) is None
-    assert "what was begun before is not known" in heir.trouble
+    assert "actions begun before are unknown" in heir.trouble
     assert Path(f"{heir.path}.damaged").read_bytes() == damage
     heir.note_begun(PICKUP, "goal-2")
     assert memory(tmp_path).recall(PICKUP) == Record("goal-2")

@@ -74,19 +74,19 @@ def test_scalars_times_and_arrays():
         ),
         (PoseStamped(), {"pose": {"x": 1}}, r"goal.pose.x: geometry_msgs/Pose has no such field"),
         (PoseStamped(), {"pose": "here"}, r"goal.pose: geometry_msgs/Pose cannot be filled from here"),
-        (StringMessage(), {"data": BEDROOM}, r"goal.data: string is wanted, but it was given a pose"),
+        (StringMessage(), {"data": BEDROOM}, r"goal.data: needs string, but has a pose"),
         (
             Polygon(),
             {"points": BEDROOM},
             r"goal.points: geometry_msgs/Point32 cannot be .*: a pose fills geometry_msgs/Pose, ",
         ),
-        (Int8(), {"data": 128}, r"goal.data: int8 is wanted, but 128 is out of its range"),
-        (Int8(), {"data": read_term("cup")}, r"goal.data: int8 is wanted, but cup is no whole number"),
-        (Bool(), {"data": "maybe"}, r"goal.data: bool is wanted, but maybe is neither true nor false"),
+        (Int8(), {"data": 128}, r"goal.data: needs int8, but 128 is out of its range"),
+        (Int8(), {"data": read_term("cup")}, r"goal.data: needs int8, but cup is no whole number"),
+        (Bool(), {"data": "maybe"}, r"goal.data: needs bool, but maybe is neither true nor false"),
         (
             PoseWithCovariance(),
             {"covariance": [1, 2]},
-            r"goal.covariance: .*36\] is wanted, but it was given 2 values",
+            r"goal.covariance: needs .*36\], but has 2 values",
         ),
     ],
 )
@@ -97,10 +97,10 @@ def test_misfits_are_named(message, values, fault):
 
 def test_templates_are_checked_against_the_type():
     assert field_faults(MoveBaseGoal(), {"target_pose": {"pose": {"position": "$parameter.pose"}}}) == []
-    assert field_faults(Int8(), {"data": {"x": 1}}) == ["goal.data: int8 is wanted, but it was given a mapping"]
+    assert field_faults(Int8(), {"data": {"x": 1}}) == ["goal.data: needs int8, but has a mapping"]
     template = {"target_pose": {"pos": 1, "header": {"frame_id": 3, "seq": -1, "stamp": "$now"}}, "targets": {}}
     assert field_faults(MoveBaseGoal(), template, "arm.goal") == [
         "arm.goal.target_pose.pos: geometry_msgs/PoseStamped has no such field; it has header, pose",
-        "arm.goal.target_pose.header.seq: uint32 is wanted, but -1 is out of its range",
+        "arm.goal.target_pose.header.seq: needs uint32, but -1 is out of its range",
         "arm.goal.targets: move_base_msgs/MoveBaseGoal has no such field; it has target_pose",
     ]

@@ -22,7 +22,7 @@ WAYS = {
     Phase.SENT: [ActionEvent.SERVER_FOUND],
     Phase.RUNNING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED],
     Phase.ENDING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED, ActionEvent.CANCEL],
-    Phase.YIELDING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED, ActionEvent.TAKEN],
+    Phase.YIELDING: [ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED, ActionEvent.PREEMPTED],
     Phase.DONE: [ActionEvent.CANCEL],
 }
 
@@ -44,7 +44,7 @@ def test_only_what_cannot_happen_is_illegal():
     assert illegal == {
         (Phase.WAITING, ActionEvent.ACKNOWLEDGED),
         (Phase.WAITING, ActionEvent.ENDED),
-        (Phase.WAITING, ActionEvent.TAKEN),
+        (Phase.WAITING, ActionEvent.PREEMPTED),
         (Phase.WAITING, ActionEvent.SERVER_LOST),
         (Phase.SENT, ActionEvent.SERVER_FOUND),
         (Phase.RUNNING, ActionEvent.SERVER_FOUND),
@@ -67,10 +67,10 @@ def test_only_what_cannot_happen_is_illegal():
         (Phase.RUNNING, ActionEvent.SERVER_LOST, "server_lost"),
         (Phase.RUNNING, ActionEvent.SHUTDOWN, "interface_lost"),
         (Phase.ENDING, ActionEvent.ENDED, None),
-        (Phase.ENDING, ActionEvent.TAKEN, None),
+        (Phase.ENDING, ActionEvent.PREEMPTED, None),
         (Phase.ENDING, ActionEvent.EXPIRED, "server_lost"),
         (Phase.ENDING, ActionEvent.SERVER_LOST, "server_lost"),
-        (Phase.RUNNING, ActionEvent.TAKEN, None),
+        (Phase.RUNNING, ActionEvent.PREEMPTED, None),
         (Phase.YIELDING, ActionEvent.EXPIRED, None),
         (Phase.YIELDING, ActionEvent.SERVER_LOST, "server_lost"),
         (Phase.DONE, ActionEvent.SERVER_LOST, "preempted"),
@@ -91,7 +91,7 @@ def test_a_goal_that_was_sent_is_preempted_by_its_server_alone(events):
         if event in TRANSITIONS[run.phase]:
             sent |= run.handle(event, START) is Effect.SEND
     assert run.verdict != "preempted" or not sent
-    assert not run.unheeded or run.verdict in ("server_lost", "interface_lost")
+    assert not run.cancel_ignored or run.verdict in ("server_lost", "interface_lost")
 
 
 def test_a_server_that_never_comes_is_lost_by_the_wall_clock():
@@ -135,11 +135,11 @@ def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
     assert run.tick(later(9.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
     assert run.verdict == "timeout"
-    assert not run.unheeded
+    assert not run.cancel_ignored
     assert run.tick(later(14.9, 6.1)) is Effect.NOTHING
     assert run.tick(later(15.0, 6.1)) is Effect.FINISH
     assert run.verdict == "server_lost"
-    assert run.unheeded
+    assert run.cancel_ignored
     assert run.done
 
 
@@ -152,14 +152,14 @@ def test_the_time_counts_from_sending_the_goal():
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
 def test_a_server_that_somebody_else_has_taken_is_left_to_him_for_a_while(phase):
     run = run_in(phase, LIMITS._replace(pause=2.0))
-    assert run.handle(ActionEvent.TAKEN, START) is Effect.NOTHING
+    assert run.handle(ActionEvent.PREEMPTED, START) is Effect.NOTHING
     assert run.tick(later(1.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(2.0, 0.1)) is Effect.FINISH
 
 
 def test_nobody_waits_for_the_pause_of_an_action_that_is_not_wanted_any_more():
     assert run_in(Phase.YIELDING).handle(ActionEvent.CANCEL, later(0.1)) is Effect.FINISH
-    assert run_in(Phase.ENDING).handle(ActionEvent.TAKEN, later(0.1)) is Effect.FINISH
+    assert run_in(Phase.ENDING).handle(ActionEvent.PREEMPTED, later(0.1)) is Effect.FINISH
 
 
 def test_no_limit():

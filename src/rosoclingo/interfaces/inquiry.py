@@ -1,43 +1,43 @@
-"""Whether an action that may have been begun was done: the server is asked for its goal, then the world.  No ROS."""
+"""Inquiry about an action of unknown outcome: asks the server for its goal, then checks the world.  No ROS."""
 
 import enum
 from typing import Callable, Optional
 
 Check = Callable[[], Optional[bool]]
 
-# Seconds of wall time that the result of a goal which has ended may take to arrive.
+# Limit in seconds of wall time for the result of an ended goal to arrive.
 RESULT_GRACE = 1.0
 
 
 class Listed(enum.Enum):
-    """What the server says of a goal that was sent."""
+    """The server's report about a goal."""
 
-    HELD = "it has the goal, or its result has come"
-    ENDED = "the goal has ended, and nobody has heard its result"
-    ABSENT = "it does not know the goal"
+    HELD = "the server has the goal, or its result has arrived"
+    ENDED = "the goal has ended, and its result has not arrived"
+    ABSENT = "the server does not know the goal"
 
 
 class InquiryResult(enum.Enum):
-    """What has become of the action."""
+    """The state of the action."""
 
     OPEN = "not known yet"
-    HELD = "the server has its goal: it is under way"
+    HELD = "the server has its goal: it is running"
     DONE = "it was done"
     NOT_DONE = "it was not done"
-    UNKNOWN = "it cannot be told"
+    UNKNOWN = "its outcome is unknown"
 
 
 class Inquiry:
-    """Asks for at most ``limit`` seconds of wall time from ``wall`` on. ``check`` asks the world, if anything can."""
+    """An inquiry of at most ``limit`` seconds from the wall time ``wall``; ``check`` checks the world, if possible."""
 
     def __init__(self, check: Optional[Check], limit: float, wall: float) -> None:
         self._check = check
         self._end = wall + limit
         self._ended_since: Optional[float] = None
-        self.used = False  # the server has ended the goal: it takes no other of that id
+        self.used = False  # the server has ended the goal, and accepts no other goal with that id
 
     def look(self, listed: Optional[Listed], wall: float) -> InquiryResult:
-        """The finding at the time ``wall`` if the server says ``listed``; None while it has said nothing."""
+        """Return the result at the time ``wall``, given the server's report ``listed`` (None before the first)."""
         if listed is Listed.HELD:
             return InquiryResult.HELD
         expired = wall >= self._end
@@ -45,12 +45,12 @@ class Inquiry:
         if waits and not expired:
             return InquiryResult.OPEN
         done = self._check() if self._check is not None else None
-        if done or (done is not None and not waits):  # a server that is out of reach can still do it
+        if done or (done is not None and not waits):  # an unreachable server can still do the action
             return InquiryResult.DONE if done else InquiryResult.NOT_DONE
         return InquiryResult.UNKNOWN if expired or self._check is None else InquiryResult.OPEN
 
     def _may_come(self, listed: Listed, wall: float) -> bool:
-        """Whether the result of a goal that has ended may be on its way."""
+        """Return whether the result of an ended goal can still arrive."""
         self.used = listed is Listed.ENDED
         if not self.used:
             return False
