@@ -1,1 +1,1 @@
-"""What comes in: stream updates as data, their parser, ground terms and tokens."""
+"""Stream updates as data, their parser, ground terms and tokens."""

@@ -1,4 +1,4 @@
-"""How long the statements of an update hold."""
+"""Lifetimes of the statements of an update."""
 
 from dataclasses import dataclass
 from typing import Union
@@ -10,7 +10,7 @@ from rosoclingo.oclingo.progression.updates import Assert, Cumulative, Section, 
 
 @dataclass(frozen=True)
 class Term:
-    """Lifetime of asserted statements: until ``term`` is retracted."""
+    """The lifetime of asserted statements: until ``term`` is retracted."""
 
     term: clingo.Symbol
 
@@ -27,4 +27,4 @@ def lifetime_of(section: Section, step: int) -> Lifetime:
     if isinstance(section, Assert):
         return Term(section.term)
     assert isinstance(section, Volatile)
-    return step + section.window - 1 if section.window else UPDATE  # a window of 0 is none
+    return step + section.window - 1 if section.window else UPDATE  # a window of 0 counts as none

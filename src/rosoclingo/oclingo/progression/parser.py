@@ -1,6 +1,6 @@
 """The parser of online progressions, the inverse of ``str()`` of :mod:`~rosoclingo.oclingo.progression.updates`.
 
-It raises nothing but :class:`ProgressionError`, with line and column.
+Its only exception is :class:`ProgressionError`, with line and column.
 """
 
 from dataclasses import replace
@@ -29,7 +29,7 @@ from rosoclingo.oclingo.progression.updates import (
 
 
 class PlacedUpdate(NamedTuple):
-    """An update and the places of its items: lines and columns, from 1."""
+    """An update and the places of its items as lines and columns, counted from 1."""
 
     update: StreamUpdate
     places: Tuple[Tuple[int, int], ...]
@@ -49,7 +49,7 @@ def parse_updates(text: str) -> List[StreamUpdate]:
 
 
 def iterate_updates(text: str) -> Iterator[StreamUpdate]:
-    """Yield the updates of ``text`` one by one; a fault is raised after the updates before it."""
+    """Yield the updates of ``text`` one by one; an error is raised after the updates before it."""
     return (one.update for one in iterate_placed(text))
 
 
@@ -60,16 +60,16 @@ def iterate_placed(text: str) -> Iterator[PlacedUpdate]:
         yield _UpdateReader(tokens).read()
 
 
-def strings_apart(update: StreamUpdate) -> StreamUpdate:
+def strings_as_constants(update: StreamUpdate) -> StreamUpdate:
     """Return ``update`` with a constant for each string, spelled like the string with its quotes.
 
-    oClingo read them in this way (case *bodies* of ``golden.json``): the constant prints like the string, but no string
-    of the program equals it.
+    oClingo read strings in this way (case *bodies* of ``oclingo_golden.json``). The constant prints like the string,
+    but differs from every string of the program.
     """
     text = str(update)
     if '"' not in text:
         return update
-    return replace(_UpdateReader(TokenStream(text, strings_apart=True)).read().update, warnings=update.warnings)
+    return replace(_UpdateReader(TokenStream(text, strings_as_constants=True)).read().update, warnings=update.warnings)
 
 
 class _UpdateReader:
@@ -88,15 +88,15 @@ class _UpdateReader:
         while True:
             if self._tokens.next.kind != "directive":
                 if self._tokens.next.kind == "end":
-                    self._tokens.fail("update without end: expected a statement or '#endstep.'")
-                self._note_place()
+                    self._tokens.fail("incomplete update: expected a statement or '#endstep.'")
+                self._record_place()
                 self._items.append(_read_statement(self._tokens))
             elif self._read_directive():
                 update = StreamUpdate(self._step, self._bound, tuple(self._items), tuple(self._warnings))
                 return PlacedUpdate(update, tuple(self._places))
 
-    def _note_place(self) -> None:
-        """Note where an item begins."""
+    def _record_place(self) -> None:
+        """Record the place of the next item."""
         self._places.append(self._tokens.place(self._tokens.next.offset))
 
     def _read_directive(self) -> bool:
@@ -105,14 +105,14 @@ class _UpdateReader:
         if name == "#step":
             self._read_step()
         elif name in _DIRECTIVES:
-            self._note_place()
+            self._record_place()
             self._tokens.take()
             self._items.append(_DIRECTIVES[name](self._tokens))
         elif name == "#endstep":
             self._tokens.take()
         else:
             known = ", ".join(sorted(["#step", "#endstep", *list(_DIRECTIVES)]))
-            self._tokens.fail(f"unknown directive, known are {known}")
+            self._tokens.fail(f"unknown directive; known directives are {known}")
         self._tokens.expect(".", f"to end {name}")
         return name in ("#endstep", "#stop")
 
@@ -133,7 +133,7 @@ def _read_range(tokens: TokenStream) -> Tuple[int, int]:
 
 
 def _read_name(tokens: TokenStream, directive: str) -> clingo.Symbol:
-    tokens.expect(":", f"and a term behind {directive}")
+    tokens.expect(":", f"and a term after {directive}")
     return read_term(tokens)
 
 

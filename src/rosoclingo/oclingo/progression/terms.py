@@ -1,9 +1,9 @@
-"""Ground terms and atoms: read from text as data into :class:`clingo.Symbol`, never evaluated; and their signatures.
+"""Ground terms, atoms and signatures; text is parsed into :class:`clingo.Symbol` and never evaluated.
 
-The tokens are those of whole online progressions, with line and column; :mod:`~rosoclingo.oclingo.progression.parser`
-reads statements and directives of them. The grammar of terms is oClingo's: identifiers, "strings", integers,
-``f(terms)``; atoms can have classical negation (``-p(1)``). The other terms of clingo are read as well: tuples,
-``-f(terms)``, ``#inf``, ``#sup``.
+The tokenizer covers whole online progressions; :mod:`~rosoclingo.oclingo.progression.parser` builds statements and
+directives from its tokens. The grammar of terms is oClingo's: identifiers, "strings", integers, ``f(terms)``; atoms can
+have classical negation (``-p(1)``). clingo's other terms are accepted as well: tuples, ``-f(terms)``, ``#inf`` and
+``#sup``.
 """
 
 import re
@@ -15,7 +15,7 @@ import clingo
 from rosoclingo.oclingo.errors import ProgressionError
 
 MAX_DEPTH = 256
-"""Deepest nesting of terms that is read; far beyond any use, and safe for the recursion in clingo."""
+"""Maximal nesting depth of terms: far above practical needs, and safe for clingo's recursion."""
 
 _SHOWN = 60  # characters of a token that a message shows
 _LOWEST, _HIGHEST = -(2**31), 2**31 - 1
@@ -74,9 +74,9 @@ def _end_of_block(text: str, start: int) -> int:
 
 def _complaint(text: str, offset: int) -> str:
     if _ODD_STRING.match(text, offset):
-        return "string with a character that is no text (NUL or half of a surrogate pair)"
+        return "string with an invalid character (NUL or half of a surrogate pair)"
     if text[offset] == '"':
-        return 'string without end; close it with " on the same line (escapes are \\", \\\\ and \\n)'
+        return 'unterminated string; close it with " on the same line (escapes are \\", \\\\ and \\n)'
     variable = _VARIABLE.match(text, offset)
     if variable:
         return _of_variable(variable.group(), text[variable.end() : variable.end() + 1] == "(")
@@ -94,18 +94,18 @@ def _of_variable(name: str, with_arguments: bool) -> str:
 
 
 class TokenStream:
-    """The tokens of a text, read one by one with one token of look-ahead.
+    """The tokens of a text, with one token of look-ahead.
 
     Attributes:
-        next: the next token, of kind ``end`` behind the last one. Text that is no token raises ProgressionError.
-        strings_apart: whether strings become constants, see :func:`.parser.strings_apart`.
+        next: the next token, of kind ``end`` after the last one. Text that is not a token raises ProgressionError.
+        strings_as_constants: whether strings become constants, see :func:`.parser.strings_as_constants`.
 
     """
 
-    def __init__(self, text: str, strings_apart: bool = False) -> None:
-        self._text, self.strings_apart = text, strings_apart
+    def __init__(self, text: str, strings_as_constants: bool = False) -> None:
+        self._text, self.strings_as_constants = text, strings_as_constants
         self._offset = 0
-        self._lines: List[int] = []  # offsets at which lines begin, once a place is asked for
+        self._lines: List[int] = []  # offsets of line starts, computed on demand
         self.next = self._scan()
 
     def _scan(self) -> Token:
@@ -117,7 +117,7 @@ class TokenStream:
             if match.lastgroup == "block":
                 self._offset = _end_of_block(self._text, start)
                 if self._offset < 0:
-                    raise self.error(start, "comment without end; close it with *%")
+                    raise self.error(start, "unterminated comment; close it with *%")
             elif match.lastgroup != "space":
                 return Token(str(match.lastgroup), match.group(), start)
         return Token("end", "", len(self._text))
@@ -134,7 +134,7 @@ class TokenStream:
         return ProgressionError(*self.place(offset), message)
 
     def take(self) -> Token:
-        """Return the next token and move on (the ``end`` token stays)."""
+        """Consume and return the next token (the ``end`` token stays)."""
         token, self.next = self.next, self._scan()
         return token
 
@@ -143,14 +143,14 @@ class TokenStream:
         return self.next.text in texts
 
     def accept(self, text: str) -> bool:
-        """Take the next token if it is ``text``."""
+        """Consume the next token if it is ``text``, and return whether it was."""
         if self.at(text):
             self.take()
             return True
         return False
 
     def expect(self, text: str, where: str) -> Token:
-        """Take ``text`` or raise :class:`ProgressionError`: it is missing ``where``."""
+        """Consume ``text``, or raise :class:`ProgressionError`: it is missing ``where``."""
         if not self.at(text):
             self.fail(f"expected {text!r} {where}")
         return self.take()
@@ -203,11 +203,11 @@ def read_number(tokens: TokenStream, what: str) -> int:
 
 
 def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
-    """Read a term from ``tokens``; it stands inside ``depth`` others."""
+    """Read a term from ``tokens`` that is nested in ``depth`` others."""
     first = tokens.next
     if first.kind == "string":
         text = tokens.take().text
-        return clingo.Function(text) if tokens.strings_apart else clingo.String(_unescape(text[1:-1]))
+        return clingo.Function(text) if tokens.strings_as_constants else clingo.String(_unescape(text[1:-1]))
     if tokens.at(*_LIMITS):
         return _LIMITS[tokens.take().text]
     positive = not tokens.accept("-")
@@ -215,7 +215,7 @@ def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
         return clingo.Number(_read_number(tokens, 1 if positive else -1))
     name = tokens.take().text if tokens.next.kind == "name" and not tokens.at("not") else ""
     if not name and not positive:
-        tokens.fail("expected a number or a name behind '-'")
+        tokens.fail("expected a number or a name after '-'")
     if not name and not tokens.at("("):
         tokens.fail('expected a term: a name in lower case, an integer, a "string", f(terms) or a tuple')
     if not tokens.at("("):
@@ -224,19 +224,19 @@ def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
         raise tokens.error(first.offset, f"term nested deeper than {MAX_DEPTH} levels")
     arguments, comma = _read_arguments(tokens, depth + 1, is_tuple=not name)
     if not name and len(arguments) == 1 and not comma:
-        return arguments[0]  # in brackets
+        return arguments[0]  # a term in parentheses
     return clingo.Function(name, arguments, positive)
 
 
 def _read_arguments(tokens: TokenStream, depth: int, is_tuple: bool = False) -> Tuple[List[clingo.Symbol], bool]:
-    """Read arguments in brackets and whether there was a comma; a tuple can be empty or end with a comma."""
+    """Read arguments in parentheses and whether there was a comma; a tuple can be empty or end with a comma."""
     tokens.take()
     arguments, comma = [], False
     while not (is_tuple and tokens.at(")")):
         arguments.append(read_term(tokens, depth))
         if tokens.at(")"):
             break
-        tokens.expect(",", "or ')' behind an argument")
+        tokens.expect(",", "or ')' after an argument")
         comma = True
     tokens.take()
     return arguments, comma
@@ -244,7 +244,7 @@ def _read_arguments(tokens: TokenStream, depth: int, is_tuple: bool = False) -> 
 
 def _read_number(tokens: TokenStream, sign: int) -> int:
     token = tokens.take()
-    # the length is tested first: int() is slow on thousands of digits, or refuses them
+    # test the length first: int() is slow on thousands of digits, or rejects them
     value = sign * int(token.text) if len(token.text.lstrip("0")) <= 10 else None
     if value is None or not _LOWEST <= value <= _HIGHEST:
         text = token.text if len(token.text) <= 20 else token.text[:20] + "..."
@@ -259,4 +259,4 @@ def _unescape(text: str) -> str:
 
 def _expect_end(tokens: TokenStream) -> None:
     if tokens.next.kind != "end":
-        tokens.fail("expected one term or atom and nothing behind it")
+        tokens.fail("expected one term or atom and nothing after it")

@@ -11,7 +11,7 @@ import clingo
 
 @dataclass(frozen=True)
 class Literal:
-    """A ground atom in a body, or its default negation."""
+    """A ground atom of a body, or its default negation."""
 
     atom: clingo.Symbol
     positive: bool = True
@@ -28,23 +28,23 @@ class Statement:
     body: Tuple[Literal, ...] = ()
 
     def concerns(self, atoms: FrozenSet[clingo.Symbol]) -> bool:
-        """Return whether this defines one of ``atoms``, or is the commitment to one."""
+        """Return whether this statement defines or commits to one of ``atoms``."""
         return self.subject in atoms
 
     @property
     def atoms(self) -> Tuple[clingo.Symbol, ...]:
-        """All atoms of head and body."""
+        """All atoms of the head and body."""
         head = () if self.head is None else (self.head,)
         return (*head, *(literal.atom for literal in self.body))
 
     @property
     def subject(self) -> Optional[clingo.Symbol]:
-        """The atom that this defines or, as a commitment, demands."""
+        """The atom that this statement defines or commits to."""
         return self.body[0].atom if self.is_commitment else self.head
 
     @property
     def is_commitment(self) -> bool:
-        """Whether this is ``:- not A.``"""
+        """Whether this is a commitment: ``:- not A.``"""
         return self.head is None and len(self.body) == 1 and not self.body[0].positive
 
     @property
@@ -79,7 +79,10 @@ class Cumulative:
 
 @dataclass(frozen=True)
 class Volatile:
-    """Section ``#volatile.`` (until the next update) or ``#volatile : n.`` (while horizon <= step + n - 1; 0: none)."""
+    """Section ``#volatile.`` or ``#volatile : n.``
+
+    Its statements hold until the next update or, with a window n > 0, while horizon <= step + n - 1.
+    """
 
     window: Optional[int] = None
 
@@ -99,7 +102,7 @@ class Assert:
 
 @dataclass(frozen=True)
 class Retract:
-    """``#retract : term.``: ends what was asserted under the term."""
+    """``#retract : term.``: retracts the statements asserted under the term."""
 
     term: clingo.Symbol
 
@@ -109,7 +112,7 @@ class Retract:
 
 @dataclass(frozen=True)
 class Forget:
-    """``#forget i.`` or ``#forget i..j.``: closes the still undefined externals declared at steps first to last."""
+    """``#forget i.`` or ``#forget i..j.``: closes the undefined externals declared at steps first to last."""
 
     first: int
     last: int
@@ -124,7 +127,7 @@ def _range(first: int, last: int) -> str:
 
 @dataclass(frozen=True)
 class Closed:
-    """``#closed i.`` or ``#closed i..j.``: cycles of a plan that are executed; not in oClingo's language.
+    """``#closed i.`` or ``#closed i..j.``: executed cycles of a plan; an extension of oClingo's language.
 
     The only actions of the cycles first to last are those that the same update commits to (``:- not A.``).
     """
@@ -138,7 +141,7 @@ class Closed:
 
 @dataclass(frozen=True)
 class Over:
-    """``#over i.``: later updates have no facts about the steps before i, and their externals are closed."""
+    """``#over i.``: the steps before i get no further facts, and their externals are closed."""
 
     step: int
 
@@ -148,7 +151,7 @@ class Over:
 
 @dataclass(frozen=True)
 class Withdraw:
-    """``#withdraw atom.``: the fact, or commitment to the action, counts as never asserted."""
+    """``#withdraw atom.``: treats a fact, or the commitment to an action, as never asserted."""
 
     atom: clingo.Symbol
 
@@ -158,7 +161,7 @@ class Withdraw:
 
 @dataclass(frozen=True)
 class Anew:
-    """``#anew.``: all earlier updates are forgotten."""
+    """``#anew.``: discards all earlier updates."""
 
     def __str__(self) -> str:
         return "#anew."
@@ -181,11 +184,11 @@ class StreamUpdate:
     """One stream update, ``#step k : m.`` ... ``#end step.``
 
     Attributes:
-        step: logical time point k; None keeps that of the previous update.
-        bound: m, by which the horizon can grow beyond k; None is no bound (or, without a step, the previous one).
-        items: statements and directives, in order; statements belong to the last section before them, at first
+        step: logical time point k; None keeps the step of the previous update.
+        bound: m; the horizon can grow to k + m. None is no bound or, without a step, the previous bound.
+        items: statements and directives, in order; a statement belongs to the last section before it, initially
             ``#cumulative.``
-        warnings: about text that the parser ignored; not part of the update's value.
+        warnings: warnings about text that the parser ignored; not compared.
 
     """
 
@@ -210,7 +213,7 @@ class StreamUpdate:
 
     @property
     def heads(self) -> FrozenSet[Optional[clingo.Symbol]]:
-        """The heads of the update's statements; None is that of a constraint."""
+        """The heads of the update's statements; None stands for constraints."""
         return frozenset(statement.head for _, statement in self.sections())
 
     @property
@@ -229,7 +232,7 @@ class StreamUpdate:
         return replace(self, bound=None, items=tuple(one for one in self.items if not isinstance(one, (Closed, Over))))
 
     def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
-        """Return the update without definitions of ``facts`` and commitments to them."""
+        """Return the update without definitions of, and commitments to, ``facts``."""
         kept = (item for item in self.items if not (isinstance(item, Statement) and item.concerns(facts)))
         return replace(self, items=tuple(kept))
 

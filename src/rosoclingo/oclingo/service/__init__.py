@@ -1,1 +1,1 @@
-"""The solver as oClingo's TCP service and as a command."""
+"""oClingo's TCP service, and the command ``oclingo``."""

@@ -1,4 +1,4 @@
-"""Values on a command line; argparse reports what is wrong with them."""
+"""Types of command-line arguments; argparse reports invalid values."""
 
 import argparse
 from typing import Dict, Sequence
@@ -8,56 +8,56 @@ from rosoclingo.oclingo.errors import Fault, ProgramError
 __all__ = ["TRIAL_SECONDS", "TRIAL_STEPS", "constants_of", "duration", "natural", "port", "positive", "seconds"]
 
 TRIAL_STEPS = 30
-"""Steps that a plan on trial may have."""
+"""Maximal number of steps of a trial plan."""
 
 TRIAL_SECONDS = 60.0
-"""Seconds of wall time for each request on trial, and again for the reasons where there is no plan."""
+"""Seconds of wall time for the plan of each trial request, and as much for explaining why there is none."""
 
 
 def positive(text: str) -> int:
-    """Return a number from 1 on."""
+    """Parse an integer of at least 1."""
     return _number(text, 1, 2**31 - 1)
 
 
 def natural(text: str) -> int:
-    """Return a number from 0 on."""
+    """Parse an integer of at least 0."""
     return _number(text, 0, 2**31 - 1)
 
 
 def port(text: str) -> int:
-    """Return a TCP port, 0 for any."""
+    """Parse a TCP port; 0 stands for any free port."""
     return _number(text, 0, 65535)
 
 
 def _number(text: str, lowest: int, highest: int) -> int:
     if text.isascii() and text.isdigit() and len(text) <= 10 and lowest <= int(text) <= highest:
         return int(text)
-    raise argparse.ArgumentTypeError(f"{text!r} is no number from {lowest} to {highest}")
+    raise argparse.ArgumentTypeError(f"{text!r} is not an integer from {lowest} to {highest}")
 
 
 def duration(text: str) -> float:
-    """Return seconds, which may be none."""
+    """Parse a time in seconds, at least 0."""
     try:
         value = float(text)
     except ValueError:
         value = -1.0
     if not 0.0 <= value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in seconds")
     return value
 
 
 def seconds(text: str) -> float:
-    """Return seconds, more than none."""
+    """Parse a time in seconds greater than 0."""
     value = duration(text)
     if not value:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time in seconds")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive time in seconds")
     return value
 
 
 def constants_of(words: Sequence[str]) -> Dict[str, str]:
-    """Return the values of ``-c NAME=VALUE`` by their names; raise ProgramError for words that are none."""
+    """Return the values of ``-c NAME=VALUE`` by name; raise ProgramError for other words."""
     faults = [
-        Fault(f"-c {word}", 0, 0, "no constant", "write NAME=VALUE") for word in words if not word.partition("=")[1]
+        Fault(f"-c {word}", 0, 0, "value missing", "write NAME=VALUE") for word in words if not word.partition("=")[1]
     ]
     if faults:
         raise ProgramError(faults)

@@ -1,4 +1,4 @@
-"""The command ``oclingo``: serves a reactive logic program by TCP, plays a stream to it, or asks at a prompt."""
+"""The command ``oclingo``: serves a reactive logic program by TCP, plays a stream, or reads updates at a prompt."""
 
 import argparse
 import io
@@ -24,30 +24,30 @@ from rosoclingo.oclingo.unread import ends_unread
 DEFAULT_HOST = "127.0.0.1"
 
 BOUND = 100
-"""Steps beyond its own to which an update of a played stream is searched, if it names no bound."""
+"""The default bound for updates of a played stream."""
 
 UNSATISFIABLE = 20
-"""The exit code where an update of a played stream has no answer; clingo has the same."""
+"""The exit code if an update of a played stream has no answer, as in clingo."""
 
 _DESCRIPTION = """\
-A reactive ASP solver: takes a reactive logic program, then stream updates, and answers each. Without --stream or
---interactive it is a service that speaks oClingo's protocol: clients connect, send updates and receive answers, until
-one sends "#stop."."""
+A reactive ASP solver: loads a reactive logic program and answers stream updates. Without --stream or --interactive it
+is a TCP service with oClingo's protocol: clients connect, send updates and receive answers, until a client
+sends "#stop."."""
 
 _EPILOG = """\
-An update is "#step K : M." (": M" bounds the horizon at K+M), facts and rules, "#endstep.". Programs may be written in
-gringo 3's language. Exit code: 0; 1 for faults in program, stream or updates; 2 for a wrong command line; 20 where an
+An update is "#step K : M." (": M" bounds the horizon at K+M), facts and rules, "#endstep.". Programs can be written in
+gringo 3's language. Exit code: 0; 1 for errors in program, stream or updates; 2 for a wrong command line; 20 if an
 update of --stream has no answer."""
 
 _REMAPPING = re.compile(r"[\w~/]+:=")
 
 
 Check = Callable[[argparse.ArgumentParser], Callable[[argparse.Namespace], int]]
-"""Adds the arguments of ``--check`` to a parser; returns the check, which returns the exit code."""
+"""Adds the arguments of ``--check`` to a parser, and returns a function that checks and returns the exit code."""
 
 
 MakeSolver = Callable[..., ContextManager[StreamSolver]]
-"""Returns a solver of a program; its options are ``models``, ``horizon_limit``, ``shortest`` and ``plan_time``."""
+"""Returns a solver for a program; the options are ``models``, ``horizon_limit``, ``shortest`` and ``plan_time``."""
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -57,8 +57,8 @@ def make_parser() -> argparse.ArgumentParser:
         "words",
         nargs="*",
         metavar="FILE | MODELS",
-        help="program files, read in order (- or none: standard input); a number that is no file is MODELS, how many "
-        "answers to compute for an update (0: all, default: 1)",
+        help="program files, read in order (- or none: standard input); a number that is not a file is MODELS, "
+        "the number of answers to compute for an update (0: all, default: 1)",
     )
     parser.add_argument(
         "-c",
@@ -66,7 +66,7 @@ def make_parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="replace the constant NAME of the program by a term; may be repeated",
+        help="replace the constant NAME of the program by a term; can be repeated",
     )
     _add_search(parser)
     _add_modes(parser)
@@ -75,25 +75,25 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _add_search(parser: argparse.ArgumentParser) -> None:
     """Add the options of the search."""
-    parser.add_argument("--imax", type=positive, metavar="N", help="ground no step beyond N (default: no limit)")
+    parser.add_argument("--imax", type=positive, metavar="N", help="last step to ground (default: no limit)")
     parser.add_argument(
         "--shortest",
         action="store_true",
-        help="answer as rosoclingo's core does, whose stream (topic ~updates) gives the same plans then, if ~plan is "
-        "shortest: plans are shortest at any time, and strings of updates equal those of the program",
+        help="answer as rosoclingo's core with ~plan shortest: all plans are shortest plans, and strings of updates "
+        "equal strings of the program; the stream of a core (topic ~updates) then gives the same plans",
     )
     parser.add_argument(
         "--plan-time",
         type=duration,
         metavar="SECONDS",
-        help="with --shortest: where the shortest plan is not found in that processor time, answer with the best that "
-        "is known; where none is known yet, go on (default: only the shortest will do)",
+        help="with --shortest: limit of the processor time for a shortest plan; after it, answer with the best known "
+        "plan, or continue up to the first plan (default: no limit)",
     )
     parser.add_argument(
         "--time-limit",
         type=seconds,
         metavar="SECONDS",
-        help="end the search for an update after that time; the update stays in force (default: no limit)",
+        help="end the search for an update after this time; the update stays in force (default: no limit)",
     )
 
 
@@ -101,35 +101,34 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     """Add the options for the source of updates and for the output."""
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument(
-        "--stream", metavar="FILE", help="play the updates of FILE (- is standard input), print answers as tables"
+        "--stream", metavar="FILE", help="play the updates of FILE (-: standard input) and print answers as tables"
     )
     parser.add_argument(
         "--bound",
         type=natural,
         metavar="M",
-        help='with --stream: the bound of updates that name none, "#step K." is "#step K : M." then; 0 for no bound '
+        help='with --stream: the bound of updates without one ("#step K." becomes "#step K : M."); 0 for no bound '
         f"(default: {BOUND})",
     )
     mode.add_argument(
         "--interactive",
         action="store_true",
-        help="ask for updates at a prompt; Ctrl-C ends a search, Ctrl-D the session",
+        help="read updates at a prompt; Ctrl-C ends a search, Ctrl-D the session",
     )
     parser.add_argument(
         "--check",
         action="store_true",
-        help="say what may be wrong with the program, and with the updates of --stream, as the command check does; "
-        "takes what check takes (oclingo --check --help). Exit code: 0 nothing, 1 something was found, 2 a file can't "
-        "be read",
+        help="report likely faults in the program, and in the updates of --stream, as the command check does, with the "
+        "same options (oclingo --check --help). Exit code: 0 no findings, 1 findings, 2 a file can't be read",
     )
     parser.add_argument(
         "--json",
         action="store_true",
-        help="with --stream or --interactive: print one JSON object for each update; with --check: one of all findings",
+        help="with --stream or --interactive: print one JSON object per update; with --check: one with all findings",
     )
     parser.add_argument("--host", help=f"address to listen on (default: {DEFAULT_HOST}, this machine only)")
     parser.add_argument(
-        "--port", type=port, metavar="N", help=f"port to listen on, 0 for any free one (default: {DEFAULT_PORT})"
+        "--port", type=port, metavar="N", help=f"port to listen on, 0 for any free port (default: {DEFAULT_PORT})"
     )
 
 
@@ -154,8 +153,8 @@ def main(arguments: Optional[Sequence[str]], make_solver: MakeSolver, add_check:
         program = ReactiveProgram([_source(file) for file in files], constants)
         for text in program.warnings:
             _say(f"warning: {text}")
-        ways = {"shortest": options.shortest, "plan_time": options.plan_time}
-        with make_solver(program, models=models, horizon_limit=options.imax, **ways) as solver:
+        settings = {"shortest": options.shortest, "plan_time": options.plan_time}
+        with make_solver(program, models=models, horizon_limit=options.imax, **settings) as solver:
             return _run(solver, options)
     except (ProgramError, SolverError) as error:
         _say(str(error))
@@ -173,7 +172,7 @@ def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
     if options.stream is None and not options.interactive:
         return _serve(solver, options)
     if options.interactive:
-        with suppress(ImportError):  # lines can be edited and recalled if the system has it
+        with suppress(ImportError):  # enables line editing and history if available
             import readline  # noqa: F401, PLC0415
         Session(solver, _output(options), options.time_limit).ask()
         return 0
@@ -188,7 +187,7 @@ def _run(solver: StreamSolver, options: argparse.Namespace) -> int:
 
 
 def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
-    from rosoclingo.oclingo.service.server import Service, listen  # noqa: PLC0415 not for a stream
+    from rosoclingo.oclingo.service.server import Service, listen  # noqa: PLC0415 only the service needs it
 
     host = DEFAULT_HOST if options.host is None else options.host
     port = DEFAULT_PORT if options.port is None else options.port
@@ -210,12 +209,12 @@ def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
 def _output(options: argparse.Namespace) -> Output:
     if options.json:
         return JsonOutput(sys.stdout)
-    echo = not (options.interactive and sys.stdin.isatty())  # it has just been typed
+    echo = not (options.interactive and sys.stdin.isatty())  # a terminal already shows typed updates
     return TextOutput(sys.stdout, max(shutil.get_terminal_size((100, 24)).columns, 60), echo)
 
 
 def _files_and_models(words: Sequence[str]) -> Tuple[List[str], int]:
-    """Return program files and number of models; the last number that is no file counts, empty words do not."""
+    """Return the program files and the number of models: the last number that is not a file."""
     numbers = [word for word in words if word.isdigit() and word.isascii() and not Path(word).exists()]
     files = [word for word in words if word and word not in numbers]
     return files or ["-"], int(numbers[-1]) if numbers else 1
@@ -228,12 +227,12 @@ def _check(parser: argparse.ArgumentParser, options: argparse.Namespace, files: 
     address = options.port is not None or options.host is not None
     for is_wrong, text in (
         (options.json and serves and not options.check, "--json needs --stream, --interactive or --check"),
-        (options.check and options.interactive, "--check looks at files, it doesn't go with --interactive"),
-        (address and not serves, "--host and --port are the service's, they don't go with --stream or --interactive"),
+        (options.check and options.interactive, "--check reads files: it cannot be combined with --interactive"),
+        (address and not serves, "--host and --port cannot be combined with --stream or --interactive"),
         (options.bound is not None and options.stream is None, "--bound needs --stream"),
         (options.plan_time is not None and not options.shortest, "--plan-time needs --shortest"),
-        ("-" in files and reads_updates, "standard input holds updates: name a program file"),
-        (files.count("-") > 1, "standard input can be read once only"),
+        ("-" in files and reads_updates, "standard input contains the updates: name a program file"),
+        (files.count("-") > 1, "standard input can be read only once"),
     ):
         if is_wrong:
             parser.error(text)
@@ -243,7 +242,7 @@ def _source(file: str) -> Source:
     if file != "-":
         return Source.from_file(Path(file))
     if sys.stdin.isatty():
-        _say("reading the program from standard input, end it with Ctrl-D")
+        _say("reading the program from standard input; end it with Ctrl-D")
     return Source("<stdin>", sys.stdin.read(), Path())
 
 

@@ -1,4 +1,4 @@
-"""One client of the service: its socket, its requests and what is still to be sent to it."""
+"""One client of the service: its socket, pending requests and unsent data."""
 
 import socket
 from typing import Iterator, Optional
@@ -6,7 +6,7 @@ from typing import Iterator, Optional
 from rosoclingo.oclingo.service.protocol import GREETING, MessageBuffer, Request, requests
 
 UNSENT_LIMIT = 1 << 24
-"""Bytes that can wait to be sent; a client that does not read them gets no more turns until it does."""
+"""Limit of unsent bytes; a client that reaches it is not served until it reads them."""
 
 _CHUNK = 1 << 16
 
@@ -15,7 +15,7 @@ class ClientConnection:
     """A connection to a client; it never blocks.
 
     Attributes:
-        hung_up: the client sends nothing more; it can still read.
+        hung_up: the client has stopped sending; it can still read.
 
     """
 
@@ -27,7 +27,7 @@ class ClientConnection:
         self.hung_up = False
         self._is_broken = self._is_leaving = False
         self._received = MessageBuffer()
-        self._requests: Iterator[Request] = iter(())  # of the message that was taken last
+        self._requests: Iterator[Request] = iter(())  # of the current message
         self._next: Optional[Request] = None
         self._unsent = bytearray(GREETING)
 
@@ -37,32 +37,32 @@ class ClientConnection:
 
     @property
     def reads(self) -> bool:
-        """Whether to read more from it."""
+        """Whether to read from the client."""
         return not self.hung_up and not self._received.is_full and len(self._unsent) < UNSENT_LIMIT
 
     @property
     def writes(self) -> bool:
-        """Whether there is something to send to it."""
+        """Whether there is unsent data."""
         return bool(self._unsent)
 
     @property
     def waits(self) -> bool:
-        """Whether there is a request of a client that reads its answers."""
+        """Whether a request is pending and the client reads its answers."""
         return self._request is not None and len(self._unsent) < UNSENT_LIMIT
 
     @property
     def is_done(self) -> bool:
-        """Whether nothing is left to do for it."""
+        """Whether the connection can be closed."""
         return self.hung_up and not self.writes and self._request is None
 
     def take(self) -> Request:
-        """Return the next request; only while :attr:`waits`."""
+        """Return the next request; requires :attr:`waits`."""
         request, self._next = self._request, None
         assert request is not None
         return request
 
     def read(self) -> None:
-        """Read what has come."""
+        """Read the available data."""
         try:
             data = self._connection.recv(_CHUNK)
         except BlockingIOError:
@@ -75,12 +75,12 @@ class ClientConnection:
             self._received.add(data)
 
     def send(self, data: bytes) -> None:
-        """Send ``data`` as soon as the client takes it; drop it if the connection is broken."""
+        """Queue ``data`` for the client; drop it if the connection is broken."""
         if not self._is_broken:
             self._unsent += data
 
     def write(self) -> None:
-        """Send what the connection takes; shut down after the last data to a client that leaves."""
+        """Send as much as the socket accepts; after :meth:`leave`, shut down once everything is sent."""
         try:
             del self._unsent[: self._connection.send(memoryview(self._unsent)[:UNSENT_LIMIT])]
             if self._is_leaving and not self._unsent:
@@ -91,7 +91,7 @@ class ClientConnection:
             self._break()
 
     def leave(self) -> None:
-        """Drop the requests, and shut down once all is sent."""
+        """Drop the pending requests, and shut down once everything is sent."""
         self._is_leaving, self._next = True, None
         self._requests, self._received = iter(()), MessageBuffer()
         self.write()
@@ -102,7 +102,7 @@ class ClientConnection:
 
     @property
     def _request(self) -> Optional[Request]:
-        """The next request, parsed when its turn comes; None if there is none."""
+        """The next request, parsed on demand; None if no message is complete."""
         while self._next is None:
             self._next = next(self._requests, None)
             if self._next is None:
@@ -113,6 +113,6 @@ class ClientConnection:
         return self._next
 
     def _break(self) -> None:
-        """Send nothing more; complete messages that have come are still answered by the solver."""
+        """Stop sending; the solver still processes the complete messages received so far."""
         self._is_broken = self.hung_up = True
         self._unsent.clear()

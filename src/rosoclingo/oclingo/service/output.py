@@ -1,4 +1,4 @@
-"""What the command prints: text with tables for people, or one JSON object a line for programs."""
+"""The output of the command: text with tables for people, or one JSON object per line for programs."""
 
 import json
 from typing import IO, Any
@@ -14,11 +14,11 @@ class ProgressReport:
     def __init__(self, stream: IO[str]) -> None:
         self._stream, self._is_live = stream, stream.isatty()
         self._interval = 1.0 if self._is_live else 10.0
-        self._last = 0.0  # seconds of the search up to the last report
+        self._last = 0.0  # seconds from the start of the search to the last report
         self._width = 0
 
     def report(self, seconds: float, what: str, reached: int) -> None:
-        """Report the horizon that the search of ``what`` has ``reached`` after ``seconds``; to be called often."""
+        """Report the horizon that the search for ``what`` has ``reached`` after ``seconds``; call this often."""
         if seconds - self._last >= self._interval:
             self._last = seconds
             text = f"{what}: at step {reached}, no answer yet after {seconds:.0f} s"
@@ -37,7 +37,7 @@ class ProgressReport:
 
 
 class TextOutput:
-    """Prints updates as they were sent, and answers as tables over time."""
+    """Prints updates as text, and answers as tables over time."""
 
     def __init__(self, stream: IO[str], width: int, echo: bool = True) -> None:
         """Print to ``stream``, tables ``width`` characters wide; without ``echo`` updates are not printed."""
@@ -63,7 +63,7 @@ class TextOutput:
         self._write("\n")
 
     def refused(self, update: StreamUpdate, text: str) -> None:
-        """Print why an update was refused."""
+        """Print the error of a refused update."""
         self._write(f"Error: {text}\n\n")
 
     def fault(self, place: str, text: str) -> None:
@@ -76,7 +76,7 @@ class TextOutput:
 
 
 class JsonOutput:
-    """Prints a JSON object for each update, on a line of its own.
+    """Prints one line per update: a JSON object.
 
     Its members: ``update`` (text), ``step``, ``horizon``, ``outcome``, ``answers`` (lists of atoms, sorted),
     ``warnings``, ``permanent``, ``shortest``, ``statistics`` (seconds); or ``update`` and ``error``; or ``place`` and
@@ -104,7 +104,7 @@ class JsonOutput:
         )
 
     def refused(self, update: StreamUpdate, text: str) -> None:
-        """Print a refused update, and why."""
+        """Print a refused update with its error."""
         self._write(update=str(update), error=text)
 
     def fault(self, place: str, text: str) -> None:

@@ -1,8 +1,8 @@
 """oClingo's wire protocol, without sockets: items in both directions end in a NUL byte.
 
-The client sends the text of updates. For each update the server sends ``Input:`` (the next one may come), its
-warnings, its answers, and one item that ends it: ``End of Step.``, ``UNSAT at step N`` or ``Error: text``. After an
-error ``Input:`` is said once more.
+The client sends the text of updates. For each update the server sends ``Input:`` (ready for the next update), the
+warnings, the answers, and a final item: ``End of Step.``, ``UNSAT at step N`` or ``Error: text``. After an error it
+sends ``Input:`` once more.
 """
 
 from typing import Iterator, Optional, Union
@@ -16,29 +16,29 @@ DEFAULT_PORT = 25277
 """The port that oClingo listened on."""
 
 MESSAGE_LIMIT = 1_000_000
-"""Bytes that a message may have; what has no end by then is dropped."""
+"""Size limit in bytes; a message that reaches it is dropped."""
 
 END = b"\0"
 
 
 def item(text: str) -> bytes:
-    """Return ``text`` as one item."""
+    """Encode ``text`` as one item."""
     return text.replace("\0", " ").encode("utf-8", "replace") + END
 
 
 INPUT = item("Input:\n")
 END_OF_STEP = item("End of Step.\n")
 GREETING = INPUT + END_OF_STEP
-"""What a client is sent when it has connected."""
+"""The items that each new client receives."""
 
 
 def warning(text: str) -> bytes:
-    """Return a warning."""
+    """Encode a warning."""
     return item(f"Warning: {one_line(text)}\n")
 
 
 def error(text: str) -> bytes:
-    """Return an error, and that input is welcome again."""
+    """Encode an error, followed by ``Input:``."""
     return item(f"Error: {one_line(text)}") + INPUT
 
 
@@ -48,7 +48,7 @@ def one_line(text: str) -> str:
 
 
 def reply(result: SolveResult) -> Iterator[bytes]:
-    """Yield what a client is sent for ``result``; warnings first, since oClingo's client gives up answers at one."""
+    """Yield the items of ``result``, warnings first: oClingo's client discards the answers before a warning."""
     for text in result.warnings:
         yield warning(text)
     for answer in result.answers:
@@ -57,14 +57,14 @@ def reply(result: SolveResult) -> Iterator[bytes]:
 
 
 Message = Union[str, ProgressionError]
-"""A message from a client: its text, or why there is none."""
+"""The text of a client's message, or an error if it is too long or not UTF-8."""
 
 Request = Union[StreamUpdate, ProgressionError]
-"""An update, or what is wrong with it."""
+"""An update, or its error."""
 
 
 def requests(message: Message) -> Iterator[Request]:
-    """Yield the updates of a message; a fault is yielded in its turn, the rest of the message dropped."""
+    """Yield the updates of a message up to the first error, then the error; the rest is dropped."""
     if isinstance(message, ProgressionError):
         yield message
         return
@@ -77,11 +77,11 @@ def requests(message: Message) -> Iterator[Request]:
         yield fault
         return
     if empty:
-        yield ProgressionError(1, 1, "a message without an update; write one that ends with '#endstep.'")
+        yield ProgressionError(1, 1, "a message without an update; end each update with '#endstep.'")
 
 
 class MessageBuffer:
-    """The bytes of a client, from which its messages are taken one by one."""
+    """Splits the bytes from a client into messages."""
 
     def __init__(self) -> None:
         self._data = bytearray()
@@ -89,18 +89,18 @@ class MessageBuffer:
 
     @property
     def is_full(self) -> bool:
-        """Whether the data suffice for a message."""
+        """Whether the size limit of a message is reached."""
         return len(self._data) >= MESSAGE_LIMIT
 
     def add(self, data: bytes) -> None:
-        """Append ``data``; the rest of a message that was too long is dropped."""
+        """Append ``data``, except the rest of an oversized message."""
         if self._is_skipping:
             _, end, data = data.partition(END)
             self._is_skipping = not end
         self._data += data
 
     def next_message(self) -> Optional[Message]:
-        """Take the next message, None if it is not complete."""
+        """Remove and return the next message, None if it is incomplete."""
         end = self._data.find(END, 0, MESSAGE_LIMIT)
         if end < 0 and not self.is_full:
             return None
@@ -116,4 +116,4 @@ class MessageBuffer:
         except UnicodeDecodeError as fault:
             before = data[: fault.start].decode("utf-8")
             line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
-            return ProgressionError(line, column, f"no UTF-8 text: byte 0x{data[fault.start]:02x}, {fault.reason}")
+            return ProgressionError(line, column, f"not UTF-8: byte 0x{data[fault.start]:02x}, {fault.reason}")

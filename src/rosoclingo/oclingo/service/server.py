@@ -1,7 +1,7 @@
 """oClingo's TCP service: one reactive solver for any number of clients, in one loop without threads.
 
-While the solver works, the sockets are served each time it polls for a stop, every few milliseconds. Clients are served
-in turn, one update each; all of them see the same stream.
+The solver polls for a stop every few milliseconds, and each poll also serves the sockets. Clients take turns, one
+update each, and share the same stream.
 """
 
 import select
@@ -18,29 +18,29 @@ from rosoclingo.oclingo.solving.results import SolveOutcome
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
 GRACE = 0.5
-"""Seconds after which a waiting update ends a search without bound."""
+"""Seconds after which a waiting update ends an unbounded search."""
 
 GRACE_BOUNDED = 5.0
-"""The same for a search with a bound, which ends by itself, but possibly late."""
+"""The same for a bounded search, which ends by itself but can take long."""
 
 GRACE_ORPHANED = 10.0
-"""Seconds after which a search ends whose client has hung up, if no update waits."""
+"""Seconds after which a search for a disconnected client ends, if no update waits."""
 
 CLIENT_LIMIT = 100
-"""Greatest number of connections; further clients wait until one is closed."""
+"""Maximal number of connections; further clients wait until a connection closes."""
 
-_FAREWELL = 2.0  # seconds for the clients to take what they were sent before the last connections are closed
+_FAREWELL = 2.0  # seconds in which clients can read the remaining data before the last connections are closed
 
 
 def listen(host: str, port: int) -> socket.socket:
     """Return a socket that listens at ``host`` and ``port`` (0: any free one); raises OSError."""
     found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-    found.sort(key=lambda one: one[0] != socket.AF_INET)  # oClingo's client knows no other
+    found.sort(key=lambda one: one[0] != socket.AF_INET)  # prefer IPv4: oClingo's client supports nothing else
     return socket.create_server(found[0][4][:2], family=found[0][0], backlog=CLIENT_LIMIT)
 
 
 class Service:
-    """Answers clients until one of them sends ``#stop.``"""
+    """Serves clients until one of them sends ``#stop.``"""
 
     def __init__(self, solver: StreamSolver, listener: socket.socket, time_limit: Optional[float] = None) -> None:
         """Create a service.
@@ -48,7 +48,7 @@ class Service:
         Args:
             solver: the solver that all clients share.
             listener: a listening socket; the service closes it.
-            time_limit: seconds after which a search is ended, None for no limit.
+            time_limit: seconds after which a search ends, None for no limit.
 
         """
         self._solver = solver
@@ -60,7 +60,7 @@ class Service:
         self._served: Optional[ClientConnection] = None
 
     def run(self) -> None:
-        """Serve until ``#stop.``; all connections are closed at the end, also after an error."""
+        """Serve until ``#stop.``, and close all connections, also after an error."""
         self._listener.setblocking(False)
         try:
             while not self._stopped:
@@ -75,7 +75,7 @@ class Service:
             self._listener.close()
 
     def _next_client(self) -> Optional[ClientConnection]:
-        """Return the first client with a request and move it to the end, so that each has its turn."""
+        """Return the first client with a request and move it to the end of the queue, for fairness."""
         client = next((one for one in self._clients if one.waits), None)
         if client is not None:
             self._clients.remove(client)
@@ -83,7 +83,7 @@ class Service:
         return client
 
     def _pump(self, timeout: Optional[float]) -> None:
-        """Read, write, accept a client and close finished connections; wait up to ``timeout`` for one of these."""
+        """Read, write, accept clients and close finished connections; wait up to ``timeout`` seconds for an event."""
         for client in [one for one in self._clients if one.is_done and one is not self._served]:
             self._clients.remove(client)
             client.close()
@@ -96,7 +96,7 @@ class Service:
             if isinstance(one, ClientConnection):
                 one.read()
             else:
-                with suppress(OSError):  # the client can have gone by now
+                with suppress(OSError):  # the client can have disconnected already
                     self._clients.append(ClientConnection(one.accept()[0]))
         for client in writable:
             client.write()
@@ -137,7 +137,7 @@ class Service:
             client.send(data)
 
     def _say_farewell(self) -> None:
-        """Send the remaining data and wait for the clients to hang up: closing at once could lose data."""
+        """Send the remaining data and wait until clients disconnect: closing at once could lose data."""
         self._listener.close()
         for client in self._clients:
             client.leave()
@@ -150,7 +150,7 @@ class SearchWatch:
     """Decides when a search must end.
 
     Attributes:
-        ended_by: the reason, empty while the search can go on.
+        ended_by: the reason; empty while the search can continue.
 
     """
 
@@ -160,7 +160,10 @@ class SearchWatch:
         self.ended_by = ""
 
     def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:
-        """Return whether it must end ``now``; ``waiting``: an update waits, ``orphaned``: its client has hung up."""
+        """Return whether the search must end ``now``.
+
+        ``waiting``: another update waits; ``orphaned``: the client of this update has hung up.
+        """
         elapsed = now - self._start
         if self.ended_by:
             return True

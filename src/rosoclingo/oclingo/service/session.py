@@ -1,4 +1,4 @@
-"""Sends updates to a solver: from a stream file, or from a prompt."""
+"""Sessions with a solver: updates from a stream file or from a prompt."""
 
 import signal
 import sys
@@ -22,7 +22,7 @@ Output = Union[TextOutput, JsonOutput]
 
 
 class UpdateAssembler:
-    """Assembles updates from lines, each as soon as it is complete."""
+    """Assembles updates from lines, and returns each one once it is complete."""
 
     def __init__(self) -> None:
         self._pending = ""
@@ -31,13 +31,14 @@ class UpdateAssembler:
 
     @property
     def pending(self) -> bool:
-        """Whether an update has begun and is not complete."""
+        """Whether there is an incomplete update."""
         return bool(self._pending.strip())
 
     def feed(self, line: str, is_last: bool = False) -> List[Request]:
-        """Return the updates that are complete with ``line``; if it ``is_last``, an update without end is a fault.
+        """Append ``line`` and return the updates that are now complete.
 
-        A fault is the last of them; its line counts from the first line of all. The rest of the text is dropped.
+        An incomplete update is an error if the line ``is_last``. An error is the last item and has a line number of the
+        whole input; the rest of the text is dropped.
         """
         self._pending += line
         self._may_end = self._may_end or "#end" in line or "#stop" in line
@@ -49,13 +50,13 @@ class UpdateAssembler:
         except ProgressionError as error:
             end = (text.count("\n") + 1, len(text) - text.rfind("\n"))
             if not is_last and (error.line, error.column) == end:
-                return []  # it goes on
+                return []  # the update continues
             found.append(ProgressionError(self._before + error.line, error.column, error.message))
         self.clear()
         return found
 
     def clear(self) -> None:
-        """Drop an update that is not complete."""
+        """Drop the incomplete update."""
         self._before += self._pending.count("\n")
         self._pending, self._may_end = "", False
 
@@ -64,7 +65,7 @@ class Session:
     """Sends a stream of updates to one solver and prints the results.
 
     Attributes:
-        failed: whether a text was no update, or an update was refused.
+        failed: whether there was a syntax error or a refused update.
         unsatisfiable: whether an update had no answer up to its bound.
 
     """
@@ -79,8 +80,8 @@ class Session:
     ) -> None:
         """Send updates to ``solver``.
 
-        A search ends after ``time_limit`` seconds, or ``bound`` steps if its update names no bound (0: no bound).
-        ``progress`` reports on long searches.
+        ``time_limit`` ends a search after that many seconds. ``bound`` applies to updates without one (0: no bound).
+        ``progress`` reports long searches.
         """
         self._solver, self._output, self._time_limit = solver, output, time_limit
         self._bound, self._progress = bound, progress
@@ -89,7 +90,7 @@ class Session:
         self.failed = self.unsatisfiable = False
 
     def play(self, lines: Iterable[str], name: str) -> None:
-        """Send the updates of the text ``name`` until ``#stop.`` or its end; faults are printed and skipped."""
+        """Send the updates of the text ``name`` until ``#stop.`` or its end; errors are printed and skipped."""
         assembler = UpdateAssembler()
         for line in lines:
             if not self._take(assembler.feed(line), name):
@@ -97,9 +98,9 @@ class Session:
         self._take(assembler.feed("", is_last=True), name)
 
     def ask(self, name: str = "<input>") -> None:
-        """Ask for updates at a prompt until ``#stop.`` or the end of the input (Ctrl-D).
+        """Read updates at a prompt until ``#stop.`` or the end of the input (Ctrl-D).
 
-        Ctrl-C ends a search; at the prompt it drops the update that was begun.
+        Ctrl-C ends a search; at the prompt it drops the incomplete update.
         """
         assembler, prompts = UpdateAssembler(), sys.stdin.isatty()
         while True:
@@ -117,7 +118,7 @@ class Session:
                     return
 
     def _take(self, requests: Iterable[Request], name: str) -> bool:
-        """Send the updates among ``requests`` and print the faults; return False after ``#stop.``"""
+        """Send the updates of ``requests`` and print the errors; return False after ``#stop.``"""
         for request in requests:
             if isinstance(request, ProgressionError):
                 self.failed = True
@@ -141,7 +142,7 @@ class Session:
             self._output.result(update, result)
 
     def _with_bound(self, update: StreamUpdate) -> StreamUpdate:
-        """Return ``update`` with a bound; one that names no step has that of the update before."""
+        """Return ``update`` with the default bound, unless it has one or inherits that of the previous update."""
         if not self._bound or update.bound is not None or (update.step is None and self._bounded):
             self._bounded = self._bounded or update.step is not None
             return update
@@ -158,7 +159,7 @@ class Session:
                 self._progress.clear()
 
     def _must_end(self, start: float, what: str) -> bool:
-        """Whether a search that began at ``start`` must end."""
+        """Return whether a search that began at ``start`` must end."""
         if self._progress is not None:
             self._progress.report(time.monotonic() - start, what, self._solver.reached)
         late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
@@ -166,7 +167,7 @@ class Session:
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:
-        """Let Ctrl-C end only the search."""
+        """Let Ctrl-C end the search and not the session."""
 
         def interrupt(number: int, frame: object) -> None:
             self._interrupted = True

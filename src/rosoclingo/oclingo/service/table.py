@@ -27,7 +27,7 @@ def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) 
 
 
 def _sort(answer: Iterable[clingo.Symbol], last: int) -> Tuple[List[str], List[Row]]:
-    """Return the atoms without time, and the rows in order of predicate and first time."""
+    """Return the atoms without time, and the rows sorted by predicate and first time."""
     atoms = [_text_signature_and_time(atom) for atom in answer]
     without_time = {signature for _, signature, time in atoms if time is None or time > last}
     held: Dict[Tuple[str, int, str], Set[int]] = {}
@@ -66,7 +66,7 @@ def _blocks(times: range, size: int) -> Iterable[range]:
 
 
 def _block_lines(rows: List[Row], times: range, margin: int, cell: int) -> List[str]:
-    """Return header and rows for some of the columns; rows without a mark in them are left out."""
+    """Return the header and rows of one block of columns, without its empty rows."""
     lines = [" " * (margin + 1) + "".join(f"{time:>{cell}}" for time in times)]
     for stem, held in rows:
         if held.intersection(times):

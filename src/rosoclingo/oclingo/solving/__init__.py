@@ -1,11 +1,11 @@
-"""The incremental solver: updates in, answers out, growing the horizon.
+"""The incremental solver: it answers stream updates and increases the horizon as needed.
 
-Its loop in short, which the tests run on the lift of doc/oclingo_service.md::
+A minimal version of its loop, which a test runs on the lift of doc/oclingo_service.md::
 
     import clingo
 
     class Loop:
-        # The program is grounded step by step, and searched at the last grounded step: the horizon.
+        # Grounds a program step by step and searches at the last grounded step: the horizon.
 
         def __init__(self, program):
             self.program = program
@@ -15,7 +15,7 @@ Its loop in short, which the tests run on the lift of doc/oclingo_service.md::
             self.horizon = 0
 
         def update(self, update):
-            # Take facts for externals and constraints, then look further and further ahead until there is an answer.
+            # Assign externals, add constraints, then increase the horizon until there is an answer.
             while self.horizon < update.step:
                 self.grow()
             for _, statement in update.sections():
@@ -31,7 +31,7 @@ Its loop in short, which the tests run on the lift of doc/oclingo_service.md::
             return answer
 
         def grow(self):
-            # One step more; of the volatile parts, which say what a plan has to reach, only the last one holds.
+            # Ground the next step. Only its volatile part holds, with the goals of the plan.
             self.control.assign_external(self.program.guard(1, self.horizon), False)
             self.horizon += 1
             step = clingo.Number(self.horizon)
@@ -47,6 +47,6 @@ Its loop in short, which the tests run on the lift of doc/oclingo_service.md::
             return atom.literal if one.positive else -atom.literal
 
 reactive_solver.py extends this class by bounds and time limits. stream_state.py is a pure fold of the updates;
-reactive_grounding.py holds the clingo control and follows the state. clasp_search.py runs searches that can be stopped,
-and definitions.py adds rules to the control through its backend. The solver of plans is in rosoclingo.planning.
+reactive_grounding.py owns the clingo control and follows the state. clasp_search.py runs interruptible searches, and
+definitions.py adds rules to the control through its backend. The planner is in rosoclingo.planning.
 """

@@ -11,7 +11,7 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 
 class AtomIndex:
-    """Atoms of some signatures, sorted by a number; new ones are looked up only when they are needed."""
+    """The atoms of some signatures in a control; new atoms are looked up on demand."""
 
     def __init__(self, control: clingo.Control, signatures: Iterable[Signature]) -> None:
         self._control, self._signatures = control, sorted(signatures)
@@ -19,11 +19,11 @@ class AtomIndex:
         self._stale = True
 
     def expire(self) -> None:
-        """Note that there may be new atoms."""
+        """Mark the index as stale: there can be new atoms."""
         self._stale = True
 
     def fresh(self) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """Yield the atoms that were not yielded before, with their literals."""
+        """Yield the atoms that are new since the last call, with their literals."""
         if not self._stale:
             return
         self._stale = False
@@ -48,10 +48,10 @@ class ExternalIndex(AtomIndex):
         super().__init__(control, program.external_signatures - {BEYOND})
         self._program = program
         self._fresh, self._heads = _Externals(), _Heads()
-        self._declared: Dict[int, range] = {}  # literal -> the steps that were ground at once when it was declared
+        self._declared: Dict[int, range] = {}  # literal -> the steps whose grounding declared it
         self._defined: Set[int] = set()  # literals of externals that rules define
         self.stepless: Set[clingo.Symbol] = set()
-        self._unsorted: Dict[range, List[clingo.Symbol]] = {}  # by the steps that were ground at once
+        self._unsorted: Dict[range, List[clingo.Symbol]] = {}  # by the steps that were grounded in one call
         self._atoms: Dict[int, List[clingo.Symbol]] = {}  # by their steps
         self._of_base: FrozenSet[int] = frozenset()
         self._base_atoms: Set[clingo.Symbol] = set()
@@ -59,7 +59,7 @@ class ExternalIndex(AtomIndex):
             control.register_observer(observer)
 
     def note(self, steps: range) -> None:
-        """Note the atoms that were declared and defined when ``steps`` were ground at once; base counts as step 1."""
+        """Record the atoms that the grounding of ``steps`` declared and defined; base counts as step 1."""
         for literal in self._fresh.literals:
             self._declared.setdefault(literal, steps)
         self._defined.update(literal for literal in self._heads.literals if literal in self._declared)
@@ -72,11 +72,11 @@ class ExternalIndex(AtomIndex):
         return literal in self._declared and literal not in self._defined
 
     def end_base(self) -> None:
-        """Count the externals that were declared up to now as those of base."""
+        """Record all externals declared so far as externals of base."""
         self._of_base = frozenset(self._declared)
 
     def between(self, first: int, last: int, base: bool) -> List[clingo.Symbol]:
-        """Return the externals that steps first..last declare; with ``base``, those of base count as step 1."""
+        """Return the externals that the steps first..last declare; with ``base``, externals of base count as step 1."""
         for atom, literal in self.fresh():
             if literal in self._declared and atom not in self.stepless:
                 self._unsorted.setdefault(self._declared[literal], []).append(atom)
@@ -90,26 +90,26 @@ class ExternalIndex(AtomIndex):
 
 
 class _Externals(Observer):
-    """Notes the literals of externals that clingo declares."""
+    """Collects the literals of externals as clingo declares them."""
 
     def __init__(self) -> None:
         self.literals: Set[int] = set()
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
-        """Note an external."""
+        """Record an external."""
         self.literals.add(atom)
 
 
 class _Heads(Observer):
-    """Notes the literals that rules define."""
+    """Collects the literals that rules define."""
 
     def __init__(self) -> None:
         self.literals: Set[int] = set()
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Note the head of a rule."""
+        """Record the head of a rule."""
         self.literals.update(head)
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
-        """Note the head of a rule with a weighted body."""
+        """Record the head of a rule with a weighted body."""
         self.literals.update(head)

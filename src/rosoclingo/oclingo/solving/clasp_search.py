@@ -1,4 +1,4 @@
-"""Searches of clasp in one control, each with its own limits, that can be stopped."""
+"""Interruptible searches of clasp in one control, each with its own limits."""
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -7,7 +7,7 @@ import clingo
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 
 POLL = 0.002
-"""Seconds of wall time between two polls of the stop while clasp searches."""
+"""Seconds of wall time between two polls of the stop callback during a search."""
 
 Assumed = Sequence[Any]
 OnModel = Callable[[clingo.Model], None]
@@ -17,10 +17,10 @@ class SearchLimits(NamedTuple):
     """The limits of a search.
 
     Attributes:
-        models: the greatest number of answers to find, 0 for all.
-        conflicts: the greatest number of conflicts, None for no limit.
-        best: if the program optimizes, whether to find optimal answers; else any answers.
-        advised: whether ``#heuristic`` counts.
+        models: maximal number of answers, 0 for all.
+        conflicts: maximal number of conflicts, None for no limit.
+        best: whether to search for optimal answers, if the program optimizes.
+        advised: whether ``#heuristic`` directives apply.
 
     """
 
@@ -34,7 +34,7 @@ class ClaspSearch:
     """The searches of one control."""
 
     def __init__(self, control: clingo.Control, program: ReactiveProgram) -> None:
-        """Search what ``control`` has ground of ``program``."""
+        """Create searches of ``control``, which has grounded ``program``."""
         self._control = control
         self._optimizes, self._advises = program.optimizes, program.advises
         self._options: Dict[str, str] = {}
@@ -44,7 +44,7 @@ class ClaspSearch:
     ) -> Tuple[clingo.SolveResult, List[int]]:
         """Search within ``limits`` until ``stopped`` returns true; call ``keep`` with each model.
 
-        Returns the result and, if it ``blames`` and there is no answer, the ``assumed`` literals of an unsat core.
+        Returns the result and, if ``blames`` is set and there is no answer, an unsat core of the ``assumed`` literals.
         """
         self._configure(limits)
         with self._control.solve(assumptions=assumed, on_model=keep, async_=True) as handle:
@@ -55,12 +55,12 @@ class ClaspSearch:
             return result, handle.core() if blames and result.satisfiable is False else []
 
     def run_in_place(self, limits: SearchLimits, assumed: Assumed, keep: OnModel) -> clingo.SolveResult:
-        """Search without a thread; nothing can stop it, so ``limits`` have to end it soon."""
+        """Search in the calling thread, which nothing can stop: ``limits`` must end it soon."""
         self._configure(limits)
         return self._control.solve(assumptions=assumed, on_model=keep)
 
     def _configure(self, limits: SearchLimits) -> None:
-        """Set the options of clasp that differ from those of the last search; setting one is slow."""
+        """Set only the options that differ from the last search, as setting an option is slow."""
         conflicts = "umax" if limits.conflicts is None else str(limits.conflicts)
         options = {"models": str(limits.models), "solve_limit": f"{conflicts},umax"}
         if self._optimizes:

@@ -1,4 +1,4 @@
-"""The actions of each cycle in one control, and what closed cycles allow of them."""
+"""The actions of each cycle in one control, and the constraints of closed cycles."""
 
 from typing import Collection, Container, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
@@ -10,7 +10,7 @@ from rosoclingo.oclingo.solving.definitions import BackendSession
 
 
 class ActionIndex(AtomIndex):
-    """The ``_action_lib(A,P,C)`` atoms, sorted by their cycle C, less those of cycles that were closed."""
+    """The ``_action_lib(A,P,C)`` atoms, of open cycles, sorted by their cycle C."""
 
     def __init__(
         self,
@@ -30,26 +30,26 @@ class ActionIndex(AtomIndex):
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
     def among(self, atoms: Container[clingo.Symbol]) -> List[clingo.Symbol]:
-        """Return those of the ``atoms`` that are actions of open cycles."""
+        """Return the actions of open cycles that ``atoms`` contains."""
         return [atom for cycle in self._open() for atom, _ in self._cycles[cycle] if atom in atoms]
 
     def between(self, first: int, last: int) -> List[clingo.Symbol]:
-        """Return the actions of the open cycles among ``first`` to ``last``."""
+        """Return the actions of open cycles from ``first`` to ``last``."""
         known = self._open()
         return [atom for cycle in range(first, last + 1) if cycle in known for atom, _ in self._cycles[cycle]]
 
     def close_cycle(self, cycle: int, executed: Iterable[clingo.Symbol]) -> None:
-        """Forbid all actions of ``cycle`` but ``executed``, those that come later as well."""
+        """Forbid all actions of ``cycle`` except ``executed``, including actions that are grounded later."""
         self._closed[cycle] = set(executed)
         self._forbid(cycle)
 
     def forbid_late(self) -> None:
-        """Forbid actions of cycles that are over which came with the last grounding."""
+        """Forbid newly grounded actions of closed or compacted cycles, unless they were executed."""
         for cycle in [one for one in self._open() if one in self._closed or self._is_before(one)]:
             self._forbid(cycle)
 
     def _open(self) -> Collection[int]:
-        """Return the cycles with actions that are not forbidden yet, including newly ground ones."""
+        """Return the cycles whose actions are not forbidden, including newly grounded ones."""
         for atom, literal in self.fresh():
             cycle = atom.arguments[-1]
             if cycle.type is clingo.SymbolType.Number:
@@ -59,7 +59,7 @@ class ActionIndex(AtomIndex):
     def _is_before(self, cycle: int) -> bool:
         return self._first is not None and cycle < self._first
 
-    def _may_be(self, atom: clingo.Symbol, cycle: int) -> bool:
+    def _is_allowed(self, atom: clingo.Symbol, cycle: int) -> bool:
         if cycle in self._closed:
             return atom in self._closed[cycle]
         known = self._control.symbolic_atoms[atom]
@@ -68,7 +68,7 @@ class ActionIndex(AtomIndex):
     def _forbid(self, cycle: int) -> None:
         self._open()
         for atom, literal in self._cycles.pop(cycle, []):
-            if not self._may_be(atom, cycle):
+            if not self._is_allowed(atom, cycle):
                 self._session.backend.add_rule([], [literal])
             elif atom in self._executed:
                 self._session.backend.add_rule([], [literal, -self._executed[atom]])

@@ -1,4 +1,4 @@
-"""The grounding of the incremental solver: it grows step by step, and follows the state of the stream in place."""
+"""The grounding of the incremental solver, which grows step by step and is updated in place."""
 
 from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 
@@ -24,8 +24,8 @@ Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 class ReactiveGrounding:
     """A control with base, the steps up to :attr:`horizon`, and the items of a stream's state.
 
-    It can be dropped and built again from the state at any time. It holds no reference to itself, so its memory is
-    freed with the last reference of others. Methods raise SolverError if clingo refuses the program.
+    It can be dropped and rebuilt from the state at any time. It contains no reference cycle, so its memory is freed
+    with the last reference to it. Methods raise SolverError if clingo rejects the program.
 
     Attributes:
         horizon: the last grounded step; first step - 1 while only base is grounded.
@@ -34,7 +34,7 @@ class ReactiveGrounding:
     """
 
     def __init__(self, program: ReactiveProgram, state: StreamState) -> None:
-        """Ground base, with the heads of open signatures in ``state`` as externals or as facts."""
+        """Ground base; heads of open signatures in ``state`` become externals or facts."""
         self.program, self.messages = program, Messages()
         self.horizon = program.first_step - 1
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
@@ -43,17 +43,17 @@ class ReactiveGrounding:
         self._definitions = Definitions(self._control, self._session, self._externals, reopens=True)
         self._actions = ActionIndex(self._control, self._session)
         self._clasp = ClaspSearch(self._control, program)
-        self._items: Dict[int, StateItem] = {}  # those of the state that were applied, by identity
-        self._guards: Dict[int, int] = {}  # identity of a statement that can lapse -> the literal under which it holds
-        self._deferred: List[TimedStatement] = []  # statements whose heads later steps declare
+        self._items: Dict[int, StateItem] = {}  # the applied items of the state, by identity
+        self._guards: Dict[int, int] = {}  # identity of a lapsing statement -> its guard literal
+        self._deferred: List[TimedStatement] = []  # statements whose heads are declared by later steps
         self._closed: Dict[int, FrozenSet[clingo.Symbol]] = {}  # closed cycle -> its executed actions
         self._opened: Set[clingo.Symbol] = set()  # the known atoms of open signatures
-        self._windows: List[Tuple[clingo.Symbol, int, int]] = []  # guards of volatile rules, with when they hold
+        self._windows: List[Tuple[clingo.Symbol, int, int]] = []  # guards of volatile rules, first and last horizon
         self._hidden: Set[clingo.Symbol] = set()  # auxiliary atoms, left out of answers
         self._was_searched = False
         with refusing(self.messages, program):
             program.load_into(self._control)
-        self._facts = state.permanent_facts().intersection(self._new_open(state))  # no statement needs to define them
+        self._facts = state.permanent_facts().intersection(self._new_open(state))  # they need no defining statement
         self.open_heads(state)
         self._ground([("base", [])], range(1, 2))
         self._externals.end_base()
@@ -69,22 +69,22 @@ class ReactiveGrounding:
     # ---- Following the state -----------------------------------------------------------------------------------------
 
     def can_follow(self, state: StreamState) -> bool:
-        """Return whether the grounding can be changed in place to that of ``state``.
+        """Return whether the grounding can be updated in place to ``state``.
 
-        It cannot if its horizon is too high, a permanent item is gone, a ground rule could see a new atom of an open
-        signature, or a statement closes a loop: clingo detects loops only among rules that are added between two
+        It cannot if its horizon is too high, a permanent item was removed, a grounded rule could match a new atom of an
+        open signature, or a statement closes a loop: clingo detects loops only among rules that are added between two
         searches.
         """
         return (
             self.horizon <= state.horizon
-            and all(isinstance(one, TimedStatement) and one.lifetime != FOREVER for one in self._gone(state))
+            and all(isinstance(one, TimedStatement) and one.lifetime != FOREVER for one in self._removed(state))
             and self._closed.items() <= state.closed.items()
             and not self.program.may_see(self._new_open(state), self.program.first_step, self.horizon)
             and not (self._was_searched and state.closes_loops(self.program))
         )
 
     def open_heads(self, state: StreamState) -> None:
-        """Declare the new heads of open signatures; later steps see them."""
+        """Declare new heads of open signatures as externals or facts, visible to the steps grounded later."""
         atoms = self._new_open(state)
         if not atoms:
             return
@@ -93,7 +93,7 @@ class ReactiveGrounding:
         self._ground([self.program.open_part(atom, atom in self._facts) for atom in atoms], range(1, 2))
 
     def ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` at once, which is much faster than one by one."""
+        """Ground the steps up to ``last`` in one call, which is much faster than one by one."""
         steps = range(self.horizon + 1, last + 1)
         self.horizon = last
         self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
@@ -106,8 +106,11 @@ class ReactiveGrounding:
         self._windows = [one for one in self._windows if one[2] >= last]
 
     def follow(self, state: StreamState) -> List[TimedStatement]:
-        """Apply the new items of ``state`` at its horizon, and release lapsed ones; return the ignored statements."""
-        for one in self._gone(state):
+        """Apply the new items of ``state`` and release removed ones; return the ignored statements.
+
+        The grounding must have reached the horizon of ``state``.
+        """
+        for one in self._removed(state):
             del self._items[id(one)]
             if id(one) in self._guards:
                 self._session.release(self._guards.pop(id(one)))
@@ -129,8 +132,8 @@ class ReactiveGrounding:
                 ignored.append(item)
         return ignored
 
-    def _gone(self, state: StreamState) -> List[StateItem]:
-        """Return the applied items that ``state`` no longer has."""
+    def _removed(self, state: StreamState) -> List[StateItem]:
+        """Return the applied items that ``state`` no longer contains."""
         present = set(map(id, state.items))
         return [item for key, item in self._items.items() if key not in present]
 
@@ -140,20 +143,20 @@ class ReactiveGrounding:
 
     def _add_or_defer(self, entry: TimedStatement) -> bool:
         """Add a statement, or defer it to the step that declares its head; return False to ignore it."""
-        known, head = self._definitions, entry.statement.head
+        definitions, head = self._definitions, entry.statement.head
         if head in self._facts:
             return True
-        if head is None or known.is_open(head, entry.update) or self._is_unmentioned(head):
+        if head is None or definitions.is_open(head, entry.update) or self._is_unmentioned(head):
             guards = [] if entry.lifetime == FOREVER else [self._session.new_external(HOLDS)]
             self._guards.update((id(entry), guard) for guard in guards)
-            known.add(entry, guards)
+            definitions.add(entry, guards)
             return True
-        if not entry.statement.body and known.is_true(head):
+        if not entry.statement.body and definitions.is_true(head):
             return True
-        # once the program is unsatisfiable for good, clingo grounds no further: a new grounding decides
-        is_unground = self.is_conflicting and signature_of(head) in self.program.external_signatures
-        can_come = is_unground or self.program.may_declare(head, self.horizon + 1)
-        if can_come and not known.is_closed(head) and not known.knows(head):
+        # clingo stops grounding once the program is permanently unsatisfiable: the next grounding decides
+        is_undecided = self.is_conflicting and signature_of(head) in self.program.external_signatures
+        can_be_declared = is_undecided or self.program.may_declare(head, self.horizon + 1)
+        if can_be_declared and not definitions.is_closed(head) and not definitions.knows(head):
             self._deferred.append(entry)
             return True
         return False
@@ -161,7 +164,7 @@ class ReactiveGrounding:
     def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
         """Return whether the program does not mention ``atom``, so that any update can define it."""
         known = self.program.signatures | self.program.open_signatures
-        is_unknown = signature_of(atom) not in known or '"' in str(atom)  # see strings_apart
+        is_unknown = signature_of(atom) not in known or '"' in str(atom)  # see strings_as_constants
         return is_unknown and not self._definitions.knows(atom) and not self._definitions.is_closed(atom)
 
     def _forget(self, steps: ForgottenSteps) -> None:
@@ -178,9 +181,10 @@ class ReactiveGrounding:
         return bool(self._control.is_conflicting)
 
     def search(self, models: int, stopped: Callable[[], bool]) -> Tuple[Optional[bool], Tuple[Answer, ...]]:
-        """Search for up to ``models`` answers (0: all) of the horizon, until ``stopped`` returns true.
+        """Search for up to ``models`` answers (0: all) at the horizon, until ``stopped`` returns true.
 
-        Returns whether there is one, None after a stop, and the answers: the best if the program optimizes.
+        Returns whether there is an answer (None after a stop), and the answers. If the program optimizes, these are
+        optimal.
         """
         self._was_searched = True
         self._actions.forbid_late()
@@ -189,7 +193,7 @@ class ReactiveGrounding:
         hidden = self._hidden
 
         def keep(model: clingo.Model) -> None:
-            """Record a model as an answer; if there is something to optimize, only one that is proven optimal."""
+            """Record a model as an answer; if the program optimizes, only a proven optimum."""
             if not model.cost or model.optimality_proven:
                 answers.append(frozenset(model.symbols(shown=True)) - hidden)
 
@@ -201,5 +205,5 @@ class ReactiveGrounding:
         return bool(result.satisfiable or answers), tuple(answers)
 
     def new_remarks(self) -> Iterable[str]:
-        """Return what clingo has said of the program since the last call."""
+        """Return the messages that clingo logged about the program since the last call."""
         return map(str, self.messages.new_remarks(self.program.parameter_at)) if self.messages.received else ()

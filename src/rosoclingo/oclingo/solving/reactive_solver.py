@@ -1,7 +1,7 @@
-"""The incremental solver: a reactive logic program that takes stream updates and answers each, as oClingo did.
+"""The incremental solver: it answers each stream update of a reactive logic program, as oClingo did.
 
-It behaves as oClingo did (2012), observed on the real program, without its failures: an update is accepted or refused
-as a whole, and no text from outside can end it.
+Its behaviour is that of oClingo (2012), as observed on the original program, without its crashes: an update is accepted
+or refused as a whole, and no input text can terminate the solver.
 """
 
 import time
@@ -11,7 +11,7 @@ from typing import Callable, Iterator, Optional, Tuple
 
 from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.parser import strings_apart
+from rosoclingo.oclingo.progression.parser import strings_as_constants
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.reactive_grounding import ReactiveGrounding
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, Answer, SolveOutcome, SolveResult, unused_facts
@@ -21,24 +21,24 @@ from rosoclingo.oclingo.solving.stream_state import StreamState
 Stopped = Callable[[], bool]
 
 BLOCK = 64
-"""Number of steps that are ground at once during regrounding."""
+"""Number of steps that regrounding grounds in one call."""
 
 _OUTCOMES = {True: SolveOutcome.SATISFIABLE, False: SolveOutcome.UNSATISFIABLE, None: SolveOutcome.INTERRUPTED}
 
 
 def _never() -> bool:
-    """The stop of a search that is not stopped."""
+    """A stop callback that never stops."""
     return False
 
 
 class ReactiveSolver:
-    """Solves a reactive logic program under a stream of updates, at the last step that is ground.
+    """Solves a reactive logic program under a stream of updates, at the last grounded step.
 
     Not thread-safe. The ``stopped`` callables are polled every few milliseconds of wall time while clingo searches, and
-    before each new step is ground; ``dropped`` is polled while grounding.
+    before each new step is grounded; ``dropped`` is polled while grounding.
 
     Attributes:
-        state: the state of the stream, from which all else follows.
+        state: the state of the stream, from which everything else is derived.
 
     """
 
@@ -56,7 +56,7 @@ class ReactiveSolver:
         self.state = StreamState.initial(program)
         self._limit = horizon_limit
         self._grounding: Optional[ReactiveGrounding] = None
-        self._reported = set(program.warnings)  # warnings that are given once
+        self._reported = set(program.warnings)  # each warning is reported once
 
     @property
     def horizon(self) -> int:
@@ -74,7 +74,7 @@ class ReactiveSolver:
         return self.state.step
 
     def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
-        """Search without an update (before the first one: at horizon 1)."""
+        """Search without an update; before the first update, at horizon 1."""
         return self._run(None, stopped or _never, dropped or _never)
 
     def update(
@@ -82,26 +82,25 @@ class ReactiveSolver:
     ) -> SolveResult:
         """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
-        A search ended by ``stopped`` leaves the update accepted. ``stopped`` does not end regrounding, but ``dropped``
-        does. Raises SolverError if the update is refused, and DroppedError if ``dropped`` returns true; the state is
-        then unchanged.
+        ``stopped`` ends the search; the update stays accepted. Raises SolverError if the update is refused, and
+        DroppedError if ``dropped`` returns true while grounding; the state is then unchanged.
         """
         result = self._run(update, stopped or _never, dropped or _never)
         return replace(result, warnings=update.warnings + result.warnings)
 
-    def take_again(self, update: Optional[StreamUpdate], horizon: int) -> None:
-        """Accept an update that was accepted before and led to ``horizon``, without a search."""
+    def reapply(self, update: Optional[StreamUpdate], horizon: int) -> None:
+        """Accept, without a search, an update that was accepted before and led to ``horizon``."""
         self.state = self._with_update(update).with_growth(horizon, self.program)
 
     def _with_update(self, update: Optional[StreamUpdate]) -> StreamState:
-        return self.state.with_update(None if update is None else strings_apart(update), self.program)
+        return self.state.with_update(None if update is None else strings_as_constants(update), self.program)
 
     def _run(self, update: Optional[StreamUpdate], stopped: Stopped, dropped: Stopped) -> SolveResult:
         check_horizon_limit(update, self.horizon, self._limit)
         try:
             return self._search(self._with_update(update), stopped, dropped)
         except BaseException:
-            self._grounding = None  # it can be in the middle of a change
+            self._grounding = None  # the change can be incomplete
             raise
 
     def _search(self, state: StreamState, stopped: Stopped, dropped: Stopped) -> SolveResult:
@@ -126,7 +125,7 @@ class ReactiveSolver:
                 state = state.with_growth(state.horizon + 1, self.program)
                 grounding = self._ground(state, _never, dropped)
                 grounding.follow(state)
-        if grounding.horizon < state.horizon:  # stopped before the step of the update
+        if grounding.horizon < state.horizon:  # stopped before the step of the update was grounded
             state = state.with_growth(grounding.horizon, self.program)
         self.state = state
         horizon = max(state.horizon, last or state.horizon) if permanent else state.horizon
@@ -148,13 +147,13 @@ class ReactiveSolver:
             if grounding.horizon >= accepted and stopped():
                 break
             if dropped():
-                raise DroppedError("stopped while the program was grounded again; the request was discarded")
+                raise DroppedError("stopped while regrounding the program; the request was discarded")
             block = BLOCK if grounding.horizon + 1 < accepted and self.program.steps_apart else 1
             grounding.ground_to(min(grounding.horizon + block, max(accepted, grounding.horizon + 1)))
         return grounding
 
     def _new(self, texts: Iterator[str]) -> Iterator[str]:
-        """Yield the warnings that were not given before."""
+        """Yield the warnings that were not reported before."""
         for text in texts:
             if text not in self._reported:
                 self._reported.add(text)

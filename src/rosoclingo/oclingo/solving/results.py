@@ -26,7 +26,7 @@ def is_ignored(head: clingo.Symbol, warnings: Iterable[str]) -> bool:
     return any(NOT_EXTERNAL.format(head) in warning for warning in warnings)
 
 
-_UNUSED = "No rule and no #external of the program mentions {}: it takes it, but nothing depends on it{}."
+_UNUSED = "No rule and no #external of the program mentions {}: the fact is accepted, but nothing depends on it{}."
 
 
 class SolveOutcome(Enum):
@@ -42,18 +42,19 @@ class SolveResult:
     """The result of an update.
 
     Attributes:
-        outcome: satisfiable; unsatisfiable up to the bound or for good; or interrupted.
+        outcome: satisfiable, unsatisfiable (up to the bound or permanently), or interrupted.
         answers: the shown atoms of each answer, in the order in which they were found.
-        horizon: that of the answers, else the last one that was searched; if the program is unsatisfiable for good, the
-            bound.
+        horizon: the horizon of the answers; without an answer, the last searched one, or the bound if the program is
+            permanently unsatisfiable.
         step: k, the step of the update.
-        warnings: ignored items, and why.
+        warnings: ignored items, with reasons.
         permanent: whether the program is unsatisfiable for all further steps and externals.
-        shortest: whether it is proven that no answer has a lower horizon or, with the same one, a lower cost.
+        shortest: whether it is proven that no answer has a lower horizon, or the same horizon and a lower
+            cost.
         predicted: success returns that leave the answer unchanged. An update with only these and the matching
             commitments needs no search.
-        statistics: seconds of wall time in ``ground`` and ``solve``, and seconds of processor time ``needed`` for an
-            answer, without its improvement.
+        statistics: ``ground`` and ``solve``, seconds of wall time; ``needed``, seconds of processor time for the answer
+            without its improvement.
 
     """
 
@@ -70,7 +71,7 @@ class SolveResult:
 
 @contextmanager
 def refusing(messages: Messages, program: ReactiveProgram) -> Iterator[None]:
-    """Convert errors of clingo, which logs to ``messages``, to SolverError."""
+    """Convert errors of clingo to SolverError; ``messages`` is its log."""
     try:
         yield
     except RuntimeError as error:

@@ -1,4 +1,4 @@
-"""The interface of a solver of streams."""
+"""The interface of both stream solvers."""
 
 from typing import Callable, Optional, Protocol
 
@@ -20,7 +20,7 @@ class StreamSolver(Protocol):
 
     @property
     def reached(self) -> int:
-        """The last step that is ground in the midst of a search."""
+        """The last grounded step during a search."""
 
     @property
     def step(self) -> int:
@@ -30,7 +30,7 @@ class StreamSolver(Protocol):
         """Search without an update."""
 
     def update(self, update: StreamUpdate, stopped: Optional[Callable[[], bool]] = None) -> SolveResult:
-        """Take ``update`` and search for answers until there is one, the bound is reached or ``stopped`` says so."""
+        """Accept ``update`` and search until there is an answer, the bound is reached or ``stopped`` returns true."""
 
 
 def check_horizon_limit(update: Optional[StreamUpdate], horizon: int, limit: Optional[int]) -> None:

@@ -1,6 +1,6 @@
 """The state of a stream between two updates: a fold of the updates, without clingo.
 
-Both solvers use it: the incremental one as it stands, the planner with the past of a robot added
+The incremental solver uses it directly. The planner extends it by the past of a robot
 (:class:`~rosoclingo.planning.snapshot.Snapshot`).
 """
 
@@ -56,9 +56,10 @@ class TimedStatement(NamedTuple):
 
 
 class ForgottenSteps(NamedTuple):
-    """Externals of the steps ``first`` to ``last`` that no earlier statement defines are false for good.
+    """The steps ``first`` to ``last``, whose undefined externals are permanently false.
 
-    Not so the heads ``spared``, which statements that lapse define.
+    An external is undefined if no earlier statement defines it. ``spared`` heads, which lapsing statements define, stay
+    open.
     """
 
     first: int
@@ -79,18 +80,20 @@ StateItem = Union[TimedStatement, ForgottenSteps, ClosedHeads]
 class StreamState:
     """The state of a stream between two updates.
 
-    It keeps every statement of an update. Only a grounding knows which heads are declared external, and ignores
-    statements.
+    It keeps every statement of an update, as only a grounding knows which heads are declared external. The grounding
+    ignores the other statements.
 
     Attributes:
         step: k, the step of the last update.
-        horizon: N, the last step that was searched.
+        horizon: N, the last searched step.
         bound: B, the greatest horizon to search, None for no bound.
-        min_horizon: the least horizon to search: the greatest step of all updates, and for the incremental solver N.
+        min_horizon: the lowest horizon of the next search: the greatest step of all updates; N in the incremental
+            solver.
         number: the number of updates so far.
-        items: statements, ``#forget`` and closed heads in order, also statements whose head is not declared external.
+        items: statements, forgotten steps and closed heads, in order; also statements whose head is not declared
+            external.
         closed: the actions that were executed in each closed cycle.
-        keep_from: steps before it are over.
+        keep_from: all steps before it are over.
         warnings: warnings about ignored items of the last update; not compared.
 
     """
@@ -152,7 +155,7 @@ class StreamState:
         return facts - with_their_failures(assumable)
 
     def closes_loops(self, program: ReactiveProgram) -> bool:
-        """Return whether a statement closes a positive loop."""
+        """Return whether a statement closes a positive loop through the program."""
         rules = [one for one in self.statements if one.head is not None and one.body]
         dependencies = program.dependencies.copy() if rules else program.dependencies
         for one in rules:
@@ -167,7 +170,7 @@ class StreamState:
     def with_update(self: State, update: Optional[StreamUpdate], program: ReactiveProgram) -> State:
         """Return the state after ``update``, with a horizon of at least its step."""
         if update is None:
-            return replace(self, number=self.number + 1, warnings=())  # they are reported once
+            return replace(self, number=self.number + 1, warnings=())  # each warning is reported once
         number = self.number + 1
         update = with_failures(program, update, self.permanent)
         start = self.initial(program) if Anew() in update.items else self
@@ -207,7 +210,7 @@ class StreamState:
         return replace(self, horizon=horizon, items=(*self.items, *forgotten))
 
     def with_growth(self: State, horizon: int, program: ReactiveProgram) -> State:
-        """Return the state after a search that grew step by step to ``horizon``, which can never be lower again."""
+        """Return the state after a step-by-step search up to ``horizon``, the lowest horizon of later searches."""
         state = replace(self, horizon=min(self.horizon, horizon), min_horizon=horizon)
         for step in range(state.horizon + 1, horizon + 1):
             items = (one for one in state.items if not (isinstance(one, TimedStatement) and _has_passed(one, step)))
@@ -215,7 +218,7 @@ class StreamState:
         return state
 
     def without_facts(self: State, facts: FrozenSet[clingo.Symbol]) -> State:
-        """Return the state as if ``facts`` had not been asserted; an action among them was not executed."""
+        """Return the state as if ``facts`` had not been asserted, and actions among them not executed."""
         if not facts:
             return self
         facts = with_their_failures(facts)
@@ -277,9 +280,9 @@ def _forgotten(
     items: Iterable[StateItem] = (),
     requested: Iterable[ForgottenSteps] = (),
 ) -> List[ForgottenSteps]:
-    """Return the steps that the program forgets when it grounds the steps ``first`` to ``last``, and those requested.
+    """Return the steps that are forgotten when ``first`` to ``last`` are grounded, after the ``requested`` ones.
 
-    The heads that lapsing statements in ``items`` define are spared.
+    Heads defined by lapsing statements of ``items`` are spared.
     """
     forgotten = list(requested)
     for at in range(first, last + 1) if program.forgets else ():

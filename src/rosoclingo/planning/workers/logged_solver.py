@@ -53,7 +53,7 @@ class LoggedSolver:
             entries = self.log.entries
         for one in entries:
             if isinstance(one, AcceptedUpdate):
-                self._solver.take_again(one.update, one.horizon)
+                self._solver.reapply(one.update, one.horizon)
         self._read = self.log
         solver = self._solver
         ways = stopped, self._dropped

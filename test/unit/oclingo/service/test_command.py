@@ -197,7 +197,7 @@ def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, cap
     [
         (["none.lp"], "none.lp: can't be read: No such file"),
         (["bad.lp"], "bad.lp:"),
-        (["program.lp", "-c", "n"], "-c n: no constant (write NAME=VALUE)"),
+        (["program.lp", "-c", "n"], "-c n: value missing (write NAME=VALUE)"),
         (["program.lp", "-c", "n=("], "n=("),
         (["program.lp", "--stream", "none.str"], "none.str: can't be read: No such file"),
         (["program.lp", "--stream", "."], ".: can't be read: Is a directory"),
@@ -220,15 +220,15 @@ def test_faults_of_files_and_options_end_it_with_a_line_each(files, capsys, word
     [
         (["program.lp", "--json"], "--json needs --stream, --interactive or --check"),
         (["program.lp", "--bound", "3"], "--bound needs --stream"),
-        (["program.lp", "--stream", "a", "--bound", "-1"], "is no number from 0"),
-        (["program.lp", "--port", "70000"], "'70000' is no number from 0 to 65535"),
-        (["program.lp", "--imax", "0"], "'0' is no number from 1"),
-        (["program.lp", "--imax", "x"], "'x' is no number"),
-        (["program.lp", "--time-limit", "-1"], "'-1' is no time in seconds"),
-        (["program.lp", "--stream", "a", "--port", "1"], "--host and --port are the service's"),
+        (["program.lp", "--stream", "a", "--bound", "-1"], "is not an integer from 0"),
+        (["program.lp", "--port", "70000"], "'70000' is not an integer from 0 to 65535"),
+        (["program.lp", "--imax", "0"], "'0' is not an integer from 1"),
+        (["program.lp", "--imax", "x"], "'x' is not an integer"),
+        (["program.lp", "--time-limit", "-1"], "'-1' is not a time in seconds"),
+        (["program.lp", "--stream", "a", "--port", "1"], "--host and --port cannot be combined"),
         (["program.lp", "--stream", "a", "--interactive"], "not allowed with"),
-        (["-", "--stream", "-"], "standard input holds updates"),
-        (["-", "-"], "standard input can be read once only"),
+        (["-", "--stream", "-"], "standard input contains the updates"),
+        (["-", "-"], "standard input can be read only once"),
         (["--what"], "--what"),
     ],
     ids=lambda words: " ".join(words) if isinstance(words, list) else "",
@@ -353,7 +353,7 @@ def test_plans_soon(files, capsys):
 
 
 def test_a_time_for_plans_needs_shortest_ones(files, capsys):
-    for words, told in ((["--plan-time", "1"], "--plan-time needs --shortest"), (["--plan-time", "-1"], "no time")):
+    for words, told in ((["--plan-time", "1"], "--plan-time needs --shortest"), (["--plan-time", "-1"], "not a time")):
         with pytest.raises(SystemExit):
             main(["program.lp", "--stream", "updates.str", *words])
         assert told in capsys.readouterr().err

@@ -59,7 +59,7 @@ def feed(buffer, data):
 def test_bytes_that_are_no_text():
     (message,) = feed(protocol.MessageBuffer(), b"#step 1.\n\xc3\xa4 \xff#endstep.\0")
     (fault,) = protocol.requests(message)
-    assert str(fault) == "2:3: no UTF-8 text: byte 0xff, invalid start byte"
+    assert str(fault) == "2:3: not UTF-8: byte 0xff, invalid start byte"
 
 
 def test_a_message_without_end_is_dropped_once_and_up_to_its_end():

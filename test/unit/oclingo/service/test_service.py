@@ -104,8 +104,8 @@ def test_several_updates_in_one_message(client):
     ("data", "message"),
     [
         (b"#step 1. e(X). #endstep.", "1:12: X is a variable"),
-        (b"#step 1. e(1).", "1:15: update without end"),
-        (b"#step 1. e(\xff). #endstep.", "1:12: no UTF-8 text: byte 0xff"),
+        (b"#step 1. e(1).", "1:15: incomplete update"),
+        (b"#step 1. e(\xff). #endstep.", "1:12: not UTF-8: byte 0xff"),
         (b"#step 1. e(" + b"f(" * 1000 + b"1" + b")" * 1000 + b"). #endstep.", "1:522: term nested deeper than"),
         (b"#step 1. e(2147483648). #endstep.", "1:12: number 2147483648 does not fit in 32 bits"),
         (b"#step 99999999999999999999. #endstep.", "1:7: number 99999999999999999999 does not fit"),

@@ -179,7 +179,7 @@ def test_repeated_updates_reach_the_horizon_of_a_stopped_search():
     update = parse_update("#step 9. e(9). #endstep.")
     assert external.update(update, lambda: next(looks, True)).outcome is SolveOutcome.INTERRUPTED
     reader = ReactiveSolver(external.program)
-    reader.take_again(update, external.horizon)
+    reader.reapply(update, external.horizon)
     assert reader.horizon == external.horizon < 9
     assert {"c(9)", "e(9)"} <= set(atoms(play(reader, "#step 9.")))
 
@@ -190,7 +190,7 @@ def test_repeated_updates_reach_the_horizon_of_the_search(ahead):
     update = parse_update("#step 1. #endstep.")
     found = solver.update(update)
     reader = ReactiveSolver(solver.program)
-    reader.take_again(update, solver.horizon)
+    reader.reapply(update, solver.horizon)
     assert reader.horizon == solver.horizon >= 5
     assert atoms(reader.solve()) == atoms(found)
 
@@ -247,7 +247,7 @@ def readers_of(solver, played):
         return readers
     for text in played:
         for reader in readers:
-            reader.take_again(parse_update(text + " #endstep."), solver.horizon)
+            reader.reapply(parse_update(text + " #endstep."), solver.horizon)
     drop_grounding(readers[1])
     return readers
 
