@@ -1,6 +1,6 @@
 """Atoms of the wrong step: heads that two steps define, looks ahead and back, actions and ends of another step."""
 
-from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo.ast import ASTType
 
@@ -17,32 +17,38 @@ from rosoclingo.oclingo.progression.terms import Signature
 _ALIKE = 4  # least number of atoms that show which argument of a predicate is its step
 
 
+class _Atom(NamedTuple):
+    """An atom, and its arguments that are the step plus a number, each with this number."""
+
+    place: Place
+    steps: Dict[int, int]
+
+
 def wrong_steps(survey: Survey, first: int) -> List[Fault]:
     """Return the faults of predicates other than keywords; ``first`` is the first step."""
     found: List[Fault] = []
-    for signature, heads in survey.defining.items():
-        uses = survey.using.get(signature, [])
-        timed = [one for one in heads if one.part.parameter]
-        found += [_without_step(one) for one in timed if _lacks_step(one, survey)]
-        found += _differing(signature, timed, survey)
-        found += _elsewhere([*heads, *uses], survey)
+    for signature, defining in survey.defining.items():
+        heads = [_Atom(one, survey.steps(one)) for one in defining]
+        uses = [_Atom(one, survey.steps(one)) for one in survey.using.get(signature, ())]
+        timed = [one for one in heads if one.place.part.parameter]
+        found += [_without_step(one.place) for one in timed if _lacks_step(one)]
+        found += _differing(signature, timed)
+        found += _elsewhere([*heads, *uses])
         found += _first_steps(heads, timed, survey, first)
         if not survey.is_external(signature):
-            found += [*_ahead(heads, timed, uses, survey), *_gone(heads, uses, survey)]
+            found += [*_ahead(heads, timed, uses), *_gone(heads, uses)]
     return found
 
 
 # ---- heads ----------------------------------------------------------------------------------------------------------
 
 
-def _lacks_step(place: Place, survey: Survey) -> bool:
+def _lacks_step(atom: _Atom) -> bool:
     """Return whether nothing in a rule of steps distinguishes its heads of two steps; clingo accepts a fact twice."""
+    place = atom.place
     is_fact = place.statement.head.ast_type == ASTType.Literal and not place.statement.body
     return not (
-        survey.steps(place)
-        or is_fact
-        or mentions(place.occurrence.term, place.part.parameter)
-        or _comparisons_with_step(place)
+        atom.steps or is_fact or mentions(place.occurrence.term, place.part.parameter) or _comparisons_with_step(place)
     )
 
 
@@ -59,21 +65,21 @@ def _without_step(place: Place) -> Fault:
     return place.fault("no-step", message, f"give it the step, like {example}, or move the rule to base")
 
 
-def _differing(signature: Signature, timed: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+def _differing(signature: Signature, timed: Sequence[_Atom]) -> Iterator[Fault]:
     """Yield a head if those of its predicate have their step in one argument, at several offsets."""
-    steps = {step for one in timed for step in survey.steps(one).items()}
+    steps = {step for one in timed for step in one.steps.items()}
     offsets = sorted({offset for _, offset in steps})
     if len(offsets) > 1 and len({position for position, _ in steps}) == 1:
-        words = " and ".join(timed[0].part.parameter + (f"{one:+d}" if one else "") for one in offsets)
+        words = " and ".join(timed[0].place.part.parameter + (f"{one:+d}" if one else "") for one in offsets)
         message = f"heads of {signature} are of the steps {words}: the rules of two steps may define the same atom"
         mend = "let all heads of a predicate have the same step, or use two predicates"
-        yield timed[-1].fault("no-step", message, mend)
+        yield timed[-1].place.fault("no-step", message, mend)
 
 
-def _elsewhere(places: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+def _elsewhere(atoms: Sequence[_Atom]) -> Iterator[Fault]:
     """Yield the atom whose step is another argument than in all others of its predicate."""
-    positioned = [(one, set(survey.steps(one))) for one in places if survey.steps(one)]
-    if len(positioned) < _ALIKE or any(one.part.parameter and not survey.steps(one) for one in places):
+    positioned = [(one.place, set(one.steps)) for one in atoms if one.steps]
+    if len(positioned) < _ALIKE or any(one.place.part.parameter and not one.steps for one in atoms):
         return
     for place, positions in positioned:
         others = set.intersection(*(other for one, other in positioned if one is not place))
@@ -83,11 +89,11 @@ def _elsewhere(places: Sequence[Place], survey: Survey) -> Iterator[Fault]:
             yield place.fault("exchanged", message, f"write the step as argument {number}")
 
 
-def _first_steps(heads: Sequence[Place], timed: Sequence[Place], survey: Survey, first: int) -> Iterator[Fault]:
+def _first_steps(heads: Sequence[_Atom], timed: Sequence[_Atom], survey: Survey, first: int) -> Iterator[Fault]:
     """Yield the facts of steps whose own rules define the predicate."""
-    for position in set.intersection(*(set(survey.steps(one)) for one in timed)) if timed else ():
-        own = [first + survey.steps(one)[position] for one in timed if not _comparisons_with_step(one)]
-        for place in heads:
+    for position in set.intersection(*(set(one.steps) for one in timed)) if timed else ():
+        own = [first + one.steps[position] for one in timed if not _comparisons_with_step(one.place)]
+        for place in (one.place for one in heads):
             step = None if place.part.parameter else survey.number(place.occurrence.arguments[position])
             if step is not None and own and step >= min(own):
                 text, before = written(place.occurrence.term), first - 1
@@ -100,29 +106,29 @@ def _first_steps(heads: Sequence[Place], timed: Sequence[Place], survey: Survey,
 # ---- looks ahead and back -------------------------------------------------------------------------------------------
 
 
-def _ahead(heads: Sequence[Place], timed: List[Place], uses: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+def _ahead(heads: Sequence[_Atom], timed: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
     """Yield the atoms of a later step, whose rules are not there yet."""
-    for place in uses:
+    for place, steps in uses:
         term, step = written(place.occurrence.term), place.part.parameter
         if not step and len(timed) == len(heads):
             message = f"{term} stands in base, without the rules of steps that define it: it is never true"
             yield place.fault("look-ahead", message, "move the statement to #program cumulative(t).")
         elif timed and place.statement.ast_type == ASTType.Rule:
-            for position, offset in survey.steps(place).items():
-                if all(survey.steps(one).get(position, offset) < offset for one in timed):
+            for position, offset in steps.items():
+                if all(one.steps.get(position, offset) < offset for one in timed):
                     message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
                     yield place.fault("look-ahead", message, "look at the step itself, or at one before")
                     break
 
 
-def _gone(heads: Sequence[Place], uses: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+def _gone(heads: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
     """Yield the looks back at atoms that only the volatile part defines, for one step."""
-    if any(one.part.window != "1" for one in heads):
+    if any(one.place.part.window != "1" for one in heads):
         return
-    for position in set.intersection(*(set(survey.steps(one)) for one in heads)):
-        least = min(survey.steps(one)[position] for one in heads)
-        for place in uses:
-            if survey.steps(place).get(position, least) < least and place.statement.ast_type != ASTType.External:
+    for position in set.intersection(*(set(one.steps) for one in heads)):
+        least = min(one.steps[position] for one in heads)
+        for place, steps in uses:
+            if steps.get(position, least) < least and place.statement.ast_type != ASTType.External:
                 term = written(place.occurrence.term)
                 message = f"{term} looks back at the volatile part, whose atoms of earlier steps are gone"
                 mend = f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
@@ -187,9 +193,9 @@ def other_steps(survey: Survey) -> Iterator[Fault]:
                 )
                 yield act.fault("other-step", f"{message}it is planned", f"write {part.parameter} for its cycle")
             yield from _of_another_cycle(act, returns, survey)
-        steps = [survey.steps(one).values() for one in places]
-        past = bool(steps) and all(one and max(one) < 0 for one in steps)
-        if past and part.name == "volatile" and _is_constraint(statement):
+        ends = part.name == "volatile" and _is_constraint(statement)
+        steps = [survey.steps(one).values() for one in places] if ends else []
+        if steps and all(one and max(one) < 0 for one in steps):
             message = f"nothing of this is of step {part.parameter}: a plan's last step is not asked for"
             yield fault_at(statement, "other-step", message, f"write {part.parameter} for the step")
 
