@@ -138,14 +138,18 @@ class Grounding:
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
-        with refusing(self.messages, self.program):
-            program.load_into(self._control)
-            for rule in self._return_rules.texts if self._return_rules is not None else ():
-                self._control.add(*rule)
+        self._load()
         self._clasp = ClaspSearch(self._control, program)
         self._build(horizon, max(PIECE, horizon) if whole else PIECE)
 
     # ---- Building ----------------------------------------------------------------------------------------------------
+
+    def _load(self) -> None:
+        """Load the program and the rules for predicted returns."""
+        with refusing(self.messages, self.program):
+            self.program.load_into(self._control)
+            for rule in self._return_rules.texts if self._return_rules is not None else ():
+                self._control.add(*rule)
 
     def _build(self, horizon: int, size: int) -> None:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
