@@ -6,8 +6,8 @@ from clingo import Symbol
 
 from rosoclingo.interfaces.action_runs import ActionLimits, Instant, Run
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, conclude
-from rosoclingo.interfaces.inquiry import Inquiry
 from rosoclingo.interfaces.facts import Sender
+from rosoclingo.interfaces.inquiry import Inquiry
 from rosoclingo.interfaces.link import CANCELLED, new_goal_id
 from rosoclingo.interfaces.templates import Ended
 from rosoclingo.reasoning.keywords import Action

@@ -16,7 +16,6 @@ from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionEvent, Actio
 from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, in_words
 from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
-from rosoclingo.interfaces.inquiry import Check, Inquiry, InquiryResult, Listed
 from rosoclingo.interfaces.facts import (
     CommandError,
     InterfaceCommand,
@@ -27,6 +26,7 @@ from rosoclingo.interfaces.facts import (
     return_text,
 )
 from rosoclingo.interfaces.inbox import inbox_of
+from rosoclingo.interfaces.inquiry import Check, Inquiry, InquiryResult, Listed
 from rosoclingo.interfaces.interface_state import InterfaceHealth
 from rosoclingo.interfaces.link import ServerLink, new_goal_id, progress
 from rosoclingo.interfaces.memory import ActionMemory

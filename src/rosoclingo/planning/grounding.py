@@ -127,8 +127,7 @@ class Grounding:
         self.deferred: List[TimedStatement] = []
         self.closed_externals: Set[clingo.Symbol] = set()
         self.ground_parts: List[Tuple[range, Parts]] = []
-        self._dropped = dropped
-        self._compacted = frozenset(atom for _, atom in self.past.shown)
+        self._dropped, self._compacted = dropped, frozenset(atom for _, atom in self.past.shown)
         self._return_rules = return_rules(program) if predicts else None
         self._hidden: Set[clingo.Symbol] = set()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
@@ -138,18 +137,18 @@ class Grounding:
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
-        self._load()
-        self._clasp = ClaspSearch(self._control, program)
+        self._clasp = self._load()
         self._build(horizon, max(PIECE, horizon) if whole else PIECE)
 
     # ---- Building ----------------------------------------------------------------------------------------------------
 
-    def _load(self) -> None:
-        """Load the program and the rules for predicted returns."""
+    def _load(self) -> ClaspSearch:
+        """Load the program and the rules for predicted returns; return the search."""
         with refusing(self.messages, self.program):
             self.program.load_into(self._control)
             for rule in self._return_rules.texts if self._return_rules is not None else ():
                 self._control.add(*rule)
+        return ClaspSearch(self._control, self.program)
 
     def _build(self, horizon: int, size: int) -> None:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
