@@ -217,7 +217,7 @@ def test_missing_lark_is_reported_with_install_command(name, text):
     code = "import sys; sys.modules['lark'] = None\nfrom rosoclingo.oclingo import ReactiveProgram\n"
     code += f"from rosoclingo.oclingo.program.sources import Source\nReactiveProgram([Source({name!r}, {text!r})])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
-    assert "ProgramError: lark: is not installed" in done.stderr
+    assert "ProgramError: lark: not installed" in done.stderr
     assert done.stderr.rstrip().endswith("(python3 -m pip install 'lark>=1.1.5')")
 
 

@@ -25,7 +25,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.likeness import likely_value, likely_word
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import parted
+from rosoclingo.oclingo.program.signatures import signature_and_arguments
 from rosoclingo.oclingo.program.survey import LABELS, fault_at
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import ANY, names_of
@@ -72,7 +72,7 @@ class Actions:
                     self.all_known = False
                 else:
                     found.setdefault(str(name), set()).add(parameter)
-                    self._nodes.setdefault(str(name), parted(rule.head.term)[1][0])
+                    self._nodes.setdefault(str(name), signature_and_arguments(rule.head.term)[1][0])
         self.parameters: Dict[str, Optional[FrozenSet[clingo.Symbol]]] = {
             name: None if ANY in values else frozenset(values) for name, values in found.items()
         }

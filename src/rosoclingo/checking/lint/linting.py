@@ -50,7 +50,7 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
     ``core`` says whether it is for rosoclingo's core; without, its keywords tell.
     """
     survey, values = program.survey, ArgumentValues.of(program)
-    found = [*program.faults, *program.remarks, *program.said_of_steps()]
+    found = [*program.faults, *program.remarks, *program.first_step_messages()]
     found += [*unused(survey), *never_matching(survey, values), *disjoint(values), *unfounded(survey, values)]
     found += [*odd_rules(survey), *wrong_steps(survey, program.first_step)]
     found += [*words_for_numbers(survey), *exchanged(survey)]

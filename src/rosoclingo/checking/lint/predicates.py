@@ -11,7 +11,7 @@ from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.likeness import asked, likely_value, slip_of
 from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.signatures import occurrences, parted
+from rosoclingo.oclingo.program.signatures import occurrences, signature_and_arguments
 from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.undefined import primed_mend
 from rosoclingo.oclingo.progression.terms import Signature
@@ -85,7 +85,7 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
     misfit = values.misfitting(term, place.part.parameter)
     if misfit is not None:
         position, may_be = misfit
-        argument = parted(term)[1][position]
+        argument = signature_and_arguments(term)[1][position]
         known = sorted(shown(one) for one in may_be)
         message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))

@@ -7,7 +7,7 @@ import clingo
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault, ProgressionError
-from rosoclingo.oclingo.program.likeness import asked, likely, likely_external, likely_value
+from rosoclingo.oclingo.program.likeness import asked, likely_external, likely_value, most_similar
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.survey import written
 from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
@@ -80,7 +80,7 @@ class _StatementLint:
         if signature in known:
             yield from self._strange_value(atom, signature, "true")
         elif signature not in self._stated:
-            mend = asked(likely(signature, known | self._stated))
+            mend = asked(most_similar(signature, known | self._stated))
             yield f"{signature} is never true: nothing defines it", mend
 
     def _strange_value(self, atom: clingo.Symbol, signature: Signature, what: str) -> Iterator[Tuple[str, str]]:

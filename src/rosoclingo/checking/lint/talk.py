@@ -13,7 +13,7 @@ from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.first_steps import TrialGrounding
 from rosoclingo.oclingo.program.likeness import asked, likely_value, likeness
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import evaluate, parted
+from rosoclingo.oclingo.program.signatures import evaluate, signature_and_arguments
 from rosoclingo.oclingo.program.survey import Survey, fault_at, written
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import ANY, is_variable
@@ -90,7 +90,7 @@ def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
         given |= words
         fault = _strange(rule, words)
         if fault is None and not derived:
-            word = written(parted(rule.head.term)[1][1])
+            word = written(signature_and_arguments(rule.head.term)[1][1])
             message = f"no goal can ever be {word} by this rule: nothing satisfies its body"
             fault = _at(rule, "unreachable-status", message, "see to its body")
         if fault is not None:
@@ -118,7 +118,7 @@ def _strange(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
 
 
 def _at(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
-    begin = parted(rule.head.term)[1][1].location.begin
+    begin = signature_and_arguments(rule.head.term)[1][1].location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
 
 

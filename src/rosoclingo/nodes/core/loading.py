@@ -10,7 +10,7 @@ from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
-from rosoclingo.oclingo.program.constants import given_values
+from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.oclingo.program.survey import LABELS, label_facts
 from rosoclingo.reasoning.journal.resuming import RESUMES
@@ -114,7 +114,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
 
 def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None:
     """Raise ParameterError listing the values that the program's constants cannot have."""
-    found = findings(given_values(program.survey, parse_constants(given)), ())
+    found = findings(check_given_values(program.survey, parse_constants(given)), ())
     faults = [one.fault for one in found if is_error(one)]
     if faults:
         raise ParameterError("\n".join(f"~constants: {one.message} ({one.mend})" for one in faults))

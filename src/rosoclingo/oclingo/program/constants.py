@@ -37,7 +37,7 @@ class _Constant(NamedTuple):
     value: Optional[clingo.Symbol]
 
 
-def given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fault]:
+def check_given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fault]:
     """Return faults of the values that users set for constants by name."""
     found: List[Fault] = []
     own = own_constants(survey)

@@ -15,7 +15,7 @@ _LISTED = 6  # maximum number of values in a message
 # ---- predicates -----------------------------------------------------------------------------------------------------
 
 
-def likely(signature: Signature, known: Iterable[Signature]) -> Optional[Signature]:
+def most_similar(signature: Signature, known: Iterable[Signature]) -> Optional[Signature]:
     """Return the most similar predicate in ``known``, None if none is similar enough."""
     found: List[Tuple[float, int, Signature]] = []
     for one in sorted(known):
@@ -31,7 +31,7 @@ def likely(signature: Signature, known: Iterable[Signature]) -> Optional[Signatu
 
 def likely_external(signature: Signature, externals: AbstractSet[Signature]) -> str:
     """Return a fix for a fact of an undeclared predicate: a similar external, or a new declaration."""
-    return asked(likely(signature, externals)) or f"write #external {signature}."
+    return asked(most_similar(signature, externals)) or f"write #external {signature}."
 
 
 def slip_of(signature: Signature, used: Collection[Signature], shows: bool) -> Optional[Signature]:

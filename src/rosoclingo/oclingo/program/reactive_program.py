@@ -11,7 +11,7 @@ from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks
 from rosoclingo.oclingo.program.action_rules import ACTION, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.constants import given_values
+from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
@@ -222,7 +222,7 @@ class ReactiveProgram(LoadedProgram):
             faults += [one for one in odd if "volatile part" not in one.message] + late
             odd, late = [one for one in odd if one not in faults], []
         self.remarks += [*odd, *late, *undefined(self.survey), *self._messages.new_remarks(self.parameter_at)]
-        self.remarks += given_values(self.survey, self.constants)
+        self.remarks += check_given_values(self.survey, self.constants)
         control, self._loaded = self._loaded, None
         if not faults and control is not None and suspicious_heads(self.parts, self.values):
             faults += self._try(control, self._messages)
@@ -238,7 +238,7 @@ class ReactiveProgram(LoadedProgram):
         found = redefined_by(self.parts, atom or "an atom", named)
         return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice", kind="redefinition")]
 
-    def said_of_steps(self) -> List[Fault]:
+    def first_step_messages(self) -> List[Fault]:
         """Return clingo's messages about the first steps; ground these steps if necessary."""
         if self._said is None and not self.faults:
             messages = Messages()

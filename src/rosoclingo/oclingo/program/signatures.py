@@ -25,14 +25,14 @@ class Occurrence(NamedTuple):
         return arguments_of(self.term)
 
 
-def bare(term: Node) -> Node:
+def without_sign(term: Node) -> Node:
     """Return a term without the sign of classical negation."""
     return term.argument if term.ast_type == ASTType.UnaryOperation else term
 
 
 def arguments_of(atom: Node) -> List[Node]:
     """Return the arguments of an atom's term, with or without classical negation."""
-    return list(bare(atom).arguments) if bare(atom).ast_type == ASTType.Function else []
+    return list(without_sign(atom).arguments) if without_sign(atom).ast_type == ASTType.Function else []
 
 
 def term_signature(term: Node) -> Signature:
@@ -45,7 +45,7 @@ def term_signature(term: Node) -> Signature:
     return Signature(term.name, len(term.arguments))
 
 
-def parted(term: Node) -> Tuple[Signature, List[Node]]:
+def signature_and_arguments(term: Node) -> Tuple[Signature, List[Node]]:
     """Return the signature and the arguments of an atom's term."""
     return term_signature(term), arguments_of(term)
 

@@ -8,7 +8,7 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import atom_terms, bare, parted
+from rosoclingo.oclingo.program.signatures import atom_terms, signature_and_arguments, without_sign
 from rosoclingo.oclingo.progression.terms import Signature
 
 
@@ -21,7 +21,7 @@ def time_positions(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -
     found: Dict[Signature, Set[int]] = {}
     for part in parts:
         for term in _heads(part) if part.parameter else ():
-            signature, arguments = parted(bare(term))
+            signature, arguments = signature_and_arguments(without_sign(term))
             timed = set(time_offsets(arguments, part.parameter, constants))
             if timed:
                 found[signature] = timed & found.get(signature, timed)
@@ -33,4 +33,4 @@ def _heads(part: Part) -> Iterator[Node]:
     yield from (one.term for _, one in part.atoms if one.head)
     for statement in part.statements:
         if statement.ast_type == ASTType.ShowTerm:
-            yield from (one for one in atom_terms(statement.term) if bare(one).ast_type == ASTType.Function)
+            yield from (one for one in atom_terms(statement.term) if without_sign(one).ast_type == ASTType.Function)

@@ -12,7 +12,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence, parted
+from rosoclingo.oclingo.program.signatures import Occurrence, signature_and_arguments
 from rosoclingo.oclingo.program.survey import OWN
 from rosoclingo.planning.explaining.atom_patterns import names_of
 from rosoclingo.planning.explaining.named_rules import RuleKind
@@ -92,7 +92,7 @@ def _longest_look_back(program: RelaxedProgram) -> Optional[int]:
 
 def _offset(program: RelaxedProgram, part: Part, atom: Occurrence) -> Optional[int]:
     """Return the time of an atom relative to the step, 0 without a time; None if unknown, or a head of a later step."""
-    signature, arguments = parted(atom.term)
+    signature, arguments = signature_and_arguments(atom.term)
     position = program.time_position(signature.name, signature.arity)
     if signature.name.startswith(OWN):
         return 0

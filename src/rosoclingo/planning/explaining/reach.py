@@ -30,7 +30,7 @@ from clingo.backend import Observer
 
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, parted
+from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, signature_and_arguments
 from rosoclingo.oclingo.program.survey import MADE, OWN
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.planning.explaining.atom_patterns import (
@@ -215,7 +215,7 @@ class Reach:
             yield HeadRule(statement, step, _inlined(head, body, comparisons), body, comparisons)
 
     def _condition(self, term: Node, step: str) -> Condition:
-        return Condition(term, parted(term)[0], self.patterns(term, step))
+        return Condition(term, signature_and_arguments(term)[0], self.patterns(term, step))
 
     def _comparisons(self, atom: Node, step: str) -> Iterator[Comparison]:
         left = self.patterns(atom.term, step)

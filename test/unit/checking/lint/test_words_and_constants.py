@@ -5,7 +5,7 @@ import pytest
 
 from rosoclingo.checking.lint.linting import findings, lint_program
 from rosoclingo.oclingo import ReactiveProgram, parse_term
-from rosoclingo.oclingo.program.constants import given_values
+from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.sources import Source
 
 ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < 3."
@@ -156,7 +156,7 @@ def test_looks_back_at_what_is_still_there_are_right(rules):
 )
 def test_values_of_constants(given, found):
     survey = ReactiveProgram.from_text(CONSTANTS, "home.lp").survey
-    told = given_values(survey, {name: parse_term(value) for name, value in given.items()})
+    told = check_given_values(survey, {name: parse_term(value) for name, value in given.items()})
     assert [one.kind for one in told] == [kind for kind, _ in found]
     assert all(words in str(one) for one, (_, words) in zip(told, found))
 
