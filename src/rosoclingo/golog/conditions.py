@@ -120,7 +120,7 @@ def alternatives(condition: SyntaxNode, names: Names, scope: Bindings, positive:
         return alternatives(parts[0], names, scope, not positive)
     if kind in ("and", "or"):
         ways = [alternatives(one, names, scope, positive) for one in parts]
-        return _all_of(condition, ways, scope) if (kind == "and") == positive else list(chain(*ways))
+        return _conjunction(condition, ways, scope) if (kind == "and") == positive else list(chain(*ways))
     if kind in ("true", "false"):
         return [[]] if (kind == "true") == positive else []
     if kind in ("some", "all"):
@@ -130,7 +130,7 @@ def alternatives(condition: SyntaxNode, names: Names, scope: Bindings, positive:
         return _member(condition, names, scope, positive)
     elif kind == "comparison":
         operator = condition.text if positive else _OPPOSITE[condition.text]
-        return [[_compared(parts[0], operator, parts[1], names, scope)]]
+        return [[_comparison(parts[0], operator, parts[1], names, scope)]]
     elif kind != "compound":
         raise scope.fault(condition, "expected a condition, found a term", "write =, !=, <, <=, > or >= after it")
     elif positive or all(one.text != "_" for one in _variables(condition)):
@@ -145,10 +145,10 @@ def instances(condition: SyntaxNode, names: Names, scope: Bindings) -> List[List
         return alternatives(condition, names, scope)
     inner = scope.quantified(names, parameters(condition))
     ways = [alternatives(one, inner, scope, not number) for number, one in enumerate(condition.parts[1:])]
-    return _all_of(condition, ways, scope)
+    return _conjunction(condition, ways, scope)
 
 
-def _all_of(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: Bindings) -> List[List[Literal]]:
+def _conjunction(condition: SyntaxNode, sides: Sequence[List[List[Literal]]], scope: Bindings) -> List[List[Literal]]:
     """Return the combinations of the alternatives of all sides."""
     count = 1
     for side in sides:
@@ -165,23 +165,24 @@ def _member(condition: SyntaxNode, names: Names, scope: Bindings, positive: bool
     if positive:
         own, inside = scope.term(variable, names), [scope.term(one, names) for one in values.parts]
         text = f"{own}={'..'.join(inside)}" if values.kind == "range" else f"{own}=({';'.join(inside)})"
-        return [[PlainLiteral(text, _used(condition, names) - {own}, frozenset([own]))]]
+        return [[PlainLiteral(text, _names_in(condition, names) - {own}, frozenset([own]))]]
     if values.kind == "range":
         pairs = zip("<>", values.parts)
-        return [[_compared(variable, operator, one, names, scope)] for operator, one in pairs]
-    return [[_compared(variable, "!=", one, names, scope) for one in values.parts]]
+        return [[_comparison(variable, operator, one, names, scope)] for operator, one in pairs]
+    return [[_comparison(variable, "!=", one, names, scope) for one in values.parts]]
 
 
-def _compared(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Bindings) -> PlainLiteral:
+def _comparison(left: SyntaxNode, operator: str, right: SyntaxNode, names: Names, scope: Bindings) -> PlainLiteral:
     text = f"{scope.term(left, names)}{operator}{scope.term(right, names)}"
-    used, sides = _used(left, names) | _used(right, names), [one for one in (left, right) if one.kind == "variable"]
+    used = _names_in(left, names) | _names_in(right, names)
+    sides = [one for one in (left, right) if one.kind == "variable"]
     binds = frozenset(_name_of(one, names) for one in sides[:1] if operator == "=")
     return PlainLiteral(text, used - binds, binds)
 
 
 def _fluent(fluent: SyntaxNode, names: Names, scope: Bindings, positive: bool) -> PlainLiteral:
     own = {**names, "_": "_"}
-    text, used = f"golog_holds({scope.term(fluent, own)},{STEP})", _used(fluent, own)
+    text, used = f"golog_holds({scope.term(fluent, own)},{STEP})", _names_in(fluent, own)
     if not positive:
         return PlainLiteral(f"not {text}", used)
     binds = frozenset(_name_of(one, own) for one in _arguments_bound(fluent))
@@ -199,7 +200,7 @@ def _variables(one: SyntaxNode) -> List[SyntaxNode]:
     return [part for part in one.walk() if part.kind == "variable"]
 
 
-def _used(one: SyntaxNode, names: Names) -> FrozenSet[str]:
+def _names_in(one: SyntaxNode, names: Names) -> FrozenSet[str]:
     """Return the names in rules of all variables in a term or condition."""
     return frozenset(_name_of(part, names) for part in _variables(one))
 

@@ -41,7 +41,7 @@ def _translate(file: str, silent: bool) -> int:
     collector.translate()
     texts = {one.source.name: one.source.text for one in collector.files}
     for fault in collector.faults:
-        sys.stderr.write(_with_line(fault, texts.get(fault.file, "").splitlines()))
+        sys.stderr.write(_with_source_line(fault, texts.get(fault.file, "").splitlines()))
     if collector.faults:
         return FAULTY
     if not silent:
@@ -57,7 +57,7 @@ def _read(file: str) -> Source:
     return Source.from_file(Path(file))
 
 
-def _with_line(fault: Fault, lines: Sequence[str]) -> str:
+def _with_source_line(fault: Fault, lines: Sequence[str]) -> str:
     """Return a fault with its source line and a mark below its column."""
     if not 0 < fault.line <= len(lines):
         return f"{fault}\n"

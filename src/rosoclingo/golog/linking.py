@@ -79,7 +79,7 @@ class _Linker:
     def __init__(self, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> None:
         self._documents, self._included = documents, included
         self._declared: Dict[Signature, Tuple[int, SyntaxNode]] = {}
-        self._above: List[int] = []  # the chain of includes that leads to the present file
+        self._include_chain: List[int] = []  # the chain of includes that leads to the present file
         self._linked: Set[int] = set()
         self.faults: List[List[Fault]] = [[] for _ in documents]
         for number in range(len(documents)):
@@ -102,19 +102,21 @@ class _Linker:
         if number in self._linked:
             return
         self._linked.add(number)
-        self._above.append(number)
+        self._include_chain.append(number)
         program: ControlProgram = self._documents[number].content.program
         for include, way in zip(self._documents[number].includes, self._included[number]):
             for one in way:
-                if one in self._above:
-                    self._report_circle(number, include, one)
+                if one in self._include_chain:
+                    self._report_cycle(number, include, one)
                 self._link(one)
-        self._above.pop()
+        self._include_chain.pop()
         for procedure in program.procedures:
             self._declare(number, procedure)
 
-    def _report_circle(self, number: int, include: Include, first: int) -> None:
-        names = [PurePath(self._documents[one].name).name for one in self._above[self._above.index(first) :]]
+    def _report_cycle(self, number: int, include: Include, first: int) -> None:
+        names = [
+            PurePath(self._documents[one].name).name for one in self._include_chain[self._include_chain.index(first) :]
+        ]
         message = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
         mend = "move shared procedures into a third file" if names[1:] else "remove the include"
         self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, mend))

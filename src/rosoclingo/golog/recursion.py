@@ -18,7 +18,7 @@ _TOGETHER = ("seq", "conc", "prio", "order", "interrupts")
 _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
-class _Begin(NamedTuple):
+class _Beginning(NamedTuple):
     """The beginning of a program: its calls before any action, and whether it can end without an action."""
 
     calls: List[SyntaxNode]
@@ -33,13 +33,13 @@ def endless_calls(
     ``procedures`` are all callable procedures.
     """
     idle: Set[Signature] = set()
-    begins: Dict[Signature, _Begin] = {}
+    begins: Dict[Signature, _Beginning] = {}
     before = -1
     while before != len(idle):
         before = len(idle)
-        begins = {one: _begin(procedure.parts[-1], procedures, idle) for one, procedure in procedures.items()}
+        begins = {one: _beginning_of(procedure.parts[-1], procedures, idle) for one, procedure in procedures.items()}
         idle |= {one for one, begin in begins.items() if begin.idle}
-    calls = {one: _without_ends(begins[one].calls, procedure) for one, procedure in procedures.items()}
+    calls = {one: _without_finite_recursion(begins[one].calls, procedure) for one, procedure in procedures.items()}
     for one in own:
         for call in calls[one]:
             if one in _reached(signature(call), calls):
@@ -57,23 +57,23 @@ def _reached(first: Signature, calls: Mapping[Signature, List[SyntaxNode]]) -> S
     return found
 
 
-def _begin(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Set[Signature]) -> _Begin:
+def _beginning_of(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Set[Signature]) -> _Beginning:
     """Return the beginning of a statement; ``idle`` are the procedures that can end without an action."""
     kind = one.kind
     if kind == "step":
         called = signature(one.parts[0])
-        return _Begin(one.parts if called in procedures else [], called in idle)
+        return _Beginning(one.parts if called in procedures else [], called in idle)
     if kind in ("any", "test", "await", "until"):
-        return _Begin([], kind != "any")
+        return _Beginning([], kind != "any")
     inner = statements(one)[:1] if kind in ("try", "undoing") else statements(one)
-    parts, calls = [_begin(part, procedures, idle) for part in inner], []  # type: List[_Begin], List[SyntaxNode]
+    parts, calls = [_beginning_of(part, procedures, idle) for part in inner], []  # type: List[_Beginning], List[SyntaxNode]
     for part in parts:
         calls += part.calls
         if kind == "seq" and not part.idle:
             break
     if kind in _LOOPS or (kind == "if" and len(parts) == 1):
-        return _Begin(calls, True)
-    return _Begin(calls, (all if kind in _TOGETHER else any)(part.idle for part in parts))
+        return _Beginning(calls, True)
+    return _Beginning(calls, (all if kind in _TOGETHER else any)(part.idle for part in parts))
 
 
 # ---- finite recursion ----------------------------------------------------------------------------------------------
@@ -90,7 +90,7 @@ class _Bound(NamedTuple):
 _Bounds = FrozenSet[_Bound]
 
 
-def _without_ends(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[SyntaxNode]:
+def _without_finite_recursion(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[SyntaxNode]:
     """Remove the direct recursive calls of a procedure if an argument approaches a bound in all of them.
 
     The bound is in a condition of ``if``, ``while``, ``pick`` or ``test``, as in ``if N > 0 { p(N - 1); }``. The solver
@@ -99,7 +99,7 @@ def _without_ends(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[Syntax
     known = frozenset(one.text for one in parameters(procedure))
     own = [call for call in calls if signature(call) == signature(procedure)]
     ways = [
-        frozenset(_ways(call, bounds, procedure))
+        frozenset(_approaches(call, bounds, procedure))
         for call, bounds in _bounded(procedure.parts[-1], procedure, known, frozenset())
         if any(call is one for one in own)
     ]
@@ -149,17 +149,17 @@ def _bound(left: SyntaxNode, operator: str, right: SyntaxNode, known: FrozenSet[
         yield _Bound(left.text, direction, None)
 
 
-def _ways(call: SyntaxNode, bounds: _Bounds, procedure: SyntaxNode) -> Iterator[Tuple[int, int]]:
+def _approaches(call: SyntaxNode, bounds: _Bounds, procedure: SyntaxNode) -> Iterator[Tuple[int, int]]:
     """Yield the positions of the arguments that approach a bound in a call, with the direction, 1 or -1."""
     names = [one.text for one in parameters(procedure)]
     same = {name for name, one in zip(names, call.parts) if one.kind == "variable" and one.text == name}
     for place, (name, argument) in enumerate(zip(names, call.parts)):
         for bound in bounds:
-            if bound.name == name and bound.other in {None, *same} and _goes(argument, name) == bound.direction:
+            if bound.name == name and bound.other in {None, *same} and _direction(argument, name) == bound.direction:
                 yield place, bound.direction
 
 
-def _goes(term: SyntaxNode, name: str) -> int:
+def _direction(term: SyntaxNode, name: str) -> int:
     """Return 1 for a variable plus a number, -1 for a variable minus a number, else 0."""
     if term.kind != "operation" or term.text not in ("+", "-"):
         return 0

@@ -133,7 +133,7 @@ class Writer:
         first = max(0, len(parts) - 1) // ROW * ROW
         text = self._nested(kind, parts[first:])
         for begin in range(first - ROW, -1, -ROW):
-            rest = self._node(text)
+            rest = self._new_name(text)
             self._add(f"golog_body({rest},{text},{STEP}) :- golog_call({rest},{STEP}).", self._name)
             text = self._nested(kind, [*parts[begin : begin + ROW], f"call({rest})"])
         return text
@@ -161,7 +161,7 @@ class Writer:
 
     # ---- choices and conditions ------------------------------------------------------------------------------------
 
-    def _node(self, *texts: str) -> str:
+    def _new_name(self, *texts: str) -> str:
         """Return a new name for a choice or condition, with the variables of these texts as arguments."""
         self._count += 1
         found = dict.fromkeys(name for text in texts for name in _VARIABLE.findall(_STRING.sub("", text)))
@@ -172,10 +172,10 @@ class Writer:
         self._scope.begin()
         ways = alternatives(one.parts[0], names, self._scope, one.kind != "achieve")
         used = {variable for way in ways for literal in way for variable in variables_of(literal)}
-        name = self._node(*(written for written in names.values() if written in used))
+        name = self._new_name(*(written for written in names.values() if written in used))
         for way in ways:
             self._check_bound(one, way, names.values(), ())
-            body = self._literals(way, f"golog_asked({name},{STEP})")
+            body = self._rule_body(way, f"golog_asked({name},{STEP})")
             self._add(f"golog_true({name},{STEP}) :- {body}.", one.parts[0])
         if one.kind == "test":
             self._write_message(name, "the test in {} does not hold", one)
@@ -190,10 +190,10 @@ class Writer:
         body = self._statement(then, inner)
         used = {variable for way in ways for literal in way for variable in variables_of(literal)}
         used.update(_VARIABLE.findall(body))
-        name = self._node(*(written for written in names.values() if written in used))
+        name = self._new_name(*(written for written in names.values() if written in used))
         for way in ways:
             self._check_bound(one, way, names.values(), [inner[variable.text] for variable in variables])
-            asked = self._literals(way, f"golog_picks({name},{STEP})")
+            asked = self._rule_body(way, f"golog_picks({name},{STEP})")
             self._add(f"golog_option({name},{body},{STEP}) :- {asked}.", one)
         if one.kind == "pick":
             self._write_message(name, "there is nothing to pick in {}", one)
@@ -207,17 +207,17 @@ class Writer:
             mend = f"add a fluent with it, or {where.text} in 1..3, or in {{a, b}}"
             raise self._scope.fault(where, f"no fluent determines the values of {where.text}", mend)
 
-    def _literals(self, way: Sequence[Literal], asked: str) -> str:
+    def _rule_body(self, way: Sequence[Literal], asked: str) -> str:
         """Return the body of a rule, and write the rules for its negated conditions."""
         body = ", ".join([asked, *(one.text for one in way if isinstance(one, PlainLiteral))])
         found = [body]
         for one in way:
             if isinstance(one, NegatedCondition):
-                name = self._node(*sorted(one.variables))
+                name = self._new_name(*sorted(one.variables))
                 self._add(f"golog_asked({name},{STEP}) :- {body}.", one.condition)
                 for inner in instances(one.condition, one.names, self._scope):
                     self._check_bound(one.condition, inner, one.variables, ())
-                    inside = self._literals(inner, f"golog_asked({name},{STEP})")
+                    inside = self._rule_body(inner, f"golog_asked({name},{STEP})")
                     self._add(f"golog_true({name},{STEP}) :- {inside}.", one.condition)
                 found.append(f"not golog_true({name},{STEP})")
         return ", ".join(found)

@@ -73,7 +73,7 @@ class SourceFile:
     @cached_property
     def not_clingo5(self) -> Set[int]:
         """The numbers of the statements that clingo 5 does not accept."""
-        texts = [self._shown_to_clingo(self.statement(number)) for number in range(len(self.ranges))]
+        texts = [self._text_for_clingo(self.statement(number)) for number in range(len(self.ranges))]
         if accepted_by_clingo("\n".join(texts)):
             return set()
         return {number for number, text in enumerate(texts) if not accepted_by_clingo(text)}
@@ -101,7 +101,7 @@ class SourceFile:
                 return False
         return True
 
-    def _shown_to_clingo(self, statement: Sequence[SourceToken]) -> str:
+    def _text_for_clingo(self, statement: Sequence[SourceToken]) -> str:
         """Return the text of a statement, "" for oClingo's directives and ``#include``."""
         words = [one.text for one in statement]
         if words[0] in (*STEP_DIRECTIVES, "#include") or is_signature(statement):

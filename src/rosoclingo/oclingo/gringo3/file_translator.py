@@ -149,7 +149,7 @@ class FileTranslator:
                 if self._is_gringo3(number):
                     self._statement(number, tokens)
                 else:
-                    self._leave(tokens)
+                    self._keep(tokens)
             except UntranslatableError as error:
                 self.faults.append(error.fault(self._name))
         self.own_text = self.rewriting.result()
@@ -178,7 +178,7 @@ class FileTranslator:
             self._program.constants.note(self._file, tree)
         self._program.seen_variables.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
 
-    def _leave(self, tokens: Sequence[SourceToken]) -> None:
+    def _keep(self, tokens: Sequence[SourceToken]) -> None:
         """Keep a statement of clingo 5."""
         if tokens[0].text == "#program":
             self._step = tokens[3].text if len(tokens) > 5 and tokens[2].text == "(" else ""

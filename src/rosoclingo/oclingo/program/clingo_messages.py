@@ -16,8 +16,8 @@ _PART = re.compile(r"(:-?)(\[#inc_\w+(\([^]]*\))?\];?)+")
 _VALUE = re.compile(r"\.\[false\]$")
 _GUARD = re.compile(r";?__oclingo_volatile\([^)]*\)")
 _SCRIPT = re.compile(r"\w+ support not available")
-_ODD = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
-_PROJECTED = (  # how clingo and this package write anonymous variables
+_WARNINGS = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
+_ANONYMOUS = (  # how clingo and this package write anonymous variables
     (re.compile(r"\bAny__[0-9]+\b"), "_"),
     (re.compile(r"#p_(\w+)\("), r"\1("),
     (re.compile(r"#b\(([^()]*)\)"), r"\1"),
@@ -75,7 +75,7 @@ class Messages:
     def new_remarks(self, parameter_at: ParameterAt) -> List[Fault]:
         """Return the warnings that clingo has issued since the last call."""
         fresh, self.reported = self.received[self.reported :], len(self.received)
-        return [_fault(text, parameter_at) for code, text in fresh if code in _ODD]
+        return [_fault(text, parameter_at) for code, text in fresh if code in _WARNINGS]
 
 
 def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no_statement) -> Fault:
@@ -86,7 +86,7 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no
         _GUARD.sub("", _PART.sub(r"\1 ", match.group("text").strip())).replace(":- .", ".").replace("#void:-", ":-")
     )
     message = _VALUE.sub(".", message).replace(": .", ".")
-    for form, written in _PROJECTED:
+    for form, written in _ANONYMOUS:
         message = form.sub(written, message)
     if "#Inc0" in message:
         message = message.replace("#Inc0", parameter_at(match.group("file"), int(match.group("line"))))

@@ -44,7 +44,7 @@ class Delays:
         self._choices: Set[Signature] = set()
         for part in parts:
             for statement, found in part.found:
-                self._take(part, statement, found, constants)
+                self._add_statement(part, statement, found, constants)
         self._share_times()
         self._after_actions = self._spread(self._sources())
 
@@ -63,7 +63,7 @@ class Delays:
         found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
         return min(1, max(0, min(found))) if found else 0
 
-    def _take(
+    def _add_statement(
         self, part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
     ) -> None:
         atoms = _timed_atoms(part, statement, found, constants)

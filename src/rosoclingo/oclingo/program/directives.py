@@ -20,7 +20,7 @@ from rosoclingo.oclingo.progression.terms import Signature
 VOLATILE_PREFIX = "__oclingo_volatile_"
 """Name of a volatile program part, followed by the index of its window in :attr:`Directives.windows`."""
 
-_STRANGE = re.compile(r"[^\x00-\x7f]+")
+_NON_ASCII = re.compile(r"[^\x00-\x7f]+")
 _NAME = r"(?P<name>[_']*[a-z][A-Za-z0-9_']*)"
 _FORMS = {
     "#base": (r"\.", "write #base."),
@@ -89,7 +89,9 @@ def take_directives(text: str, file: str, found: Directives) -> str:
             copied = end
             continue
         for one in statement:  # clingo's module fails if a message cuts such a character
-            strange = _STRANGE.match(text, one.start) if one.kind is TokenKind.UNKNOWN and one.start >= copied else None
+            strange = (
+                _NON_ASCII.match(text, one.start) if one.kind is TokenKind.UNKNOWN and one.start >= copied else None
+            )
             if strange:
                 message, mend = f"unexpected characters {strange[0]!r}", "only strings and comments can contain them"
                 found.faults.append(Fault(file, one.line, one.column, message, mend))

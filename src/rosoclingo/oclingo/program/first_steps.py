@@ -52,7 +52,7 @@ class TrialGrounding:
     """Grounds the first steps of a program; stops early if there is too much to ground.
 
     Attributes:
-        twice: for each predicate that two steps define, one of these atoms.
+        redefined: for each predicate that two steps define, one of these atoms.
         last: the last grounded step, None if the program is too large.
 
     """
@@ -62,7 +62,7 @@ class TrialGrounding:
 
         Raises RuntimeError like clingo; details go to the control's logger.
         """
-        self.twice: Dict[Signature, str] = {}
+        self.redefined: Dict[Signature, str] = {}
         self.last: Optional[int] = None
         self._control = control
         observer = _Heads()
@@ -81,7 +81,7 @@ class TrialGrounding:
         self.last = step
         for one in control.symbolic_atoms if twice else ():
             if one.literal in twice:
-                self.twice.setdefault(signature_of(one.symbol), str(one.symbol))
+                self.redefined.setdefault(signature_of(one.symbol), str(one.symbol))
 
     def demands(self, signature: Signature) -> bool:
         """Return whether each answer has an atom of the predicate whose last argument is the last step.
@@ -106,7 +106,7 @@ class TrialGrounding:
 
     def redefinitions(self, parts: Sequence[Part]) -> List[Fault]:
         """Return a fault for each head that two steps define."""
-        return [fault for one in sorted(self.twice) for fault in redefined_by(parts, self.twice[one], {one})]
+        return [fault for one in sorted(self.redefined) for fault in redefined_by(parts, self.redefined[one], {one})]
 
 
 def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:

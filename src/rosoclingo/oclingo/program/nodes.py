@@ -41,19 +41,19 @@ class Node:
     def __getattr__(self, name: str) -> Any:
         """Fetch and cache an attribute on first access."""
         if name == "children":
-            value: Any = self._below()
+            value: Any = self._children()
         elif name == "nodes":
             value = list(self._all())
         elif name == "text":
             value = str(self.ast)
         elif name[:1] != "_" and name in self._keys[0]:
-            value = _plain(getattr(self.ast, name))
+            value = _from_ast(getattr(self.ast, name))
         else:
             raise AttributeError(f"no attribute: {name}")
         self.__dict__[name] = value
         return value
 
-    def _below(self) -> List["Node"]:
+    def _children(self) -> List["Node"]:
         found: List[Node] = []
         for key in self._keys[1]:
             child = getattr(self, key)
@@ -84,7 +84,7 @@ class Node:
 
     def update(self, **attributes: Any) -> "Node":
         """Return a copy with new values of some attributes; it shares the others."""
-        twin = Node(self.ast.update(**{name: _given(value) for name, value in attributes.items()}))
+        twin = Node(self.ast.update(**{name: _to_ast(value) for name, value in attributes.items()}))
         made = {"_keys", "ast", "ast_type", "children", "nodes", "text", *attributes}
         twin.__dict__.update({name: value for name, value in self.__dict__.items() if name not in made})
         twin.__dict__.update(_of_nodes(attributes))
@@ -98,10 +98,10 @@ class Node:
                 one.ast.location = one.__dict__["location"] = Location(place(begin), place(end))
 
 
-def _plain(value: Any) -> Any:
+def _from_ast(value: Any) -> Any:
     if isinstance(value, AST):
         return Node(value)
-    return [_plain(one) for one in value] if isinstance(value, (ASTSequence, StrSequence)) else value
+    return [_from_ast(one) for one in value] if isinstance(value, (ASTSequence, StrSequence)) else value
 
 
 def _of_nodes(attributes: Mapping[str, Any]) -> Dict[str, Any]:
@@ -110,10 +110,10 @@ def _of_nodes(attributes: Mapping[str, Any]) -> Dict[str, Any]:
     return {name: attributes[name] for name, row in given.items() if all(isinstance(one, Node) for one in row)}
 
 
-def _given(value: Any) -> Any:
+def _to_ast(value: Any) -> Any:
     if isinstance(value, Node):
         return value.ast
-    return [_given(one) for one in value] if isinstance(value, list) else value
+    return [_to_ast(one) for one in value] if isinstance(value, list) else value
 
 
 def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> List[Node]:
@@ -128,6 +128,6 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:
     """Return a new node from a constructor of :mod:`clingo.ast` and its arguments."""
-    made = Node(constructor(*map(_given, values)))
+    made = Node(constructor(*map(_to_ast, values)))
     made.__dict__.update(_of_nodes(dict(zip(signature(constructor).parameters, values))))
     return made

@@ -117,9 +117,9 @@ class Survey:
         for part in parts:
             for statement, found in part.found:
                 if statement.location.begin.filename not in MADE:
-                    self._take(part, statement, found)
+                    self._add_statement(part, statement, found)
 
-    def _take(self, part: Part, statement: Node, found: List[Occurrence]) -> None:
+    def _add_statement(self, part: Part, statement: Node, found: List[Occurrence]) -> None:
         self.statements.append((part, statement, found))
         kind = statement.ast_type
         self.shows |= shows(statement)
