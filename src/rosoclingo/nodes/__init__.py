@@ -1,1 +1,1 @@
-"""ROS adapters: they put the pure parts on topics, actions, services and parameters."""
+"""ROS nodes and commands: connect the pure parts to topics, actions, services and parameters."""

@@ -1,4 +1,4 @@
-"""The account of a run as a node: it listens to public topics only."""
+"""The account of a live run, from public topics."""
 
 import threading
 from typing import Any, Callable, Collection, List, Mapping, Optional
@@ -12,7 +12,7 @@ from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
 
-#: Topics of an account, named as :func:`full_name` takes them, and their types.
+#: The topics of an account, with names for :func:`full_name`, and their types.
 TOPICS = {
     name: kind
     for name, kind in TYPES.items()
@@ -22,12 +22,12 @@ TOPICS = {
 #: Statuses of goals that have ended.
 ENDS = ("succeeded", "canceled", "rejected", "aborted")
 
-#: Those of them that the core publishes.
+#: The topics of TOPICS that the core publishes.
 CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "~updates", "~task_plan")
 
 
 class TopicAccount:
-    """An Account that takes ROS messages; ``with_state`` adds the program's beliefs."""
+    """An Account with ROS messages as its input; ``with_state`` adds the program's beliefs."""
 
     def __init__(self, say: Callable[[str], None], with_state: bool = False) -> None:
         self.account = Account(say, with_state=with_state)
@@ -35,18 +35,18 @@ class TopicAccount:
         self._lock = threading.Lock()
 
     def take(self, topic: str, message: Any, time: float) -> None:
-        """Enter a message of one of TOPICS; callable from any thread."""
+        """Process a message of one of TOPICS; callable from any thread."""
         with self._lock:
             if not self._topics.is_too_soon(topic, time):
                 self._topics.takes[topic](time, message)
 
     def tick(self, time: float) -> None:
-        """Pass on the lines that have waited for long enough at this time; callable from any thread."""
+        """Print the lines that are due at this time; callable from any thread."""
         with self._lock:
             self.account.clock(time)
 
     def ended(self, keys: Collection[str]) -> bool:
-        """Whether the account has heard of the end of the goals with these keys."""
+        """Return whether the goals with these keys have ended in the account."""
         with self._lock:
             return {one.key for one in self.account.summary.goals if one.status in ENDS}.issuperset(keys)
 
@@ -58,14 +58,14 @@ class TopicAccount:
             return self.account.summary.differences(expect, before, sent)
 
     def finish(self) -> Summary:
-        """End the account: print what was held back, and the summary."""
+        """End the account: print delayed lines, and return the summary."""
         with self._lock:
             self.account.finish()
             return self.account.summary
 
 
 class AccountNode(TopicAccount):
-    """Prints the account of what happens from now on, around the core of some name; ``words`` are its program's.
+    """Prints the account of a core from now on; ``words`` are the sentences of its program.
 
     Subscribes:
         CORE/program (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
@@ -85,7 +85,7 @@ class AccountNode(TopicAccount):
     ) -> None:
         super().__init__(say, with_state)
         if words is not None:
-            self.account.sentences = words  # before anything can be heard
+            self.account.sentences = words  # before the first message can arrive
         self._subscribers = {
             topic: rospy.Subscriber(
                 full_name(topic, core), kind, self._on_message, callback_args=topic, queue_size=None
@@ -95,7 +95,7 @@ class AccountNode(TopicAccount):
 
     @property
     def connected(self) -> bool:
-        """Whether all that the core publishes comes to this node, and what others publish of the rest."""
+        """Whether all messages of the core and of other publishers arrive at this node."""
         found = self._subscribers.items()
         return all(comes_to(rospy.get_name(), one.name, none_will_do=topic not in CORE_TOPICS) for topic, one in found)
 

@@ -1,4 +1,4 @@
-"""The demonstration: a whole system under a master of its own, a scenario played in it, and everything ended again."""
+"""The demonstration: starts a whole system with its own master, plays a scenario, and shuts the system down."""
 
 import os
 import signal
@@ -20,21 +20,21 @@ from rosoclingo.nodes.scenarios.playing import ScenarioOutcome, run_scenario
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.scenario import Scenario
 
-#: Action servers of the case study, which have to be there before a scenario begins.
+#: Action servers of the case study, which have to be up before a scenario begins.
 SERVERS = ("move_base", "pickup", "deliver")
 
-#: Seconds of wall time for a start, which compiles the first time (minutes on a busy machine), and for an end:
-#: roslaunch itself gives its nodes 15 s to end before it kills them.
+#: Limits in seconds of wall time for the start, which compiles the first time (minutes on a busy machine), and for the
+#: shutdown: roslaunch gives its nodes 15 s before it kills them.
 START_TIME = 300.0
 END_TIME = 25.0
 
 
 class DemoError(RuntimeError):
-    """The system could not be started; the text says why and where its log is."""
+    """The system cannot be started; the text has the reason and the place of the log."""
 
 
 class DemoSystem:
-    """A launch file of this package as a process group of its own, with files in ``folder``; for a with statement."""
+    """A launch file of this package in its own process group, with files in ``folder``; a context manager."""
 
     def __init__(self, launch: str, folder: Path, arguments: List[str]) -> None:
         self.bag = folder / "run.bag"
@@ -75,18 +75,18 @@ class DemoSystem:
         self._mend_bag()
 
     def _mend_bag(self) -> None:
-        """What a recorder that was killed has left becomes the bag."""
+        """Repair the bag of a killed recorder."""
         if active(self.bag).exists():
             with suppress(BagError):
                 mend(self.bag, self.bag, "/record/notes")
 
     def check(self) -> None:
-        """Raises DemoError when the system has ended."""
+        """Raise DemoError if the system has ended."""
         if self._process is not None and self._process.poll() is not None:
             raise DemoError(f"the system ended by itself; its log is {self.log}{self._tail()}")
 
     def wait_for(self, condition: Callable[[], bool], what: str) -> None:
-        """Wait until ``condition`` holds; raises DemoError when the system ended or START_TIME passed."""
+        """Wait until ``condition`` holds; raise DemoError if the system ends, or after START_TIME."""
         end = time.monotonic() + START_TIME
         while not condition():
             self.check()
@@ -95,7 +95,7 @@ class DemoSystem:
             time.sleep(0.05)
 
     def _tail(self) -> str:
-        """The log from the first error that has ended a node, or else its last lines."""
+        """Return the log from the first fatal error of a node, or else its last lines."""
         lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
         fatal = (number for number, line in enumerate(lines) if "[FATAL]" in line)
         start = next(fatal, max(0, len(lines) - 15))
@@ -103,7 +103,7 @@ class DemoSystem:
 
 
 def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[str], None]) -> ScenarioOutcome:
-    """Play a scenario in a system of its own; tell the account, the summary, and where bag and report are.
+    """Play a scenario in its own system; print the account, the summary, and the paths of bag and report.
 
     Raises DemoError.
     """
@@ -129,14 +129,14 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
 
 
 def _verdict(scenario: Scenario, outcome: ScenarioOutcome) -> List[str]:
-    """How the run ended against what the scenario expects, in lines."""
+    """Return lines about the differences from the scenario's expectations."""
     if outcome.faults:
         return ["NOT AS EXPECTED: " + fault for fault in outcome.faults]
     return ["as expected"] if scenario.expect else []
 
 
 def _report(scenario: Scenario, outcome: ScenarioOutcome, bag: Path) -> str:
-    """Write a report of the run next to its bag and return a line with its place."""
+    """Write a report of the run next to its bag and return a line with its path."""
     judged = scenario.expect or outcome.faults
     about = {"title": scenario.title, "verdict": list(outcome.faults) if judged else None}
     report = bag.with_suffix(".html")
@@ -148,14 +148,14 @@ def _report(scenario: Scenario, outcome: ScenarioOutcome, bag: Path) -> str:
 
 
 def run_folder(name: str) -> Path:
-    """A new folder for the files of a run, in ROS's home."""
+    """Return a new folder for the files of a run, in ROS's home."""
     home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
     stamp = datetime.now().strftime("%Y-%m-%d-%H-%M-%S")
     return home / "rosoclingo" / f"{Path(name).stem}-{stamp}-{os.getpid()}"
 
 
 def _node_uri(name: str) -> str:
-    """Where a node is, by the master; empty when it is not there yet."""
+    """Return the URI of a node from the master; empty if the node is not up yet."""
     try:
         return rosgraph.Master("/demo").lookupNode(name)
     except rosgraph.MasterException:
@@ -169,7 +169,7 @@ def _free_port() -> int:
 
 
 def _environment(port: int, folder: Path) -> Dict[str, str]:
-    """ROS's variables for a system that lives on this machine only."""
+    """Return ROS's environment variables for a system on this machine only."""
     os.environ.pop("ROS_HOSTNAME", None)
     os.environ.pop("ROS_NAMESPACE", None)
     uri = f"http://127.0.0.1:{port}"

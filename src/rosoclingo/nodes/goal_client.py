@@ -25,15 +25,15 @@ OUTCOME_WORDS = {
 
 
 class SentGoal:
-    """One goal on its way: ``outcome`` is a word of OUTCOME_WORDS and ``message`` the reason, once it has ended."""
+    """A goal of this client; after its end ``outcome`` is a word of OUTCOME_WORDS and ``message`` the reason."""
 
     def __init__(self, text: str, client: ActionClient, on_change: Callable[[], None]) -> None:
-        """Take a goal; ``send`` sends it."""
+        """Create a goal; call ``send`` to send it."""
         self.text = text
         self.outcome = ""
         self.message = ""
         self.feedback: Optional[ROSoClingoFeedback] = None
-        self.heard = time.monotonic()  # when there was news of the goal last, or it was sent
+        self.heard = time.monotonic()  # time of the last news of the goal, or of its sending
         self._client = client
         self._on_change = on_change
         self._handle: Optional[ClientGoalHandle] = None
@@ -41,32 +41,32 @@ class SentGoal:
 
     @property
     def ended(self) -> bool:
-        """Whether the server has ended it."""
+        """Whether the goal has ended."""
         return bool(self.outcome)
 
     @property
     def identifier(self) -> str:
-        """Actionlib's id of the goal, empty before it was sent."""
+        """actionlib's id of the goal, empty before the goal was sent."""
         return goal_id(self._handle) if self._handle is not None else ""
 
     def send(self) -> None:
-        """Send it; once only."""
+        """Send the goal; call this once."""
         self._handle = self._client.send_goal(ROSoClingoGoal(self.text), self._on_transition, self._on_feedback)
 
     @property
     def acknowledged(self) -> bool:
-        """Whether the server has reported it."""
+        """Whether the server has reported the goal."""
         return self._handle is not None and self._handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK
 
     def send_again(self) -> None:
-        """Send a goal that the server never acknowledged, and its cancel: rospy can drop both; an id counts once."""
+        """Resend an unacknowledged goal and its cancel: rospy can drop both, and the server accepts an id only once."""
         if self._handle is not None and not self.acknowledged:
             self._client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
             if self._unwanted:
                 self.cancel()
 
     def cancel(self) -> None:
-        """Ask the server to cancel it, acknowledged or not; it ends when the server says so."""
+        """Ask the server to cancel the goal, acknowledged or not; the goal ends when the server ends it."""
         self._unwanted = True
         if self._handle is not None:
             cancel_goal(self._client, self._handle)
@@ -81,7 +81,7 @@ class SentGoal:
             status = handle.get_terminal_state()
             message = result.message if result is not None and result.message else handle.get_goal_status_text()
             lost = status == GoalStatus.LOST
-            self._end(OUTCOME_WORDS[status], f"the server no longer knows of {self.text}" if lost else message)
+            self._end(OUTCOME_WORDS[status], f"the server no longer knows {self.text}" if lost else message)
 
     def _end(self, outcome: str, message: str) -> None:
         if not self.ended:
@@ -94,7 +94,7 @@ class SentGoal:
 
 
 class CoreClient:
-    """Sends goals to the core under the name ``server`` and lets the caller wait for what comes of them."""
+    """Sends goals to the core's action server, and waits for news of them."""
 
     def __init__(self, server: str = "rosoclingo") -> None:
         self._client = ActionClient(server, ROSoClingoAction)
@@ -104,10 +104,10 @@ class CoreClient:
         self.goals: List[SentGoal] = []
 
     def wait_for_server(self, timeout: float) -> bool:
-        """Wait until goals and news of them will arrive, at most ``timeout`` s of wall time; whether they will."""
+        """Wait until client and server are connected, at most ``timeout`` s of wall time; return whether they are."""
         end = time.monotonic() + timeout
         while time.monotonic() < end and not rospy.is_shutdown():
-            # not by actionlib's own: its time-out is in ROS time, which can stand still or not have begun
+            # actionlib's wait_for_server has its time-out in ROS time, which can stand still or not have begun
             status = self._client.last_status_msg
             server = "" if status is None else status._connection_header["callerid"]
             if server and self._is_heard(server) and self._hears(server):
@@ -125,7 +125,7 @@ class CoreClient:
 
     @property
     def node(self) -> str:
-        """The name of the server's node, empty before it was waited for."""
+        """The name of the server's node, empty before ``wait_for_server``."""
         return "" if self._watch is None else self._watch.node
 
     def send(self, text: str) -> SentGoal:
@@ -136,10 +136,10 @@ class CoreClient:
         return goal
 
     def check(self) -> None:
-        """End goals of which there will be no news any more as lost; to be called while waiting for them.
+        """End lost goals; call this while waiting for goals.
 
-        A goal without news for some seconds of wall time is lost if the server does not answer either, has restarted,
-        or reports its goals without this one, which it had acknowledged. Takes some seconds if nothing answers.
+        A goal without news for SILENCE seconds of wall time is lost if the server does not respond, was restarted,
+        or no longer reports the acknowledged goal. This takes some seconds if the server does not respond.
         """
         before, self._latest = self._latest, self._client.last_status_msg
         known = {one.goal_id.id for one in self._latest.status_list} if self._latest is not None else set()
@@ -152,9 +152,9 @@ class CoreClient:
             goal.heard = time.monotonic()
             fault = self._watch.fault() if self._watch is not None else ""
             if not fault and goal.acknowledged and not reported:
-                fault = "the server is there, but does not know of it"
+                fault = "the server is running, but does not know the goal"
             if fault:
-                goal.lose(f"nothing is heard of {goal.text} any more: {fault}")
+                goal.lose(f"no news of {goal.text}: {fault}")
             else:
                 goal.send_again()
 

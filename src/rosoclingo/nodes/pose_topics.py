@@ -1,4 +1,4 @@
-"""The robot's pose on the map, from the most exact of the topics that have it."""
+"""The robot's pose on the map, from the most exact topic available."""
 
 from typing import Any, Callable, Dict
 
@@ -7,14 +7,14 @@ from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
 
 __all__ = ["EXACT", "PoseTopics"]
 
-#: Frames of a robot, the usual one first.
+#: Frames of a robot, the most common first.
 BASES = ("base_link", "base_footprint")
 
 #: Topics with the robot's pose, the most exact first.
 EXACT = "base_pose_ground_truth"
 POSES = (EXACT, "/tf", "amcl_pose")
 
-#: Least seconds between two messages of a pose's topic that are read.
+#: Minimum interval in seconds between two messages of a pose topic; messages in between are skipped.
 OFTEN = 0.1
 
 #: Seconds of silence after which a less exact topic is used.
@@ -22,16 +22,16 @@ SILENT = 2.0
 
 
 class PoseTopics:
-    """Takes messages of POSES and ``/tf_static``; calls ``tell`` with the time and each pose in the frame ``map``.
+    """Reads messages of POSES and ``/tf_static``; calls ``on_pose`` with the time and each pose in the frame ``map``.
 
-    ``takes`` has a function of the time and a message for each topic.
+    ``takes`` maps each topic to a function of the time and a message.
     """
 
-    def __init__(self, tell: Callable[[float, Pose], None]) -> None:
-        self._tell = tell
+    def __init__(self, on_pose: Callable[[float, Pose], None]) -> None:
+        self._on_pose = on_pose
         self._frames = PlanarFrames()
         self._exact, self._heard = len(POSES), 0.0
-        self._read: Dict[str, float] = {}  # when each topic was read last
+        self._read: Dict[str, float] = {}  # time of the last message that was read, by topic
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             EXACT: lambda time, message: self._pose(EXACT, time, message),
             "amcl_pose": lambda time, message: self._pose("amcl_pose", time, message),
@@ -40,7 +40,7 @@ class PoseTopics:
         }
 
     def is_too_soon(self, name: str, time: float) -> bool:
-        """Tell whether to skip a message of a topic, as another one of it has just been read."""
+        """Return whether to skip a message of a pose topic, less than OFTEN seconds after the previous one."""
         if name not in POSES or name == "/tf":  # messages of tf differ in their frames
             return False
         if 0.0 <= time - self._read.get(name, -OFTEN) < OFTEN:
@@ -63,8 +63,8 @@ class PoseTopics:
             self._at("/tf", time, pose)
 
     def _at(self, topic: str, time: float, pose: Pose) -> None:
-        """Report a pose unless a more exact topic has one."""
+        """Report a pose unless a more exact topic is available."""
         exact = POSES.index(topic)
         if exact <= self._exact or not 0.0 <= time - self._heard <= SILENT:
             self._exact, self._heard = exact, time
-            self._tell(time, pose)
+            self._on_pose(time, pose)

@@ -1,4 +1,4 @@
-"""One goal sent from the command line."""
+"""The command ``request``: sends a goal to the core."""
 
 import time
 from typing import Callable
@@ -17,32 +17,32 @@ Line = Callable[[ROSoClingoFeedback], str]
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
 
-#: Seconds of wall time between two looks at a goal that has no news.
+#: Seconds of wall time between two checks of a goal without news.
 _TURN = 0.2
 
 
 def request(text: str, server: str, wait: float, say: Callable[[str], None], plain: bool = False) -> int:
-    """Send a goal, say its feedback and its end; Ctrl-C cancels it. Returns the exit code of EXIT_CODES.
+    """Send a goal, print its feedback and its end, and return an exit code of EXIT_CODES; Ctrl-C cancels the goal.
 
-    Feedback is the plan. With ``plain`` it is the current actions in the program's words, or a missing interface.
+    The feedback is the plan. With ``plain`` it is the current actions in the program's words, or a missing interface.
 
-    The goal is lost if its server does not come within ``wait`` seconds of wall time, or goes away later. A server that
-    waits for ROS time to begin counts as present.
+    The goal is lost if its server does not start within ``wait`` seconds of wall time, or disappears later. A server
+    that waits for ROS time to begin counts as present.
 
     Subscribes:
         CORE/program (std_msgs/String): the program, once, for its words.
         /diagnostics (diagnostic_msgs/DiagnosticArray): with ``plain``, the interfaces of the core.
     Actions called:
-        SERVER (rosoclingo/ROSoClingoAction): that of ``server``.
+        SERVER (rosoclingo/ROSoClingoAction): the action server ``server``.
     """
     client = CoreClient(server)
     try:
         there = client.wait_for_server(wait)
     except KeyboardInterrupt:
-        say(f"not waiting any longer for the action server '{server}'; nothing was sent")
+        say(f"stopped waiting for the action server '{server}'; nothing was sent")
         return EXIT_CODES["lost"]
     if not there:
-        still = "" if rospy.get_time() else "; ROS time has not begun, and the core tells its status by it"
+        still = "" if rospy.get_time() else "; ROS time has not begun, so the core publishes no status"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
     line = _plain_line(words_of(client.node), interfaces_of(client.node)) if plain else _line
@@ -50,7 +50,7 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
 
 
 def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str], None]) -> int:
-    """Say what is new of a goal until it has ended; return the exit code."""
+    """Print news of a goal until it has ended; return the exit code."""
     said, cancelled, beginning = "", False, Beginning()
     while not goal.ended:
         try:
@@ -62,7 +62,7 @@ def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str],
             client.check()
         except KeyboardInterrupt:
             if cancelled:
-                say("not waiting any longer; the goal was asked to be cancelled")
+                say("stopped waiting; the cancel request was sent")
                 return EXIT_CODES["lost"]
             cancelled = True
             say(f"cancelling {goal.text} (Ctrl-C again: do not wait)")
@@ -72,10 +72,10 @@ def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str],
 
 
 def _plain_line(words: Sentences, interfaces: ReportedInterfaces) -> Line:
-    """Return the line of the current actions; empty until it is known whether an interface does them."""
+    """Return a function for the line of the current actions; the line is empty until their interfaces are known."""
 
     def line(feedback: ROSoClingoFeedback) -> str:
-        """Return the line of a feedback."""
+        """Return the line for a feedback message."""
         plan = feedback.task_plan[feedback.position :]
         found = [interfaces.fault(one, time.monotonic()) for one in actions_now(feedback.cycle, plan)]
         faults = [one for one in found if one is not None]

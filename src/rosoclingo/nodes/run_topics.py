@@ -1,4 +1,4 @@
-"""The events of a run from the messages of a core's topics, live or from a bag."""
+"""Converts the messages of a core's topics, live or from a bag, to the events of a run."""
 
 from typing import Any, Callable, Dict, Optional
 
@@ -13,14 +13,14 @@ from rosoclingo.runs.topic_names import full_name
 
 __all__ = ["PATHS", "RunTopics"]
 
-#: Topics of the way that the robot is to drive.
+#: Topics with the robot's planned path.
 PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
 
 
 class RunTopics:
-    """Takes messages of a core's topics and gives them to ``events``, which can be exchanged.
+    """Passes messages of a core's topics to ``events``, which can be replaced.
 
-    ``takes`` has a function of the time and a message for each topic, named as :func:`full_name` takes it.
+    ``takes`` maps each topic, with a name for :func:`full_name`, to a function of the time and a message.
     """
 
     def __init__(self, events: RunEvents, core: str = "/rosoclingo") -> None:
@@ -50,11 +50,11 @@ class RunTopics:
         }
 
     def full(self, name: str) -> str:
-        """Return the name of a topic of ``takes`` from the root on."""
+        """Return the absolute name of a topic of ``takes``."""
         return full_name(name, self._core)
 
     def is_too_soon(self, name: str, time: float) -> bool:
-        """Tell whether a message of a topic need not be read, as one of the same pose has just been."""
+        """Return whether to skip a message of a pose topic, soon after the previous one."""
         return self._pose.is_too_soon(name, time)
 
     def _statuses(self, time: float, message: Any) -> None:
@@ -78,7 +78,7 @@ class RunTopics:
         if message.interface != CORE:
             self.events.dispatched(time, message.facts)
             return
-        for run in filter(None, map(run_in, message.facts)):  # the core tells of itself
+        for run in filter(None, map(run_in, message.facts)):  # the core announces its run
             self.events.begin(run)
 
     def _packages(self, time: float, message: Any) -> None:
@@ -94,7 +94,7 @@ class RunTopics:
 
 
 def _image(message: Any) -> Optional[Dict[str, Any]]:
-    """Return the picture of a nav_msgs/OccupancyGrid; None for one without cells."""
+    """Return the image of a nav_msgs/OccupancyGrid, None for a grid without cells."""
     info, corner, turn = message.info, message.info.origin.position, message.info.origin.orientation
     if not message.data or len(message.data) != info.height * info.width:
         return None

@@ -1,4 +1,4 @@
-"""Whether an action server is still the one that goals were sent to, by wall time."""
+"""Detects in wall time that an action server has died or was restarted."""
 
 import os
 import time
@@ -10,22 +10,22 @@ import rospy
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
-#: Seconds of wall time without word of a goal after which the server is asked whether it is there.
+#: Seconds of wall time without news of a goal after which the server's node is checked.
 SILENCE = 5.0
 
-#: Seconds of wall time before a missing begin of ROS time is reported.
+#: Seconds of wall time after which missing ROS time is reported.
 BEGINNING = 2.0
 
 
 class ServerWatch:
     """The process behind an action server.
 
-    A server tells its status by ROS time, which may stand still; so one that is silent is asked by its node's XML-RPC
-    interface, in wall time, before it is taken for gone.
+    A server publishes its status in ROS time, which can stand still. So a silent server is first checked through its
+    node's XML-RPC interface, in wall time.
     """
 
     def __init__(self, node: str) -> None:
-        """Take the name of the server's node, which is there now."""
+        """Watch the running node ``node``."""
         self.node = node
         self._uri = ""
         with suppress(*FAULTS):
@@ -33,16 +33,16 @@ class ServerWatch:
         self._process = self._ask()
 
     def fault(self) -> str:
-        """Why the server is no longer there, empty where it is; takes some seconds where nothing answers."""
+        """Return why the server is gone, empty if it is running; takes some seconds if the node does not respond."""
         process = self._ask()
         if process is None:
-            return f"{self.node} does not answer any more"
+            return f"{self.node} does not respond any more"
         if self._process is not None and process != self._process:
             return f"{self.node} was restarted"
         return ""
 
     def _ask(self) -> Optional[int]:
-        """Return the node's process id, None where it does not answer."""
+        """Return the node's process id, None if the node does not respond."""
         with suppress(*FAULTS):
             return int(api(self._uri).getPid(rospy.get_name())[2]) if self._uri else None
         return None
@@ -53,18 +53,18 @@ class Beginning:
 
     def __init__(self) -> None:
         self._since = time.monotonic()
-        self._said = False
+        self._reported = False
 
     def line(self) -> str:
-        """Return a text about that, once, after BEGINNING seconds of wall time; else an empty one."""
-        if self._said or time.monotonic() - self._since < BEGINNING or rospy.get_time():
+        """Return a message, once, after BEGINNING seconds of wall time without ROS time; else an empty text."""
+        if self._reported or time.monotonic() - self._since < BEGINNING or rospy.get_time():
             return ""
-        self._said = True
+        self._reported = True
         return "ROS time has not begun: waiting for /clock"
 
 
 def missing_master() -> str:
-    """Why there is no ROS master, empty where there is one; asks for some seconds of wall time at most."""
+    """Return why no ROS master responds, empty if one does; takes at most some seconds of wall time."""
     uri = rosgraph.get_master_uri()
     try:
         api(uri).getPid("/" + str(os.getpid()))

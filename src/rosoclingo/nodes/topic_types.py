@@ -23,7 +23,7 @@ from rosoclingo.nodes.run_topics import PATHS
 
 __all__ = ["TYPES"]
 
-#: Types by the names of :class:`RunTopics`.
+#: Message types by the topic names of :class:`RunTopics`.
 TYPES: Dict[str, Any] = {
     "~program": String,
     "~goals": GoalStates,

@@ -1,4 +1,4 @@
-"""The command ``watch``: the account of a system that runs, or of a bag."""
+"""The command ``watch``: prints the account of a running system, or of a bag."""
 
 import time
 from contextlib import suppress
@@ -17,15 +17,15 @@ from rosoclingo.runs.topic_names import USUAL
 
 Say = Callable[[str], None]
 
-#: The type of a topic that each core has.
+#: The type of a topic of each core, by which cores are found.
 _PLAN = "rosoclingo/TaskPlan"
 
-#: Seconds of wall time between two looks at whether something has waited long enough.
+#: Seconds of wall time between two checks for lines that are due.
 _TURN = 0.2
 
 
 def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> None:
-    """Tell the account of a bag, and the summary; raises RecordingError."""
+    """Print the account of a bag, and the summary; raises RecordingError."""
     account = Account(say, with_state=with_state)
     with suppress(KeyboardInterrupt):
         read_bag(path, core, account, TOPICS)
@@ -34,9 +34,9 @@ def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> No
 
 
 def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
-    """Tell the account of the system around a core, until Ctrl-C or the master's end, then the summary."""
+    """Print the account of a core's system until Ctrl-C or the master's end, then the summary."""
     name = rospy.resolve_name(core) if core else _find_core()
-    words = words_of(name)  # first, as the first line may be of an action
+    words = words_of(name)  # first, as the first line can be about an action
     account, beginning = AccountNode(say, with_state, name, words), Beginning()
     try:
         while not rospy.is_shutdown():
@@ -56,12 +56,12 @@ def _conclude(summary: Summary, say: Say) -> None:
 
 
 def _find_core() -> str:
-    """The full name of the core to watch: that of the usual name, here, where it is there, or the only one."""
+    """Return the absolute name of the core with the default name, if it is running, or of the only core."""
     return chosen_core(rospy.get_published_topics(), rospy.resolve_name(USUAL))
 
 
 def chosen_core(published: Iterable[Sequence[str]], usual: str) -> str:
-    """The core of these topics (name, type): the ``usual`` one unless there is but one other; raises RecordingError."""
+    """Return the ``usual`` core if it is in these topics (name, type), else the only core; raises RecordingError."""
     cores = sorted(name.rpartition("/")[0] for name, kind in published if kind == _PLAN)
     if usual in cores or not cores:
         return usual

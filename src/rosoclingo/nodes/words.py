@@ -1,4 +1,4 @@
-"""The words of a core's program for actions, and the interfaces that the core reports."""
+"""The sentences of a core's program for its actions, and the interfaces that the core reports."""
 
 import time
 from contextlib import suppress
@@ -12,22 +12,22 @@ from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_names import full_name
 
-#: Seconds of wall time to wait for the core's report, which it publishes once a second; seconds between two checks.
+#: Limit in seconds of wall time for the core's report, which it publishes once a second; seconds between two checks.
 _REPORT, _TURN = 5.0, 0.02
 
-#: Seconds of wall time to wait for the program where there is a core: it tells it as it starts.
+#: Limit in seconds of wall time for the program of a running core, which publishes it at its start.
 _WAIT = 10.0
 
 
 def words_in(program: str) -> Sentences:
-    """The words in what the core publishes as its program; what cannot be read has none."""
+    """Return the sentences in a core's message ``~program``; none if the message is invalid."""
     with suppress(RecordingError):
         return sentences_of(RunProgram.parse(program))
     return Sentences()
 
 
 def words_of(core: str) -> Sentences:
-    """The words of the core of this name, none where it is not there or does not tell its program soon."""
+    """Return the sentences of a core's program; none if the core is not running or does not publish it in time."""
     topic = full_name("~program", core)
     if topic in (name for name, _ in rospy.get_published_topics()):
         with suppress(rospy.ROSException):
@@ -40,7 +40,7 @@ def interfaces_of(core: str) -> ReportedInterfaces:
     found, name = ReportedInterfaces(), core.strip("/") + ": core"
 
     def take(message: DiagnosticArray) -> None:
-        """Take the status of the core."""
+        """Process the status of the core."""
         for one in message.status:
             if one.name == name:
                 values = {value.key: value.value for value in one.values}

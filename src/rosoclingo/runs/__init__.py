@@ -1,1 +1,1 @@
-"""What is said and kept of a run: scenarios, accounts (pure)."""
+"""Runs of a core: events, views, accounts, recordings, replay and scenarios (pure)."""

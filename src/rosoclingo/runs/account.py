@@ -1,4 +1,4 @@
-"""An account of a run for people: a line for each event, and a summary."""
+"""The account of a run: a line of text for each event, and a summary."""
 
 from dataclasses import dataclass, field
 from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
@@ -10,16 +10,16 @@ from rosoclingo.runs.events import because
 from rosoclingo.runs.run_view import PENDING, WAITING, RunView
 from rosoclingo.runs.topic_atoms import action_in
 
-#: Limit of actions that a summary names, the latest ones.
+#: Limit of actions in a summary, the latest.
 _LATEST = 40
 
-#: Metres from a label within which the robot is there.
+#: Distance in metres below which the robot counts as at a label.
 TOLERANCE = 0.5
 
 
 @dataclass
 class GoalAccount:
-    """The end or the state of one goal, with actionlib's id as its ``key``."""
+    """The state of one goal, with actionlib's id as its ``key``."""
 
     text: str
     status: str = PENDING
@@ -29,10 +29,10 @@ class GoalAccount:
 
 @dataclass
 class Summary:
-    """The totals of a run.
+    """The final state of a run.
 
-    ``packages`` maps each package to its label or "carried"; ``robot`` is empty where its place is not known;
-    ``seconds`` are of the run's clock.
+    ``packages`` maps each package to its label or "carried"; ``robot`` is empty if its place is unknown; ``seconds``
+    is the duration by the run's clock.
     """
 
     goals: List[GoalAccount] = field(default_factory=list)
@@ -44,10 +44,10 @@ class Summary:
     def differences(
         self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
     ) -> List[str]:
-        """Return the differences of the run from a scenario's ``expect``; empty for none.
+        """Return the differences of the run from a scenario's ``expect``.
 
-        ``before`` is the number of the core's cycles before the scenario; it is subtracted from those of actions.
-        ``sent`` are the keys of its goals, None for all of the run.
+        ``before`` is the number of the core's cycles before the scenario, which is subtracted from cycles of actions.
+        ``sent`` are the keys of the scenario's goals, None for all goals of the run.
         """
         found: Dict[str, Any] = {
             "goals": [goal.status for goal in self.goals if sent is None or goal.key in sent],
@@ -58,7 +58,7 @@ class Summary:
         return [f"{key}: expected {expect[key]}, found {found[key]}" for key in expect if expect[key] != found[key]]
 
     def lines(self) -> List[str]:
-        """The summary as text."""
+        """Return the summary as lines of text."""
         goals = [f"{one.text}: {one.status}{because(one.status, one.message)}" for one in self.goals]
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
@@ -66,7 +66,7 @@ class Summary:
         return [*goals, *packages, *robot, f"actions: {self._done()}"]
 
     def _done(self) -> str:
-        """The actions, or the latest of many."""
+        """Return the text about the actions, or about the latest of many."""
         actions = ", ".join(_action(text) for text in self.actions[-_LATEST:]) or "none"
         more = len(self.actions) > _LATEST
         return f"{len(self.actions)}, the last {_LATEST} of them {actions}" if more else actions
@@ -78,8 +78,8 @@ class Summary:
 class Account(RunView):
     """A view of a run that passes each line of its log to ``say``; ``with_state`` adds the program's beliefs.
 
-    The robot's place is the program's label within TOLERANCE of its pose, or the shown place if there is no pose.
-    Places of things come from the topic of packages, else from shown atoms.
+    The robot's place is the program's label within TOLERANCE of its pose, or the shown place if there is no pose. The
+    places of things come from the topic of packages, else from shown atoms.
     """
 
     def __init__(self, say: Callable[[str], None], with_state: bool = False) -> None:
@@ -87,12 +87,12 @@ class Account(RunView):
         self._say = say
 
     def enter(self, time: float, cycle: int, kind: str, text: str) -> None:
-        """Say a line of the log."""
+        """Print a line of the log."""
         self._say(f"{time:7.1f} s  cycle {cycle:<3d} {kind:8s} {text}")
 
     @property
     def summary(self) -> Summary:
-        """The totals so far."""
+        """The summary up to now."""
         goals = [record for _, record in self.tables["goals"].since(0)]
         places = self.tables["packages"].last
         believed = believed_places(self.believed, self.drawings, self.about["labels"].keys())

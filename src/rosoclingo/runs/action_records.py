@@ -13,20 +13,20 @@ EARLY = 20
 
 
 class ActionRecords:
-    """Adds actions to ``table`` by their numbers in ``words``, with times in seconds since the run began."""
+    """Adds actions to ``table``, by their numbers in ``words``, with times in seconds from the beginning."""
 
     def __init__(self, table: Table, words: Words) -> None:
         self._table, self._words = table, words
         self.forget()
 
     def forget(self) -> None:
-        """Begin another run of the core: nothing is under way."""
+        """Forget all running actions, for another run of the core."""
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of records, by interface and cycle
-        self._unwanted: Set[int] = set()  # those that the core has cancelled
-        self._early: List[Return] = []  # of actions not received yet: topics have no common order
+        self._cancelled: Set[int] = set()  # numbers of records of cancelled actions
+        self._early: List[Return] = []  # returns of actions that have not arrived: topics have no common order
 
     def dispatched(self, now: float, texts: List[str]) -> None:
-        """Add actions, and mark those that the core has cancelled."""
+        """Add actions, and mark cancelled actions."""
         for text in texts:
             if text.startswith(CANCEL_ACTION):
                 self._cancel(ACTION_LIB + text[len(CANCEL_ACTION) :])
@@ -45,20 +45,20 @@ class ActionRecords:
     def _cancel(self, text: str) -> None:
         action = action_in(text)
         if action is not None:
-            under_way = self._open.get((action.interface_name, action.cycle), [])
-            self._unwanted.update(one for one in under_way if self._parameter(one) == name_of(action.parameter))
+            running = self._open.get((action.interface_name, action.cycle), [])
+            self._cancelled.update(one for one in running if self._parameter(one) == name_of(action.parameter))
 
     def _answered(self, now: float, answer: Return) -> bool:
-        """Add a return to its action; tell whether there is such an action."""
+        """Add a return to its action; return whether the action exists."""
         value = name_of(answer.value)
-        under_way = self._open.get((answer.interface_name, answer.cycle), [])
-        if not under_way:
+        running = self._open.get((answer.interface_name, answer.cycle), [])
+        if not running:
             return False
-        meant = [number for number in under_way if self._parameter(number) == value]
-        unwanted = [number for number in under_way if number in self._unwanted and answer.value == PREEMPTED]
-        number = (meant or unwanted or under_way)[0]
-        under_way.remove(number)
-        found = {"failed": not (meant or unwanted), "preempted": bool(unwanted) and not meant}
+        succeeded = [number for number in running if self._parameter(number) == value]
+        preempted = [number for number in running if number in self._cancelled and answer.value == PREEMPTED]
+        number = (succeeded or preempted or running)[0]
+        running.remove(number)
+        found = {"failed": not (succeeded or preempted), "preempted": bool(preempted) and not succeeded}
         self._table.change(number).update(ended=now, value=value, **found)
         return True
 

@@ -1,9 +1,9 @@
-"""Places of the robot and of things from the shown atoms of a program, the topic ``~state``.
+"""Places of the robot and of things from the program's beliefs, the topic ``~state``.
 
 ``_draws(Predicate,robot)``, ``thing`` and ``carried`` declare these atoms. Without such a declaration, atoms with
-the usual names count: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)``
-and ``thing_at(Thing,Place)`` for things, ``carries(Thing)``, ``carried(Thing)`` and ``holding(Thing)`` for those on
-the robot.
+common names count: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Thing,Place)`` and
+``thing_at(Thing,Place)`` for things, ``carries(Thing)``, ``carried(Thing)`` and ``holding(Thing)`` for things on the
+robot.
 """
 
 from typing import AbstractSet, Dict, Iterator, List, NamedTuple, Sequence, Tuple
@@ -16,17 +16,17 @@ from rosoclingo.runs.topic_atoms import atom_in
 
 __all__ = ["CARRIED", "BelievedPlaces", "believed_places"]
 
-#: In place of a label: a thing on the robot.
+#: The place of a thing on the robot, instead of a label.
 CARRIED = "carried"
 
 _ROBOTS, _THINGS, _CARRYING = ("at", "robot_at"), ("at", "thing_at"), ("carries", "carried", "holding")
 
-#: The robot's name where it is an argument like a thing.
+#: The robot's name if it is an argument like a thing.
 _ROBOT = "robot"
 
 
 class BelievedPlaces(NamedTuple):
-    """The robot's place, empty where it is not shown, and those of things: a label each, or CARRIED."""
+    """The robot's place, empty if it is not shown, and the places of things: a label or CARRIED."""
 
     robot: str
     things: Dict[str, str]
@@ -38,14 +38,14 @@ def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSe
     robots = [one.labels[0] for one in drawn if one.kind is DrawingKind.ROBOT]
     things = {one.text: one.labels[0] for one in drawn if one.kind is DrawingKind.THING}
     things.update((one.text, CARRIED) for one in drawn if one.kind is DrawingKind.CARRIED)
-    usual = list(_usual(atoms, labels))
-    robots = robots or [place for thing, place in usual if thing == _ROBOT]
-    others = {thing: place for thing, place in usual if thing != _ROBOT}
+    common = list(_common(atoms, labels))
+    robots = robots or [place for thing, place in common if thing == _ROBOT]
+    others = {thing: place for thing, place in common if thing != _ROBOT}
     return BelievedPlaces(robots[0] if robots else "", things or others)
 
 
-def _usual(atoms: Sequence[str], labels: AbstractSet[str]) -> Iterator[Tuple[str, str]]:
-    """Yield a thing, or the robot, and its place for each atom with a usual name."""
+def _common(atoms: Sequence[str], labels: AbstractSet[str]) -> Iterator[Tuple[str, str]]:
+    """Yield a thing, or the robot, and its place for each atom with a common name."""
     names = {*_ROBOTS, *_THINGS, *_CARRYING}
     found = (atom_in(text) for text in atoms if text.partition("(")[0] in names)
     for atom in (one for one in found if one is not None):

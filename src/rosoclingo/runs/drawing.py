@@ -1,8 +1,8 @@
-"""What a program wants to have drawn on the map: ``_draws(shut,blocked,"shut").`` among its facts.
+"""The program's drawings on the map: ``_draws(shut,blocked,"shut").`` among its facts.
 
-The fact names a predicate. Its atoms are drawn: those that hold now, as far as the program shows them (the topic
-``~state``), and its facts that stand in the program's texts. Where they are drawn follows from their arguments that are
-labels; the other ones are put in place of ``{}`` in the text.
+The fact names a predicate, whose atoms are drawn: the shown atoms that hold now (the topic ``~state``), and the
+facts in the program's texts. Arguments that are labels determine the place; the other arguments replace ``{}`` in the
+text.
 """
 
 from enum import Enum
@@ -24,18 +24,18 @@ _PLACE = "{}"
 
 
 class DrawingKind(Enum):
-    """How an atom is drawn; the name is the one in programs."""
+    """The kinds of drawings, with their names in programs."""
 
     WAY = "way"  # a line between two labels
-    OPEN = "open"  # the same, which can be gone
-    BLOCKED = "blocked"  # the same, with a bar across
+    OPEN = "open"  # a passable way
+    BLOCKED = "blocked"  # a way with a bar across
     THING = "thing"  # a box at a label
     CARRIED = "carried"  # a box on the robot
-    MARK = "mark"  # words at a label
-    ROBOT = "robot"  # the robot at a label, where nobody else knows where it is
+    MARK = "mark"  # a text at a label
+    ROBOT = "robot"  # the robot at a label, if there is no pose
 
 
-#: How many labels an atom has to have for it.
+#: The number of labels among the arguments of an atom.
 LABELS = {
     DrawingKind.WAY: 2,
     DrawingKind.OPEN: 2,
@@ -46,12 +46,12 @@ LABELS = {
     DrawingKind.ROBOT: 1,
 }
 
-#: Kinds that are nothing without words: the other arguments, or the predicate where there is none.
+#: Kinds that need a text; its default are the other arguments, or the predicate.
 _NAMED = (DrawingKind.THING, DrawingKind.CARRIED, DrawingKind.MARK)
 
 
 class Drawing(NamedTuple):
-    """Something on the map: its kind, the labels at which it is, and words."""
+    """A drawing on the map: its kind, its labels and its text."""
 
     kind: DrawingKind
     labels: Tuple[str, ...]
@@ -59,10 +59,10 @@ class Drawing(NamedTuple):
 
 
 class Drawings:
-    """The drawings of atoms; ``styles`` are kind and text by predicate, ``facts`` atoms that always hold.
+    """The drawings of atoms; ``styles`` maps predicates to kind and text, ``facts`` are atoms that always hold.
 
     Attributes:
-        faults: declarations that cannot be used, with the mend.
+        faults: messages about invalid declarations.
 
     """
 
@@ -77,7 +77,7 @@ class Drawings:
         self.faults = tuple(faults)
 
     def of(self, atoms: Sequence[str], labels: AbstractSet[str]) -> List[Drawing]:
-        """Return the drawings while ``atoms`` hold, each once; atoms that cannot be drawn are left out."""
+        """Return the drawings while ``atoms`` hold, each once, without atoms that cannot be drawn."""
         texts = [text for text in (*self._facts, *atoms) if text.partition("(")[0] in self._styles]
         drawn = [self._drawing(atom, labels) for atom in map(atom_in, texts) if atom is not None]
         return list(dict.fromkeys(one for one in drawn if one is not None))
@@ -94,13 +94,13 @@ class Drawings:
 
 
 def drawings_of(program: RunProgram) -> Drawings:
-    """Return what a program's texts want to have drawn; what cannot be is among the faults."""
+    """Return the drawings that a program's texts declare, with the faults of its declarations."""
     styles: Dict[str, Tuple[DrawingKind, str]] = {}
     faults = []
     for fact in facts_of(program, {DRAWS}):
         fault = drawing_fault(fact)
         if fault:
-            faults.append(f"{fact} has nothing drawn: {fault}")
+            faults.append(f"{fact} draws nothing: {fault}")
         else:
             name, kind, *text = fact.arguments
             styles[name_of(name)] = DrawingKind(str(kind)), text[0].string if text else ""
@@ -108,12 +108,12 @@ def drawings_of(program: RunProgram) -> Drawings:
 
 
 def drawing_fault(fact: Symbol) -> str:
-    """Return what is wrong with a declaration, and the mend; empty where nothing is."""
+    """Return the fault of a declaration and how to fix it; empty for a valid declaration."""
     if len(fact.arguments) not in (2, 3):
         return f"write {DRAWS}(Predicate,Kind) or {DRAWS}(Predicate,Kind,Text)"
     kinds = [one.value for one in DrawingKind]
     if str(fact.arguments[1]) not in kinds:
         return f"{fact.arguments[1]} is no kind, write one of {', '.join(kinds)}"
     if len(fact.arguments) == 3 and fact.arguments[2].type is not SymbolType.String:
-        return f'the text is a string, write "{fact.arguments[2]}"'
+        return f'the text has to be a string, write "{fact.arguments[2]}"'
     return ""

@@ -1,7 +1,7 @@
-"""The events of a run from a core's journal, as far as that goes back: now and then it begins with the state alone.
+"""Reads the events of a run from a core's journal, from its last checkpoint on.
 
-The updates of a cycle are in the solver's log; the decisions are the plan, and the actions that went out. What other
-nodes tell, above all where the robot is, is not in a journal.
+The updates of a cycle are in the solver's log; the decisions are the plan and the dispatched actions. A journal has no
+messages of other nodes, such as the robot's pose.
 """
 
 from dataclasses import replace
@@ -23,14 +23,14 @@ from rosoclingo.runs.run_view import RunView
 
 __all__ = ["journal_run", "journal_view"]
 
-#: What a page says that it cannot show.
+#: A page's notes about missing data.
 LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
-TIMELESS = "nor any times: a record counts as a second"
+TIMELESS = "no times: each record counts as a second"
 
-#: From whom facts come that are in an update.
+#: The sender of facts in an update.
 SOMEBODY = "an interface"
 
-#: The statuses of goals that have not ended, as actionlib numbers all of them.
+#: actionlib's numbers of the states of goals.
 _NUMBERS = {
     state: number
     for number, state in enumerate(
@@ -51,7 +51,7 @@ _LOST = 9
 
 
 def journal_run(file: Path) -> RecordedRun:
-    """Return the run in a journal; raises RecordingError with the record that is damaged, and OSError."""
+    """Return the run in a journal; raises RecordingError with a damaged record, and OSError."""
     header, moments = _history(file)
     first = next(moments)
     start = log_of(first.state) if group(first.state, "log") else None
@@ -61,15 +61,15 @@ def journal_run(file: Path) -> RecordedRun:
     for moment in moments:
         reader.take(moment)
     if not reader.has_update:
-        words = "nothing was done since it began with the whole state: there is nothing to replay yet"
+        words = "no cycle has begun since the last checkpoint, so there is nothing to replay yet"
         raise RecordingError(f"{file}: {words}")
     return collector.runs()[0]
 
 
 def journal_view(file: Path, about: Optional[Mapping[str, Any]] = None) -> RunView:
-    """Return what a page shows of the run in a journal; ``about`` is what else the page says.
+    """Return the view of the run in a journal; ``about`` has further texts of the page.
 
-    Raises RecordingError with the record that is damaged, and OSError.
+    Raises RecordingError with a damaged record, and OSError.
     """
     header, moments = _history(file)
     view = RunView(about)
@@ -78,7 +78,7 @@ def journal_view(file: Path, about: Optional[Mapping[str, Any]] = None) -> RunVi
         reader.take(moment)
     view.finish()
     first = f"it begins with cycle {reader.first}" if reader.first > 1 else ""
-    view.tell(lacks="; ".join(filter(None, [LACKS, TIMELESS if reader.timeless else "", first])))
+    view.describe(lacks="; ".join(filter(None, [LACKS, TIMELESS if reader.timeless else "", first])))
     return view
 
 
@@ -90,7 +90,7 @@ def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
 
 
 class _Clock:
-    """Seconds that only go forward, also if simulated time went back; a record without a time counts as a second."""
+    """A clock that never goes back, even if simulated time did; a record without a time counts as a second."""
 
     def __init__(self) -> None:
         self._now, self._last = 0.0, 0.0
@@ -108,7 +108,7 @@ class _Clock:
 
 
 class _Reader:
-    """Passes on the events that led from each state to the next.
+    """Reports the events between successive states.
 
     Attributes:
         first: the cycle of the first state, 0 before that.
@@ -118,15 +118,15 @@ class _Reader:
     """
 
     def __init__(self, events: RunEvents, header: Header) -> None:
-        """Pass on to ``events``, first of all the program; raises RecordingError."""
+        """Report to ``events``, beginning with the program; raises RecordingError."""
         self._events, self._clock = events, _Clock()
         self._clients: Dict[str, ClientGoal] = {}
         self._ended: Set[str] = set()
         self._states: Dict[str, Tuple[GoalState, bool]] = {}
         self._returns: Set[str] = set()
         self._entries: Set[str] = set()  # names of the log's entries
-        self._updates: List[StreamUpdate] = []  # since a cycle began
-        self._cycle = 0  # of the last update in force
+        self._updates: List[StreamUpdate] = []  # updates since the beginning of the last cycle
+        self._cycle = 0  # of the last accepted update
         self._plan: object = None  # of that cycle
         self.first, self.has_update, self.timeless = 0, False, False
         if header.description:
@@ -134,14 +134,14 @@ class _Reader:
             events.program(0.0, program.text())
 
     def take(self, moment: Moment) -> None:
-        """Take the next state, and the time since which it holds."""
+        """Process the next state and its time."""
         state, time = moment.state, self._clock.at(moment.time)
         self.timeless = self.timeless or moment.time is None
         self._arrivals(time, state)
         if not self.first:
             self._begin(time, state)
         else:
-            self._under_way(time, state)
+            self._running(time, state)
             self._advance(time, state)
         self._events.beliefs(
             time, state["core"]["step"], sorted(str(symbol_of(one)) for one in keys_of(state, "believed"))
@@ -150,17 +150,17 @@ class _Reader:
         self._events.clock(time)
 
     def _begin(self, time: float, state: Record) -> None:
-        """Pass on the plan and the actions of the first state."""
+        """Report the plan and the actions of the first state."""
         self.first, self._cycle = max(1, state["core"]["step"]), _latest(state)
         self._entries.update(group(state, "log"))
         if state["plan"] is not None and (self._cycle or plan_of(state["plan"]).actions):
             self._decided(time, self.first, state)
         if state["dispatch"] is not None:
             self._events.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"]["actions"])])
-            self._under_way(time, state)
+            self._running(time, state)
 
     def _arrivals(self, time: float, state: Record) -> None:
-        """Pass on goals that have come, and cancels."""
+        """Report new goals and cancels."""
         found = {key: ClientGoal.of_record(value) for key, value in group(state, "client").items()}
         for key, client in found.items():
             before = self._clients.get(key)
@@ -172,8 +172,8 @@ class _Reader:
                 self._events.cancel(time, key)
         self._clients.update(found)
 
-    def _under_way(self, time: float, state: Record) -> None:
-        """Pass on which actions under way the core has ended, and which have returned."""
+    def _running(self, time: float, state: Record) -> None:
+        """Report cancellations and returns of running actions."""
         self._events.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"]["ended"])])
         if state["dispatch"] is not None:
             self._returned(time, [str(one.atom) for one in Dispatch.of_record(state["dispatch"]).returns])
@@ -184,19 +184,17 @@ class _Reader:
         self._events.returned(time, SOMEBODY, fresh)
 
     def _advance(self, time: float, state: Record) -> None:
-        """Pass on a cycle that has begun, and what was decided in it."""
+        """Report a new cycle and its decisions."""
         entries = {name: value for name, value in group(state, "log").items() if name not in self._entries}
         self._entries.update(entries)
         accepted = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
         self._updates += [one.update for one in accepted if isinstance(one, AcceptedUpdate) and one.update is not None]
         if _latest(state) > self._cycle:
-            for update in self._in_force():
+            for update in self._effective_updates():
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
             self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True
-        if (
-            self.has_update and state["core"]["step"] == self._cycle
-        ):  # else an update was dropped, and its cycle comes again
+        if self.has_update and state["core"]["step"] == self._cycle:  # else the core dropped an update
             if state["plan"] is not None and state["plan"] != self._plan:
                 self._plan = state["plan"]
                 self._decided(time, self._cycle, state)
@@ -204,15 +202,15 @@ class _Reader:
             if dispatch is not None and dispatch["cycle"] == self._cycle:
                 self._events.dispatched(time, [str(one.atom) for one in actions_of(dispatch["actions"])])
 
-    def _in_force(self) -> List[StreamUpdate]:
-        """Of several updates of one step the last; after one that begins again, all from there on."""
-        anew = [number for number, update in enumerate(self._updates) if Anew() in update.items]
-        if anew:
-            return self._updates[anew[-1] :]
+    def _effective_updates(self) -> List[StreamUpdate]:
+        """Return the last update of each step, or all updates from the last restart of the program on."""
+        restarts = [number for number, update in enumerate(self._updates) if Anew() in update.items]
+        if restarts:
+            return self._updates[restarts[-1] :]
         return list({one.step: one for one in self._updates if (one.step or 1) > self._cycle}.values())
 
     def _decided(self, time: float, cycle: int, state: Record) -> None:
-        """Pass on a plan, from ``cycle`` on, with the horizon of the plan in force or of the last search."""
+        """Report a plan, from ``cycle`` on, with the horizon of the adopted plan or of the last search."""
         entries = list(group(state, "log").values())
         plans = [one for one in entries if one["do"] == "adopt"]
         horizon = int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])
@@ -220,7 +218,7 @@ class _Reader:
         self._events.plan(time, cycle, horizon, actions)
 
     def _statuses(self, time: float, state: Record) -> None:
-        """Pass on how goals stand, and how they ended."""
+        """Report the states of goals, and their ends."""
         for key, goal in group(state, "goal").items():
             state_now, waits = GoalState(goal["state"]), goal["waits"]
             if key in self._clients and self._clients[key].cancelled:
@@ -235,18 +233,18 @@ class _Reader:
                 continue
             self._ended.add(key)
             if client.ending is None:
-                self._events.status(time, key, _LOST, "how it ended is not in the journal")
+                self._events.status(time, key, _LOST, "its end is not in the journal")
             else:
                 self._events.status(time, key, _NUMBERS[client.ending.state], client.ending.message)
 
 
 def _latest(state: Record) -> int:
-    """Return the cycle of the last update in force."""
+    """Return the cycle of the last accepted update."""
     return int(state["core"]["published"])
 
 
 def _facts(update: StreamUpdate) -> List[str]:
-    """Return what an update states that came from outside: returns first, then other facts."""
+    """Return the external facts of an update, returns first."""
     heads = [one.head for one in update.items if isinstance(one, Statement) and one.head is not None]
     facts = [head for head in heads if not is_keyword(head, REQUEST)]
     return [str(head) for head in sorted(facts, key=lambda head: not is_keyword(head, RETURN))]

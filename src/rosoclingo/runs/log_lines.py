@@ -1,13 +1,13 @@
-"""The lines of a run, in an order that people can follow."""
+"""The log lines of a run, in causal order."""
 
 from typing import Callable, Iterable, List, NamedTuple, Optional, Set
 
 __all__ = ["BEGUN", "PATIENCE", "RunLog"]
 
-#: Seconds of the run's clock for which a line waits for one that belongs before it: topics overtake each other.
+#: Limit in seconds of the run's clock that a line waits for its predecessors: topics have no common order.
 PATIENCE = 1.0
 
-#: A mark that the first plan gives: which cycle it is.
+#: The mark of the first plan, from which the cycle is known.
 BEGUN = "begun"
 
 
@@ -17,14 +17,14 @@ class _Line(NamedTuple):
     text: str
     after: Set[str]
     gives: str
-    cycle: int  # which begins with it, 0 for none
+    cycle: int  # the cycle that begins with this line, 0 for none
 
 
 class RunLog:
-    """Passes on each line when the lines that belong before it are out, at the latest after PATIENCE.
+    """Orders lines: each waits for the lines that belong before it, at most for PATIENCE.
 
-    Lines name each other by marks: a line gives one, and can wait for those of others. ``enter`` gets each line:
-    seconds since the run began, cycle, kind and text.
+    Lines refer to each other by marks: a line has a mark, and can wait for marks of other lines. ``enter`` receives
+    each line: seconds since the beginning of the run, cycle, kind and text.
     """
 
     def __init__(self, enter: Callable[[float, int, str, str], None]) -> None:
@@ -37,12 +37,12 @@ class RunLog:
     def add(
         self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "", cycle: int = 0
     ) -> None:
-        """Take a line at seconds since the run began; ``cycle`` begins with it, 0 for none."""
+        """Add a line at seconds since the beginning of the run; ``cycle`` begins with it, 0 for none."""
         self._held.append(_Line(time, kind, text, set(after), gives, cycle))
         self.clock(time)
 
     def clock(self, time: float) -> None:
-        """Pass on the lines that have waited for long enough."""
+        """Write the lines that are due."""
         line = self._ready(time)
         while line is not None:
             self._held.remove(line)
@@ -54,7 +54,7 @@ class RunLog:
         return next((one for one in self._held if one.after <= self._given or time - one.time > PATIENCE), None)
 
     def finish(self) -> None:
-        """Pass on the lines that still wait."""
+        """Write all waiting lines."""
         held, self._held = self._held, []
         for line in held:
             self._pass_on(line)

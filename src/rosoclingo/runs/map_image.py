@@ -1,4 +1,4 @@
-"""A map as one small picture for pages: cropped to what is known, transparent where the floor is free."""
+"""A map as a small image for pages, cropped to its known part and transparent where the floor is free."""
 
 import base64
 import math
@@ -9,13 +9,13 @@ from typing import Any, Dict, Iterable, List, Tuple
 #: The values of a map (nav_msgs/OccupancyGrid) up to which a cell is free, and from which it is occupied.
 FREE, OCCUPIED = 25, 65
 
-#: Pixels of a picture's longer side at most.
+#: Limit of pixels of an image's longer side.
 LONGEST = 2048
 
-#: Red, green, blue and opacity of what is free, unknown and occupied.
+#: Red, green, blue and opacity of free, unknown and occupied cells.
 PALETTE = ((255, 255, 255, 0), (128, 128, 128, 72), (52, 60, 74, 255))
 
-_UNKNOWN = 255  # -1 as a byte, and all else that is negative
+_UNKNOWN = 255  # -1 as a byte; all negative values count as unknown
 _NORMAL = bytes(value if value < 128 else _UNKNOWN for value in range(256))
 _KINDS = bytes(0 if value <= FREE else 2 if OCCUPIED <= value < 128 else 1 for value in range(256))
 
@@ -23,9 +23,9 @@ _KINDS = bytes(0 if value <= FREE else 2 if OCCUPIED <= value < 128 else 1 for v
 def map_image(
     cells: Iterable[int], width: int, resolution: float, origin: Tuple[float, float, float]
 ) -> Dict[str, Any]:
-    """Return a map (int8, rows of ``width`` cells from the origin on, -1 unknown) as a page has it.
+    """Return a map (int8, rows of ``width`` cells from the origin on, -1 unknown) as an image for a page.
 
-    ``origin`` is the pose of the first cell's corner (m, rad). The result has the picture as a ``data:`` address, its
+    ``origin`` is the pose of the first cell's corner (m, rad). The result has the image as a ``data:`` URL, its
     ``corner`` (x, y of its lower left, m), ``yaw`` (rad), ``width`` and ``height`` (m).
     """
     data = bytes(value & 255 for value in cells).translate(_NORMAL)
@@ -44,7 +44,7 @@ def map_image(
 
 
 def _known(rows: List[bytes]) -> Tuple[int, int, List[bytes]]:
-    """Return the part that is known, all where nothing is, with its first row and column."""
+    """Return the known part with its first row and column; the whole map if nothing is known."""
     unknown = bytes([_UNKNOWN])
     filled = [number for number, row in enumerate(rows) if row.strip(unknown)]
     if not filled:
@@ -56,7 +56,7 @@ def _known(rows: List[bytes]) -> Tuple[int, int, List[bytes]]:
 
 
 def _shrunk(rows: List[bytes], factor: int) -> List[bytes]:
-    """Return blocks of cells as one each; a wall is kept however thin."""
+    """Merge blocks of cells into one cell each, preserving thin walls."""
     if factor == 1:
         return rows
     width, unknown = len(rows[0]) + -len(rows[0]) % factor, b"\1"
@@ -67,7 +67,7 @@ def _shrunk(rows: List[bytes], factor: int) -> List[bytes]:
 
 
 def _png(rows: List[bytes]) -> bytes:
-    """Return a PNG of rows, from the top, of indices of PALETTE."""
+    """Return a PNG image of rows from the top, with indices into PALETTE."""
     chunks = (
         (b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 3, 0, 0, 0)),
         (b"PLTE", bytes(value for colour in PALETTE for value in colour[:3])),

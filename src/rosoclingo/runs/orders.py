@@ -1,13 +1,18 @@
-"""What people may order from a page: kinds of goals with their choices, declared in YAML.
+"""Order forms of a page: kinds of goals with their choices, declared in YAML.
 
     orders:
       - title: Deliver a package
         goal: "goal({from},{to},{package})"
         choices: {package: packages, from: place of package, to: labels}
 
-A choice is a list of terms, or ``labels``: all that have a pose, or ``packages``: those that lie somewhere, or
-``place of NAME``: the place of the package that was chosen as NAME, which is no field of the form. The places of one
-goal differ: a label that is chosen among ``labels`` is no other place of it.
+A choice is one of these:
+
+* a list of terms;
+* ``labels``: all labels with a pose;
+* ``packages``: all packages at a known place;
+* ``place of NAME``: the place of the package that was chosen as NAME, which is no field of the form.
+
+The places of one goal differ: a label chosen from ``labels`` cannot be another place of the goal.
 """
 
 import re
@@ -17,18 +22,18 @@ from rosoclingo.checking.sample_requests import IDENTIFIER, chosen
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgressionError, parse_term
 
-#: Choices that the world makes.
+#: Choices whose options depend on the world.
 LABELS, PACKAGES, PLACE_OF = "labels", "packages", "place of "
 
 _NAME = re.compile(r"\{(\w+)\}")
 
 
 class OrderError(ValueError):
-    """An order that cannot be given; the text says why."""
+    """An invalid order; the text has the reason."""
 
 
 class Choice(NamedTuple):
-    """What can be chosen for a name in a goal: ``kind`` is LABELS, PACKAGES, PLACE_OF, or empty for ``terms``."""
+    """The options for a name in a goal: ``kind`` is LABELS, PACKAGES, PLACE_OF, or empty for ``terms``."""
 
     name: str
     kind: str = ""
@@ -37,17 +42,17 @@ class Choice(NamedTuple):
 
 
 class OrderForm(NamedTuple):
-    """A kind of goal: ``goal`` has ``{name}`` where a choice goes."""
+    """A kind of goal: ``goal`` has ``{name}`` in place of each choice."""
 
     title: str
     goal: str
     choices: Tuple[Choice, ...]
 
     def shown(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
-        """Return the form as a page has it: its title, and the fields that people fill with what they can choose.
+        """Return the form for a page: its title, and its fields with their options.
 
-        ``packages`` maps each package to its label, empty if it lies nowhere. ``apart`` lists the fields whose choice,
-        or whose place, a field has to differ from.
+        ``packages`` maps each package to its label, empty without one. ``apart`` lists the fields whose choice or place
+        has to differ from that of a field.
         """
         fields = [
             {"name": one.name, "options": [[term, _described(term, one, packages)] for term in terms], **apart}
@@ -59,7 +64,7 @@ class OrderForm(NamedTuple):
         return {"title": self.title, "fields": fields}
 
     def _apart(self, choice: Choice, packages: Mapping[str, str]) -> Dict[str, Any]:
-        """Return the fields that exclude labels from the options of a choice among labels."""
+        """Return the fields that exclude options of a choice of labels."""
         if choice.kind != LABELS:
             return {}
         earlier = self.choices[: self.choices.index(choice)]
@@ -70,14 +75,14 @@ class OrderForm(NamedTuple):
         return {"apart": apart} if apart else {}
 
     def fill(self, chosen: Mapping[str, Any], labels: Sequence[str], packages: Mapping[str, str]) -> str:
-        """Return the goal for what was chosen; raises OrderError for what cannot be."""
+        """Return the goal for the chosen options; raises OrderError for invalid choices."""
         found: Dict[str, str] = {}
         for one in self.choices:
             if one.kind == PLACE_OF:
                 continue
             term = chosen.get(one.name)
             if not isinstance(term, str) or term not in _options(one, labels, packages):
-                raise OrderError(f"{one.name}: choose one of those that there are")
+                raise OrderError(f"{one.name}: choose one of the options")
             found[one.name] = term
         for one in self.choices:
             if one.kind == PLACE_OF:
@@ -91,12 +96,12 @@ class OrderForm(NamedTuple):
         for one in (place for place in places if place.kind == LABELS):
             same = next((other for other in places if other != one and found[other.name] == found[one.name]), None)
             if same is not None:
-                raise OrderError(f"{one.name}: {found[one.name]} is '{same.name}' already, choose another place")
+                raise OrderError(f"{one.name}: {found[one.name]} is already '{same.name}', choose another place")
 
     def samples(self, labels: Sequence[str], packages: Sequence[str]) -> Iterator[str]:
-        """Yield some of the goals that may be chosen where nothing is known of the world but names.
+        """Yield some goals that can be chosen in any world with these labels and packages.
 
-        A package may have a number as well, and lie at any of the ``labels``.
+        A package can also be a number, and can be at any of the ``labels``.
         """
         known = {LABELS: labels, PLACE_OF: labels, PACKAGES: [IDENTIFIER, *packages]}
         for words in chosen([known.get(one.kind, one.terms) for one in self.choices]):
@@ -105,7 +110,7 @@ class OrderForm(NamedTuple):
 
 
 def read_orders(reader: Reader) -> Tuple[OrderForm, ...]:
-    """Read the forms; the reader has the faults."""
+    """Read the forms; the reader collects the faults."""
     return tuple(_form(one) for one in reader.items("a list of orders", ()))
 
 
@@ -121,7 +126,7 @@ def _form(reader: Reader) -> OrderForm:
         reader.fault(f"'{name}' has to be in the goal, as {{{name}}}, and among the choices")
     for one in choices:
         if one.kind == PLACE_OF and (one.of not in names or names[one.of].kind != PACKAGES):
-            reader.fault(f"'{one.of}' is no choice among packages")
+            reader.fault(f"'{one.of}' is no choice of packages")
     if not reader.faults and not _is_term(_NAME.sub("1", goal)):
         reader.at("goal").fault("is no ground term")
     return form

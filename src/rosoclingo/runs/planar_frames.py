@@ -1,14 +1,14 @@
-"""Where frames are to each other, seen from above: what tf tells, without tf."""
+"""Transforms between frames on the floor: a planar tf buffer without ROS."""
 
 import math
 from typing import Dict, NamedTuple, Optional, Tuple
 
-#: Frames between two of which one asks for the pose, at most.
+#: Limit of transforms between two frames.
 DEEP = 50
 
 
 class Pose(NamedTuple):
-    """A pose on the floor: m, and rad counter-clockwise from the x axis."""
+    """A pose on the floor: metres, and radians counter-clockwise from the x axis."""
 
     x: float
     y: float
@@ -27,11 +27,11 @@ class PlanarFrames:
         self._parents: Dict[str, Tuple[str, Pose]] = {}
 
     def place(self, parent: str, child: str, pose: Pose) -> None:
-        """Take where a frame is in its parent."""
+        """Set the pose of a frame in its parent."""
         self._parents[child.lstrip("/")] = (parent.lstrip("/"), pose)
 
     def find(self, frame: str, child: str) -> Optional[Pose]:
-        """Return where ``child`` is in ``frame``, one of the frames above it; None where that is not known."""
+        """Return the pose of ``child`` in ``frame``, one of its ancestors; None if it is unknown."""
         pose, here = Pose(0.0, 0.0, 0.0), child
         for _ in range(DEEP):
             if here == frame:

@@ -1,4 +1,4 @@
-"""Facts that stand in the texts of a run's program: what it says for people, which no solver is needed to know."""
+"""Facts in the texts of a run's program, such as sentences and drawings, read without a solver."""
 
 from typing import AbstractSet, List
 
@@ -13,7 +13,7 @@ from rosoclingo.runs.topic_atoms import atom_in
 
 
 def facts_of(program: RunProgram, names: AbstractSet[str]) -> List[Symbol]:
-    """Return the ground facts with these names, in order, each as it is written; none where a text cannot be read."""
+    """Return the ground facts with these names, in order, as written; none if a text cannot be parsed."""
     sources = [Source(one.name, one.text) for one in program.files if any(name in one.text for name in names)]
     try:
         parsed = read_sources(sources, Directives(), [], whole=True)

@@ -1,6 +1,6 @@
-"""A run as it was recorded: its program and, cycle by cycle, its input and its decisions.
+"""A recorded run: its program and, cycle by cycle, its input and its decisions.
 
-A :class:`RunCollector` puts it together from the events of the run.
+A :class:`RunCollector` assembles it from the events of the run.
 """
 
 import json
@@ -19,18 +19,18 @@ from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.topic_atoms import action_in
 
-#: The form of what :meth:`RunProgram.text` writes.
+#: The version of the format of :meth:`RunProgram.text`.
 FORMAT = 1
 
 _CYCLE = re.compile(r"cycle (\d+): ")
 
 
 class RecordingError(RuntimeError):
-    """A recording that cannot be read or replayed; the text says what is wrong with it and what to do."""
+    """A recording that cannot be read or replayed; the text has the fault and a solution."""
 
 
 class ProgramFile(NamedTuple):
-    """A text of a program; ``included`` where another one names it."""
+    """A text of a program; ``included`` if another text includes it."""
 
     name: str
     text: str
@@ -39,15 +39,15 @@ class ProgramFile(NamedTuple):
 
 @dataclass(frozen=True)
 class RunProgram:
-    """The program of a run, whole, and what else its decisions depend on.
+    """The whole program of a run, and all parameters that affect its decisions.
 
     Attributes:
-        run: what no other run has; a core that goes on with an earlier run has that one's.
-        files: all texts in order, those that others include as well.
+        run: the unique id of the run; a core that resumes a run keeps its id.
+        files: all texts in order, including included texts.
         constants: the values of ``#const`` names, as text.
         fingerprint: see :attr:`ReactiveProgram.fingerprint`.
         settings: the core's parameters by name.
-        clingo_version: that of the core.
+        clingo_version: the core's version of clingo.
 
     """
 
@@ -60,18 +60,18 @@ class RunProgram:
 
     @classmethod
     def of(cls, run: str, program: ReactiveProgram, settings: Mapping[str, Any]) -> "RunProgram":
-        """Return what is to be kept of a loaded program."""
+        """Return the record of a loaded program."""
         files = tuple(ProgramFile(one.name, one.text, one not in program.sources) for one in program.texts)
         constants = {name: str(value) for name, value in program.constants.items()}
         return cls(run, files, constants, program.fingerprint, dict(settings), ".".join(map(str, clingo.version())))
 
     def text(self) -> str:
-        """Return it as JSON."""
+        """Return the program as JSON."""
         return json.dumps({"format": FORMAT, **asdict(self)})
 
     @classmethod
     def parse(cls, text: str) -> "RunProgram":
-        """Return what :meth:`text` wrote; raises RecordingError."""
+        """Parse the result of :meth:`text`; raises RecordingError."""
         try:
             values = json.loads(text)
             form = values.pop("format")
@@ -83,23 +83,23 @@ class RunProgram:
             raise RecordingError(f"its program is damaged: {error}; take another copy of the recording") from None
 
     def load(self) -> ReactiveProgram:
-        """Return the program; raises RecordingError."""
+        """Load the program; raises RecordingError."""
         sources = [Source(one.name, one.text) for one in self.files]
         try:
             program = ReactiveProgram(sources, self.constants, whole=True)
         except ProgramError as error:
             raise RecordingError(f"its program cannot be used: {error}") from None
         if program.fingerprint != self.fingerprint:
-            raise RecordingError("its program is not that of the run: the recording was changed; take another copy")
+            raise RecordingError("its program was changed after the run: take another copy of the recording")
         return program
 
     @property
     def plan_time(self) -> Optional[float]:
-        """Seconds of processor time for a shorter plan than the first; None where each plan was to be shortest."""
+        """Seconds of processor time to search for a shorter plan; None if each plan had to be the shortest."""
         return None if self.settings.get("plan") == "shortest" else float(self.settings.get("plan_time", 1.0))
 
     def write(self, folder: Path) -> List[str]:
-        """Write the files into ``folder``, as they lay to each other; return the arguments of ``oclingo`` for them."""
+        """Write the files into ``folder``, with their relative paths; return the arguments of ``oclingo`` for them."""
         paths = _apart([one.name for one in self.files])
         for path, one in zip(paths, self.files):
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
@@ -109,7 +109,7 @@ class RunProgram:
 
 
 def _apart(names: Sequence[str]) -> List[Path]:
-    """Return where files of these names go in a folder: paths below their common folder, other names at its top."""
+    """Return relative paths for files: paths are relative to their common folder, other names are at the top."""
     folders = [str(Path(name).absolute().parent) for name in names if "/" in name]
     shared = os.path.commonpath(folders) if folders else "/"
     return [
@@ -119,7 +119,7 @@ def _apart(names: Sequence[str]) -> List[Path]:
 
 
 class RecordedPlan(NamedTuple):
-    """A published plan: its actions from its cycle on, none without a plan, and the last step ground."""
+    """A published plan: its actions from its cycle on, none without a plan, and the last grounded step."""
 
     horizon: int
     actions: Tuple[str, ...]
@@ -127,13 +127,13 @@ class RecordedPlan(NamedTuple):
 
 @dataclass
 class RecordedCycle:
-    """What led to a cycle, and what was decided.
+    """The input and the decisions of one cycle.
 
     Attributes:
         cycle: its number.
-        updates: the solver's updates, one unless the program begins again.
-        plans: the published plans, in order; the last one counts.
-        dispatched: the actions that went out, None where that is not known.
+        updates: the solver's updates; several only if the program restarts.
+        plans: the published plans, in order; the last plan counts.
+        dispatched: the dispatched actions, None if unknown.
         problems: the problems in the core's log.
 
     """
@@ -147,9 +147,9 @@ class RecordedCycle:
 
 @dataclass
 class RecordedRun:
-    """A run: its program, None where that was not recorded, and its cycles in order.
+    """A run: its program, None if it was not recorded, and its cycles in order.
 
-    ``start`` is what the solver had taken before the first of them, None where the run begins with it.
+    ``start`` is the solver's history before the first cycle, None if the run begins with that cycle.
     """
 
     program: Optional[RunProgram] = None
@@ -158,35 +158,35 @@ class RecordedRun:
 
     @property
     def stream(self) -> str:
-        """The online progression, for ``oclingo --shortest --stream``; raises RecordingError where it is not whole."""
+        """The online progression, for ``oclingo --shortest --stream``; raises RecordingError if it is incomplete."""
         before = [] if self.start is None else self.start.entries
         if any(isinstance(entry, Checkpoint) for entry in before):
             raise RecordingError(
-                f"what came before cycle {self.cycles[0].cycle} is in it as a state alone, of which there is no stream:"
-                " take a bag of the run (record:=true)"
+                f"the updates before cycle {self.cycles[0].cycle} are compacted to a checkpoint, which has no stream:"
+                " use a bag of the run (record:=true)"
             )
-        taken = [entry.update for entry in before if isinstance(entry, AcceptedUpdate) and entry.update is not None]
+        accepted = [entry.update for entry in before if isinstance(entry, AcceptedUpdate) and entry.update is not None]
         updates = [update for one in self.cycles for update in one.updates]
-        first = {one.step: one for one in taken if (one.step or 1) < (updates[0].step or 1)}  # in force is the last
+        first = {one.step: one for one in accepted if (one.step or 1) < (updates[0].step or 1)}  # the last of each step
         return "\n".join(map(str, [*first.values(), *updates]))
 
 
 class _Open:
-    """A run of which more may come: cycles by number, since topics overtake each other."""
+    """An unfinished run, with cycles by number, since topics have no common order."""
 
     def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, latest: int = 0) -> None:
         self.program, self.start, self.latest = program, start, latest
-        self._leading: List[StreamUpdate] = []  # of a program that begins again, up to the present cycle
-        self.last: Optional[RecordedCycle] = None  # whose plan came last of all
+        self._leading: List[StreamUpdate] = []  # updates of a restarted program, up to the present cycle
+        self.last: Optional[RecordedCycle] = None  # the cycle of the latest plan
         self._cycles: Dict[int, RecordedCycle] = {}
 
     def at(self, cycle: int) -> RecordedCycle:
-        """What is known of a cycle."""
+        """Return the record of a cycle."""
         self.last = None
         return self._cycles.setdefault(cycle, RecordedCycle(cycle))
 
     def update(self, update: StreamUpdate) -> None:
-        """Take an update; a program that begins again passes through the earlier cycles in a few of them."""
+        """Add an update; a restarted program repeats earlier cycles in a few updates."""
         step = update.step or 1
         self._leading.append(update)
         if step > self.latest:
@@ -195,25 +195,25 @@ class _Open:
             self._leading = []
 
     def close(self) -> RecordedRun:
-        """The run; raises RecordingError where updates are lacking."""
+        """Return the run; raises RecordingError if updates are missing."""
         cycles = [self._cycles[number] for number in sorted(self._cycles) if self._cycles[number].updates]
         first = 1 if self.start is None or not cycles else cycles[0].cycle
         for expected, one in enumerate(cycles, first):
             if one.cycle != expected:
-                raise RecordingError(_lacking(expected, one.cycle - 1))
+                raise RecordingError(_missing_updates(expected, one.cycle - 1))
         return RecordedRun(self.program, cycles, self.start)
 
 
-def _lacking(first: int, last: int) -> str:
+def _missing_updates(first: int, last: int) -> str:
     cycles = f"cycle {first}" if first == last else f"cycles {first} to {last}"
-    mend = "let the recorder begin before the first request (record:=true)" if first == 1 else "see its notes"
-    return f"the updates of {cycles} are lacking, without which the others cannot be solved again: {mend}"
+    mend = "start the recorder before the first request (record:=true)" if first == 1 else "see its notes"
+    return f"the updates of {cycles} are missing, so later cycles cannot be replayed: {mend}"
 
 
 class RunCollector(RunEvents):
-    """Puts runs together from their events; each can raise RecordingError.
+    """Assembles runs from their events; the methods raise RecordingError.
 
-    Topics may overtake each other, but each is in order itself. A core that is started again begins another run.
+    Each topic is in order, but different topics have no common order. A restarted core begins another run.
     """
 
     def __init__(self, start: Optional[History] = None, latest: int = 0) -> None:
@@ -221,7 +221,7 @@ class RunCollector(RunEvents):
         self._runs: List[_Open] = [] if start is None else [_Open(start=start, latest=latest)]
 
     def program(self, time: float, text: str) -> None:
-        """Take what a core said of its program when it began."""
+        """Add the program of a core."""
         found = RunProgram.parse(text)
         if self._runs and self._runs[-1].program is not None and self._runs[-1].program.run == found.run:
             return
@@ -235,7 +235,7 @@ class RunCollector(RunEvents):
         self._begin(found)
 
     def update(self, time: float, text: str) -> None:
-        """Take an update that was in force."""
+        """Add an accepted update."""
         try:
             update = parse_update(text)
         except OclingoError as error:
@@ -247,14 +247,14 @@ class RunCollector(RunEvents):
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
-        """Take a published plan, with the last actions done."""
+        """Add a published plan, without executed actions."""
         ahead = tuple(text for text in actions if _cycle_of(text) >= cycle)
         found = self._run.at(cycle)
         found.plans.append(RecordedPlan(horizon, ahead))
         self._run.last = found
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
-        """Take what went out to the interfaces; what is no action is passed over."""
+        """Add dispatched actions; ignore other facts."""
         for text in facts:
             cycle = _cycle_of(text)
             if cycle:
@@ -263,21 +263,21 @@ class RunCollector(RunEvents):
                 one.dispatched = known if text in known else [*known, text]
 
     def problem(self, time: float, cycle: int, text: str) -> None:
-        """Take a problem from the core's log."""
+        """Add a problem from the core's log."""
         if self._runs:
             self._run.at(cycle).problems.append(text)
 
     def runs(self) -> List[RecordedRun]:
-        """Return the runs with updates, in order; raises RecordingError where there is none."""
+        """Return the runs with updates, in order; raises RecordingError if there is none."""
         found = [one for one in (run.close() for run in self._runs) if one.cycles]
         if not found:
             raise RecordingError(
-                "no update of a core is in it: nobody has asked for anything, or the recorder was not connected"
+                "it has no update of a core: there was no request, or the recorder was not connected"
             )
         return found
 
     def _begin(self, program: Optional[RunProgram] = None) -> None:
-        """Begin another run; the plan that a core tells as it begins may have come before."""
+        """Begin another run; a starting core's first plan can have arrived before."""
         early = self._runs[-1].last if self._runs else None
         if early is not None and early.cycle == 1 and not early.plans[-1].actions:
             early.plans.pop()
@@ -291,7 +291,7 @@ class RunCollector(RunEvents):
 
 
 def problem_in(text: str) -> Tuple[Optional[int], str]:
-    """Return the cycle with which a line of the core's log begins, None where it does not, and the rest."""
+    """Return the cycle at the beginning of a line of the core's log, None without one, and the rest."""
     found = _CYCLE.match(text)
     return (None, text) if found is None else (int(found.group(1)), text[found.end() :])
 

@@ -1,7 +1,7 @@
-"""A recorded run solved again: for each cycle, whether what was decided is what would be decided now, and if not why.
+"""Replay of a recorded run: compares the decisions of each cycle with a new search, and explains differences.
 
-A decision is right if it is a plan of the program, and actions went out as it says. Another plan as short is no
-difference; a longer one is explained where the core took the best that it knew in time.
+A decision is correct if it is a plan of the program and its actions were dispatched. Another plan of equal length is no
+difference; a longer plan is explained if the core executed the best plan known in time.
 """
 
 import time
@@ -32,25 +32,25 @@ from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRu
 
 Actions = FrozenSet[Symbol]
 
-#: What the core tells of a search that was ended before it had a plan.
+#: Words in the core's messages about a search that ended before it had a plan.
 _ENDED = ("search was interrupted", "search was ended", "not found in time", "is dropped")
 
 
 class CycleVerdict(Enum):
-    """What is to be said of a cycle's decision."""
+    """The verdicts about a cycle's decision."""
 
     SAME = "the same plan"
     NONE = "no plan, then as now"
-    AS_SHORT = "another plan, as short"
+    AS_SHORT = "another plan of equal length"
     LONGER = "a longer plan than the one found now"
     SHORTER = "a shorter plan than the one found now"
     MISSED = "no plan, though there is one"
     WRONG = "no plan of the program"
-    SENT = "other actions went out than the plan has"
+    SENT = "other actions were dispatched than planned"
     REFUSED = "an update that is refused now"
 
 
-#: Those with which the decision and the one found now agree.
+#: The verdicts for decisions that agree with the new search.
 AGREEING = (CycleVerdict.SAME, CycleVerdict.NONE, CycleVerdict.AS_SHORT)
 
 
@@ -63,15 +63,15 @@ class Shown(NamedTuple):
 
 @dataclass(frozen=True)
 class CycleReport:
-    """What became of a cycle.
+    """The result of a cycle's replay.
 
     Attributes:
         cycle: its number.
-        verdict: how what was decided compares with what is found now.
-        why: in words, where they differ.
-        explained: whether the difference, if there is one, is as it may be.
-        published: the answer with the published plan, None where there is none.
-        found: the answer that was found now, None where there is none.
+        verdict: the comparison of the recorded decision with the new search.
+        why: the difference in words.
+        explained: whether the difference, if any, is expected.
+        published: the answer with the published plan, None if there is none.
+        found: the answer of the new search, None if there is none.
 
     """
 
@@ -83,7 +83,7 @@ class CycleReport:
     found: Optional[Shown] = None
 
     def line(self) -> str:
-        """The report in one line."""
+        """Return the report as one line."""
         mark = "" if self.explained else "UNEXPLAINED: "
         return f"cycle {self.cycle}: {mark}{self.verdict.value}" + (f": {self.why}" if self.why else "")
 
@@ -101,9 +101,9 @@ class Replay:
         """Prepare to replay ``run``.
 
         Args:
-            run: what was recorded.
+            run: the recorded run.
             program: its program.
-            plan_time: seconds of processor time for a shorter plan than the first one; None: each is the shortest.
+            plan_time: seconds of processor time to search for a shorter plan; None: search for the shortest.
             search_time: seconds of processor time for each search, 0 for no limit.
 
         """
@@ -113,7 +113,7 @@ class Replay:
             self._solver.restore(run.start)
 
     def reports(self) -> Iterator[CycleReport]:
-        """Yield what became of each cycle, in order; after an update that is refused there is no more."""
+        """Yield the report of each cycle, in order, up to the first refused update."""
         for cycle in self._run.cycles:
             report = self._replayed(cycle)
             yield report
@@ -135,7 +135,7 @@ class Replay:
         return replace(report, found=_shown(result))
 
     def _begin_with(self, published: Optional["_Published"], update: StreamUpdate) -> None:
-        """Let the search begin with the published plan, as the core's may have begun with one that it knew."""
+        """Adopt the published plan, because the core's search can have started from a known plan."""
         log = self._solver.log
         if published is not None and published.actions and log.plan is not None:
             step = update.step or 1
@@ -143,7 +143,7 @@ class Replay:
                 self._solver.restore(log.adopt(Plan(published.actions, published.horizon)))
 
     def _judged(self, cycle: RecordedCycle, plans: Sequence["_Published"], result: SolveResult) -> CycleReport:
-        """Compare what was decided in a cycle with what was found now."""
+        """Compare the decision of a cycle with the new search."""
         number, published = cycle.cycle, plans[-1] if plans else None
         if published is None or not published.actions:
             return self._without(cycle, published, result)
@@ -161,22 +161,22 @@ class Replay:
         return self._sent(cycle, published, report)
 
     def _compared(self, number: int, published: "_Published", result: SolveResult) -> CycleReport:
-        """Compare two plans that are different."""
+        """Compare two different plans."""
         if result.outcome is SolveOutcome.SATISFIABLE and published.horizon == result.horizon:
             return CycleReport(number, CycleVerdict.AS_SHORT)
         then, now = published.horizon - number + 1, result.horizon - number + 1
         if result.outcome is SolveOutcome.SATISFIABLE and published.horizon > result.horizon:
             in_time = self._plan_time is not None
-            why = f"the best known in time had {then} steps, now one of {now} is found"
+            why = f"the best plan known in time had {then} steps, the replay finds {now}"
             if not in_time:
-                why = f"{then} steps, though each plan was to be shortest, and one of {now} is found"
+                why = f"{then} steps in a run with shortest plans, the replay finds {now}"
             return CycleReport(number, CycleVerdict.LONGER, why, explained=in_time)
         limited = result.outcome is SolveOutcome.INTERRUPTED or not result.shortest
-        why = f"{then} steps; now none is found in time" if not result.answers else f"{then} steps, {now} are found now"
+        why = f"{then} steps, the replay finds {now if result.answers else 'no plan in time'}"
         return CycleReport(number, CycleVerdict.SHORTER, why, explained=limited)
 
     def _without(self, cycle: RecordedCycle, published: Optional["_Published"], result: SolveResult) -> CycleReport:
-        """Judge a cycle without a plan: nothing was to be done, there was none, or the search for it was left."""
+        """Judge a cycle without actions: nothing had to be done, there was no plan, or the search was ended."""
         number, answered = cycle.cycle, result.outcome is SolveOutcome.SATISFIABLE
         if cycle.dispatched:
             why = f"{', '.join(cycle.dispatched)}, and no plan was published"
@@ -187,25 +187,25 @@ class Replay:
         idle = None if published is None else self._answer_with(number, published)
         if idle is not None:
             return replace(self._compared(number, _Published(frozenset(), idle.horizon), result), published=idle)
-        left = [text for text in cycle.problems if any(words in text for words in _ENDED)]
-        why = left[-1] if left else "and the core reported no search that was ended"
-        if published is None and not left:  # the log says the same only once a minute
-            why = "the search was interrupted: it published no plan"
-        return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(left) or published is None)
+        ended = [text for text in cycle.problems if any(words in text for words in _ENDED)]
+        why = ended[-1] if ended else "and the core did not report that it ended the search"
+        if published is None and not ended:  # the core logs equal problems at most once a minute
+            why = "the search was ended, as no plan of it was published"
+        return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(ended) or published is None)
 
     @staticmethod
     def _sent(cycle: RecordedCycle, published: "_Published", report: CycleReport) -> CycleReport:
-        """Look whether what went out is what the plan has for the cycle."""
+        """Check that the dispatched actions are those of the plan for the cycle."""
         planned = {str(action) for action in published.actions if cycle_of(action) == cycle.cycle}
         if cycle.dispatched is None or planned == set(cycle.dispatched):
             return report
         why = f"{', '.join(cycle.dispatched)} in place of {', '.join(sorted(planned)) or 'none'}"
         return replace(report, verdict=CycleVerdict.SENT, why=why, explained=False)
 
-    # ---- Questions: what they state holds until the next update -----------------------------------------------------
+    # ---- questions: their statements hold until the next update -----------------------------------------------------
 
     def _answer_with(self, number: int, published: "_Published") -> Optional[Shown]:
-        """Return an answer with exactly the actions that were published from a cycle on; None where there is none."""
+        """Return an answer with exactly the published actions from a cycle on, None if there is none."""
         others: Actions = frozenset()
         self._solver.restore(self._solver.log.adopt(Plan(published.actions, published.horizon)))
         while True:
@@ -219,23 +219,23 @@ class Replay:
 
     def _ask(self, number: int, horizon: int, actions: Actions, others: Actions = frozenset()) -> SolveResult:
         """Search for an answer with some actions, and without ``others``."""
-        wanted = [commitment(action) for action in sorted(actions)]
-        unwanted = [Statement(None, (Literal(action),)) for action in sorted(others)]
-        return self._search(StreamUpdate(number, max(0, horizon - number), (Volatile(), *wanted, *unwanted)))
+        required = [commitment(action) for action in sorted(actions)]
+        excluded = [Statement(None, (Literal(action),)) for action in sorted(others)]
+        return self._search(StreamUpdate(number, max(0, horizon - number), (Volatile(), *required, *excluded)))
 
     def _first_wrong(self, number: int, published: "_Published") -> str:
-        """Say up to which action there is a plan like the published one."""
+        """Return a text about the first action of the published plan that no plan can contain."""
         ordered = sorted(published.actions, key=lambda action: (cycle_of(action), str(action)))
         for count in range(1, len(ordered) + 1):
             if not self._ask(number, published.horizon, frozenset(ordered[:count])).answers:
-                return f"none has {ordered[count - 1]}" + (" after what comes before it" if count > 1 else "")
-        return "it leaves something undone, or there is more in every plan that has its actions"
+                return f"none has {ordered[count - 1]}" + (" after the actions before it" if count > 1 else "")
+        return "it is incomplete: each plan with its actions has further actions"
 
     def _search(self, update: StreamUpdate) -> SolveResult:
         return self._solver.update(update, self._limit())
 
     def _limit(self) -> Optional[Callable[[], bool]]:
-        """Return what ends a search that takes too long."""
+        """Return a function that ends a search after its time limit."""
         if not self._search_time:
             return None
         end = time.process_time() + self._search_time
@@ -243,7 +243,7 @@ class Replay:
 
 
 class _Published(NamedTuple):
-    """A published plan: what was still to be done, and its horizon."""
+    """A published plan: its remaining actions, and its horizon."""
 
     actions: Actions
     horizon: int
@@ -257,12 +257,12 @@ def _atoms(texts: Sequence[str]) -> Iterator[Symbol]:
     for text in texts:
         try:
             yield parse_atom(text)
-        except OclingoError:  # the collector takes actions alone
+        except OclingoError:  # the collector accepts only actions
             continue
 
 
 def _actions(result: SolveResult, cycle: int) -> Actions:
-    """Return the actions of the answer from a cycle on, none where there is no answer."""
+    """Return the actions of the answer from a cycle on, none without an answer."""
     if not result.answers:
         return frozenset()
     return frozenset(action.atom for action in extract_plan(result.answers[0]).remaining(cycle))
@@ -273,7 +273,7 @@ def _shown(result: SolveResult) -> Optional[Shown]:
 
 
 def count(reports: Sequence[CycleReport]) -> Dict[CycleVerdict, int]:
-    """Return how often each verdict was given, the frequent ones that agree first."""
+    """Return the number of cycles with each verdict, in the order of CycleVerdict."""
     found = [report.verdict for report in reports]
     return {verdict: found.count(verdict) for verdict in CycleVerdict if verdict in found}
 

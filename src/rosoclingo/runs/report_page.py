@@ -1,4 +1,4 @@
-"""A run as one HTML file that needs nothing else: views, figures and a slider, drawn by the scripts of ``web/``."""
+"""A run as one self-contained HTML file: views, figures and a slider, drawn by the scripts of ``web/``."""
 
 import base64
 import hashlib
@@ -27,7 +27,7 @@ PAGE, LIVE_PAGE, VIEWS = "report.html", "live.html", "views.html"
 def report_page(run: Mapping[str, Any], web: Path) -> str:
     """Return the page of a run (see :meth:`RunView.changes`), with the front-end files of the folder ``web``.
 
-    Whatever texts the run has, none is read as HTML, and no other script than those of ``web`` is run.
+    No text of the run is interpreted as HTML, and only the scripts of ``web`` can run.
     """
     script = "\n".join((web / name).read_text(encoding="utf-8") for name in SCRIPTS)
     style = (web / STYLE).read_text(encoding="utf-8")
@@ -42,12 +42,12 @@ def report_page(run: Mapping[str, Any], web: Path) -> str:
 
 
 def live_page(web: Path) -> str:
-    """Return the page of a system that runs, which asks for its scripts and for the run."""
+    """Return the live page, which loads its scripts and the run from the server."""
     return _page(web, LIVE_PAGE, {})
 
 
 def _page(web: Path, name: str, parts: Mapping[str, str]) -> str:
-    """Return a page with its parts, and with what all pages show."""
+    """Return a page with its parts, and with the views that all pages share."""
     page = (web / name).read_text(encoding="utf-8")
     views = (web / VIEWS).read_text(encoding="utf-8").rstrip("\n")
     for place, text in {"views": views, **parts}.items():
@@ -57,7 +57,7 @@ def _page(web: Path, name: str, parts: Mapping[str, str]) -> str:
 
 
 def _json(run: Mapping[str, Any]) -> str:
-    """Return JSON in which nothing ends a script element."""
+    """Return JSON that cannot end a script element."""
     text = json.dumps(run, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 

@@ -1,4 +1,4 @@
-"""Tables of a run that grow and change, with what is new in them since some moment."""
+"""Tables of a run, which report their changes since a revision."""
 
 import math
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
@@ -8,10 +8,10 @@ from rosoclingo.runs.topic_atoms import action_in
 
 Record = Dict[str, Any]
 
-#: Metres and radians that a pose is from the last one that is kept, at first.
+#: Minimum distance and turn (m, rad) between two recorded poses, before thinning.
 APART, TURNED = 0.05, 0.2
 
-#: Poses that are kept of a run; when there are more, every second one goes.
+#: Limit of recorded poses of a run, above which every second pose is removed.
 POSES = 20000
 
 
@@ -19,7 +19,7 @@ Point = Tuple[float, float]
 
 
 def simplified(points: Sequence[Point], tolerance: float = 0.03) -> List[Point]:
-    """Return the points of a way (m) without those that others tell well enough (Douglas and Peucker)."""
+    """Return the points of a path (m) without points close to the line between others (Douglas and Peucker)."""
     kept, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
     while spans:
         first, last = spans.pop()
@@ -33,7 +33,7 @@ def simplified(points: Sequence[Point], tolerance: float = 0.03) -> List[Point]:
 
 
 def _off(point: Point, start: Point, end: Point) -> float:
-    """Return how far a point is from the line between two others."""
+    """Return the distance of a point from the line between two others."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = dx * dx + dy * dy
     along = ((point[0] - start[0]) * dx + (point[1] - start[1]) * dy) / length if length else 0.0
@@ -48,18 +48,18 @@ class Revision:
         self.number = 0
 
     def next(self) -> int:
-        """Return the number of another change."""
+        """Return the number of the next change."""
         self.number += 1
         return self.number
 
 
 class Table:
-    """Records by their numbers from 0 on; those that changed last can be asked for."""
+    """Records numbered from 0, which can be queried by their last change."""
 
     def __init__(self, revision: Revision) -> None:
         self._revision = revision
         self._records: List[Record] = []
-        self._changed: Dict[int, int] = {}  # by number, the latest last
+        self._changed: Dict[int, int] = {}  # revision of the last change by number, the latest last
 
     def __len__(self) -> int:
         return len(self._records)
@@ -75,14 +75,14 @@ class Table:
         return self._touch(len(self._records) - 1)
 
     def change(self, number: int) -> Record:
-        """Return a record that is about to change."""
+        """Return a record to be changed, and mark it as changed."""
         return self._records[self._touch(number)]
 
     def __getitem__(self, number: int) -> Record:
         return self._records[number]
 
     def since(self, revision: int) -> List[Tuple[int, Record]]:
-        """Return the records that have changed after a revision, with their numbers."""
+        """Return the records that have changed since a revision, with their numbers."""
         found = []
         for number, changed in reversed(self._changed.items()):
             if changed <= revision:
@@ -97,7 +97,7 @@ class Table:
 
 
 class Words:
-    """Texts, each once, by numbers from 0 on; ``entry`` makes of a text what a page gets."""
+    """Distinct texts, numbered from 0; ``entry`` converts a text to the value for a page."""
 
     def __init__(self, entry: Callable[[str], Any] = str) -> None:
         self._entry = entry
@@ -125,7 +125,7 @@ def action_entry(text: str) -> Record:
 
 
 class Track:
-    """Where the robot was: poses (time, x, y, yaw, metres driven so far), fewer of them the longer the run."""
+    """The robot's track: poses (time, x, y, yaw, driven metres), sparser in longer runs."""
 
     def __init__(self, most: int = POSES) -> None:
         self._most = most
@@ -133,12 +133,12 @@ class Track:
         self._last: Optional[Tuple[float, float]] = None
         self.metres = 0.0
         self.poses: List[Tuple[float, ...]] = []
-        self.thinned = 0  # how often every second one went
+        self.thinned = 0  # how often every second pose was removed
 
     def add(self, time: float, x: float, y: float, yaw: float) -> bool:
-        """Take a pose; tell whether it is kept."""
+        """Add a pose; return whether it is recorded."""
         way = 0.0 if self._last is None else math.hypot(x - self._last[0], y - self._last[1])
-        if self._last is None or way >= APART:  # less may be noise of a robot that stands
+        if self._last is None or way >= APART:  # less can be noise of a standing robot
             self.metres += way
             self._last = (x, y)
         if self.poses and not self._moved(x, y, yaw):

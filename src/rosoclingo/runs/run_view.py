@@ -1,4 +1,4 @@
-"""A run as pages show it: tables of goals, cycles, actions, places and lines, as JSON.
+"""The view of a run for pages: tables of goals, cycles, actions, places and log lines, as JSON.
 
 Times are seconds of the run's clock since the first request, fact or action.
 """
@@ -30,46 +30,46 @@ from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Wo
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
-#: What to ask for later changes with.
+#: The state of a client: the arguments of :meth:`RunView.changes` for its next request.
 Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
 
-#: The form of what :meth:`RunView.changes` returns.
+#: The version of the format of :meth:`RunView.changes`.
 FORMAT = 1
 
-#: Characters of a text from outside that a page shows.
+#: Limit of characters of an external text on a page.
 SHOWN = 2000
 
-#: Seconds between two ways to one place that are kept.
+#: Minimum interval in seconds between two recorded paths to the same place.
 PATHS_APART = 5.0
 
-#: Statuses after which nothing comes; a goal that was given up as lost may yet be heard of.
+#: The status of a lost goal, which can still be followed by another status.
 LOST = "lost"
 
-#: States of a goal that the core has not begun with: the one actionlib's, the other has a reason.
+#: States of a goal that the core has not accepted yet: actionlib's, and that of a queued goal with a reason.
 PENDING, WAITING = "pending", "waiting"
 
-#: Atoms of the state that other lines report.
+#: Beliefs that other log lines report.
 _REPORTED = (ACTION_LIB + "(", STATUS + "(")
 
-#: Limit of records of all tables together, after which a live page keeps only open goals.
+#: Limit of records of all tables together, above which a live page keeps only open goals.
 MOST = 50000
 
 
 class RunView(RunEvents):
-    """Puts the events of a run into tables; ``about`` is what else the page says of it (title, verdict).
+    """Collects the events of a run in tables; ``about`` has further texts of the page (title, verdict).
 
-    A view can begin in the middle of a run: then with the contents of the latched topics, in any order. The log counts
-    seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to it.
+    A view can begin in the middle of a run, with the messages of the latched topics in any order. The log counts
+    seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to the log.
 
     Attributes:
-        about: all that does not belong into a table.
-        tables: the records by the name of their table.
-        seconds: of the run's clock, until now.
-        sentences: words for actions.
+        about: all data outside the tables.
+        tables: the tables by name.
+        seconds: the present time of the run's clock.
+        sentences: the program's sentences for actions.
         drawings: the program's declarations of drawings.
-        believed: the atoms that hold now, by the program.
+        believed: the program's beliefs.
         position: x and y (m) of the robot, None before its first pose.
-        dispatched_actions: the atoms of all actions that went out, once each.
+        dispatched_actions: the atoms of all dispatched actions, once each.
 
     """
 
@@ -100,17 +100,17 @@ class RunView(RunEvents):
         self.seconds = 0.0
 
     def enter(self, time: float, cycle: int, kind: str, text: str) -> None:
-        """Take a line of the log: seconds since the run began, cycle, kind and text; for subclasses."""
+        """Handle a line of the log: seconds since the beginning, cycle, kind and text; for subclasses."""
 
-    # ---- what is fed ------------------------------------------------------------------------------------------------
+    # ---- events -----------------------------------------------------------------------------------------------------
 
-    def tell(self, **values: Any) -> None:
-        """Change what the page says of the run as a whole."""
+    def describe(self, **values: Any) -> None:
+        """Change the data in ``about``."""
         self.about.update(values)
         self._about_changed = self._revision.next()
 
     def program(self, time: float, text: str) -> None:
-        """Take what a core said of its program when it began."""
+        """Record the program of a core."""
         try:
             found = RunProgram.parse(text)
             table = LabelTable.from_mapping(found.settings.get("labels", {}))
@@ -121,21 +121,21 @@ class RunView(RunEvents):
         self.sentences, self.drawings = sentences_of(found), drawings_of(found)
         for fault in self.drawings.faults if self.drawings.faults != known else ():
             self._log.add(self._now(time), "note", shortened(fault, SHOWN))
-        self.tell(labels={one.name: [one.x, one.y, one.yaw] for one in table})
+        self.describe(labels={one.name: [one.x, one.y, one.yaw] for one in table})
         self._draw()
 
     def begin(self, run: str) -> None:
-        """Take the name of the core's run; another one than before begins with cycle 1 again."""
+        """Record the id of the core's run; a new run starts with cycle 1 again."""
         if self._run and run != self._run:
             self._cycles, self._sent = {}, set()
             self._actions.forget()
-            self.tell(run=self.about["run"] + 1)
+            self.describe(run=self.about["run"] + 1)
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
-                self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was started again")
+                self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was restarted")
         self._run = run
 
     def goal(self, time: float, key: str, text: str) -> None:
-        """Record a goal that a client sent, once."""
+        """Record a goal of a client, once."""
         self._goal(time, key, text, time)
 
     def _goal(self, time: float, key: str, text: str, heard: float, after: Iterable[str] = ()) -> None:
@@ -147,11 +147,11 @@ class RunView(RunEvents):
             self._log.add(self._now(heard), "request", shown, after, _as_fed(text))
 
     def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
-        """Record how all goals stand; those that have ended before the first time are history.
+        """Record the states of all goals; goals that ended before the first report are history.
 
-        The topics of the action server, which may be ahead of this one, tell more closely how one goes on.
+        The topics of the action server report a goal's progress in more detail, and can be ahead of this topic.
         """
-        after = () if self._met else (BEGUN,)  # goals of before wait for the cycle
+        after = () if self._met else (BEGUN,)  # lines about earlier goals wait for the first cycle
         for key, text, number, reason, came in reports:
             still = 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] not in ENDED
             is_new = key not in self._goals
@@ -168,13 +168,13 @@ class RunView(RunEvents):
         self._met = True
 
     def cancel(self, time: float, key: str) -> None:
-        """Record that a client cancelled a goal; an empty key stands for all of them."""
+        """Record a client's cancel of a goal; an empty key stands for all goals."""
         known = key in self._goals
         text = self.tables["goals"][self._goals[key]]["request"] if known else "every goal"
         self._log.add(self._now(time, begins=True), "cancel", text)
 
     def status(self, time: float, key: str, number: int, message: str) -> None:
-        """Record a goal's status, as often as it is published; one that waits is pending all the while."""
+        """Record a goal's status, each time it is published; a queued goal stays pending."""
         self._status(time, key, number, message)
 
     def _status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
@@ -187,13 +187,13 @@ class RunView(RunEvents):
             self._log.add(self._now(time), "goal", text, after)
 
     def feedback(self, time: float, key: str, status: str) -> None:
-        """Record that a goal waits, and why; other feedback says what the status does."""
+        """Record why a goal is queued; other feedback repeats the status."""
         word, _, why = status.partition(": ")
         if word == WAITING or (word == PENDING and self._word(key) == WAITING):
             self._state(time, key, word, why)
 
     def update(self, time: float, text: str) -> None:
-        """Record a stream update that the core fed."""
+        """Record an accepted stream update."""
         now = self._now(time, begins=True)
         step, sources, plain = None, set(), shortened(text, SHOWN)
         try:
@@ -210,7 +210,7 @@ class RunView(RunEvents):
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
-        """Record a plan, with the seconds of wall time that grounding and searching took, where they are known."""
+        """Record a plan, with the seconds of wall time for grounding and searching, if known."""
         now = self._now(time)
         planned = self._words.numbers(actions)
         ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times) if times else (None, None)
@@ -225,7 +225,7 @@ class RunView(RunEvents):
         self._log.add(now, "plan", words, after, "" if first else f"plan {cycle}", cycle if late else 0)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
-        """Record actions that went out, once each, and what ends them early."""
+        """Record dispatched actions, once each, and cancellations."""
         fresh = [text for text in facts if text.startswith((ACTION_LIB, CANCEL_ACTION)) and text not in self._sent]
         now = self._now(time, begins=bool(fresh))
         self._sent.update(fresh)
@@ -239,7 +239,7 @@ class RunView(RunEvents):
                 self._log.add(now, "action", self._sentence(text), {f"plan {action.cycle if action else 0}"})
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
-        """Record facts that came in."""
+        """Record facts of an interface."""
         for text in facts:
             now, answer = self._now(time, begins=True), return_in(text)
             if answer is None:
@@ -250,14 +250,14 @@ class RunView(RunEvents):
                 self._log.add(now, "return", shortened(words, SHOWN), gives=str(answer.atom))
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
-        """Record where all packages are; an empty place is the robot."""
+        """Record the places of all packages; an empty place is the robot."""
         places = sorted(packages)
         last = self.tables["packages"].last
         if last is None or last["places"] != places:
             self.tables["packages"].add(time=self._now(time), places=places)
 
     def beliefs(self, time: float, cycle: int, atoms: Sequence[str]) -> None:
-        """Record the atoms that hold now, by the program."""
+        """Record the program's beliefs."""
         terms = self._terms.numbers([shortened(atom) for atom in atoms])
         last = self.tables["beliefs"].last
         if last is None or last["atoms"] != terms:
@@ -277,14 +277,14 @@ class RunView(RunEvents):
         self._log.add(now, "note", shortened(text, SHOWN))
 
     def pose(self, time: float, x: float, y: float, yaw: float) -> None:
-        """Record where the robot is (m, rad)."""
+        """Record the robot's pose (m, rad)."""
         if all(map(math.isfinite, (x, y, yaw))):
             self.position = x, y
             if self._track.add(time, x, y, yaw):
                 self._revision.next()
 
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
-        """Record the way that the robot is to drive."""
+        """Record the robot's planned path."""
         finite = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
         kept = [[round(x, 2), round(y, 2)] for x, y in simplified(finite)]
         now, last = self._now(time), self.tables["paths"].last
@@ -292,43 +292,43 @@ class RunView(RunEvents):
             self.tables["paths"].add(time=now, points=kept)
 
     def floor(self, image: Optional[Record]) -> None:
-        """Record the picture of the map."""
-        self.tell(map=image)
+        """Record the image of the map."""
+        self.describe(map=image)
 
     def clock(self, time: float) -> None:
-        """Take the time, though nothing else has come."""
+        """Advance the run's clock without another event."""
         if self._start is not None:
             self._log.clock(self._now(time))
 
     def finish(self) -> None:
-        """Write the lines that are still held back."""
+        """Write all delayed lines."""
         self._log.finish()
 
-    # ---- what is asked ----------------------------------------------------------------------------------------------
+    # ---- queries ----------------------------------------------------------------------------------------------------
 
     @property
     def revision(self) -> int:
-        """How often anything has changed."""
+        """The number of changes up to now."""
         return self._revision.number
 
     def known(self) -> Known:
-        """Return what to ask for later changes with: the arguments of :meth:`changes` for all that there is now."""
+        """Return the arguments of :meth:`changes` for changes after the present revision."""
         words = len(self._terms.entries), len(self._words.entries), len(self._shapes.entries)
         return self.revision, words, (self._track.thinned, len(self._track.poses))
 
     def has_ended(self, key: str) -> bool:
-        """Tell whether a goal is known and has ended."""
+        """Return whether a goal is known and has ended."""
         number = self._goals.get(key)
         return key in self._history if number is None else self.tables["goals"][number]["ended"] is not None
 
     @property
     def full(self) -> bool:
-        """Whether the tables hold more than MOST records: see :meth:`renewed`."""
+        """Whether the tables have more than MOST records, see :meth:`renewed`."""
         words = self._words, self._terms, self._shapes
         return sum(map(len, self.tables.values())) + sum(len(one.entries) for one in words) > MOST
 
     def renewed(self) -> "RunView":
-        """Return a view that goes on with what is open now, without what is over."""
+        """Return a view that continues with the open goals and the present state only."""
         fresh = RunView(self.about)
         start = self._start or 0.0
         fresh.begin(self._run)
@@ -351,9 +351,10 @@ class RunView(RunEvents):
     def changes(
         self, revision: int = 0, words: Tuple[int, int, int] = (0, 0, 0), poses: Tuple[int, int] = (0, 0)
     ) -> Record:
-        """Return what is new after a revision: records by table and number, and the revision that it leads to.
+        """Return the changes since a revision: records by table and number, and the present revision.
 
-        ``words`` are how many terms, actions and shapes are known already; ``poses`` how many, and as often thinned.
+        ``words`` are the numbers of terms, actions and shapes that the client has; ``poses`` how often its poses were
+        thinned, and their number.
         """
         known = poses[1] if poses[0] == self._track.thinned else 0
         start = self._start or 0.0
@@ -371,10 +372,10 @@ class RunView(RunEvents):
             **{name: table.since(revision) for name, table in self.tables.items()},
         }
 
-    # ---- how it is put together -------------------------------------------------------------------------------------
+    # ---- records ----------------------------------------------------------------------------------------------------
 
     def _now(self, time: float, begins: bool = False) -> float:
-        """Return the time since the run began, 0 before; a request, fact or action ``begins`` it."""
+        """Return the time since the beginning of the run, 0 before; a request, fact or action ``begins`` it."""
         if self._start is None and not begins:
             return 0.0
         if self._start is None:
@@ -395,7 +396,7 @@ class RunView(RunEvents):
         return self.tables["cycles"].change(self._cycles[cycle])
 
     def _draw(self) -> None:
-        """Record what is drawn on the map of what the program believes, where that is another than before."""
+        """Record the drawings of the program's beliefs, if they have changed."""
         found = self.drawings.of(self.believed, self.about["labels"].keys())
         texts = [
             json.dumps({"kind": one.kind.value, "labels": one.labels, "text": shortened(one.text)}) for one in found
@@ -405,12 +406,12 @@ class RunView(RunEvents):
             self.tables["drawn"].add(time=self._believed_since, shapes=shapes)
 
     def _word(self, key: str) -> str:
-        """Return the latest state of a goal, empty for one that is not known."""
+        """Return the latest state of a goal, empty for an unknown goal."""
         number = self._goals.get(key)
         return "" if number is None else str(self.tables["goals"][number]["states"][-1][1])
 
     def _state(self, time: float, key: str, word: str, message: str) -> bool:
-        """Record a goal's status if it is another than before; tell whether it is."""
+        """Record a goal's status if it has changed; return whether it has."""
         number = self._goals.get(key)
         if number is None:
             return False
@@ -435,7 +436,7 @@ class RunView(RunEvents):
 
 
 def _sources(update: StreamUpdate) -> Set[str]:
-    """Return the requests and returns in an update, which other topics have first."""
+    """Return the requests and returns in an update, which other topics publish first."""
     heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
     return {_source(head) for head in heads} - {""}
 
@@ -448,7 +449,7 @@ def _source(head: Symbol) -> str:
 
 
 def _as_fed(text: str) -> str:
-    """A goal as an update has it, where its client wrote it with other spaces."""
+    """Return a goal in the form of an update, with normalized spaces."""
     try:
         return str(parse_term(text))
     except ProgressionError:

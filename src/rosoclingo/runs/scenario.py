@@ -1,4 +1,4 @@
-"""Scenarios: what clients do at which moment, where packages lie at first, and how it should end.
+"""Scenarios: timed events of clients, initial places of packages, and the expected end.
 
 An example::
 
@@ -15,15 +15,20 @@ An example::
       robot: office4
       actions: ["_action_lib(move_base,office2,1)"]
 
-An event happens ``time`` seconds (simulated) after the scenario began, or ``delay`` seconds after the plan of ``cycle``
-is out. Cycles count from the scenario's beginning, also those of expected ``actions``: cycle 1 is the cycle of the
-scenario's first update, and the time before it. An event whose cycle does not come is a fault. ``request`` sends a
-goal, ``cancel`` cancels the latest one with this identity, ``facts`` sends facts as the interface ``origin``.
-``call`` calls a service with the fields of its request, for instance to close a door. ``launch`` names the launch file
-that starts the scenario's world (mailbot), ``timeout`` limits the whole scenario, in simulated seconds.
+An event happens ``time`` simulated seconds after the start of the scenario, or ``delay`` seconds after the plan of
+``cycle`` is published. Cycles count from the start of the scenario, also in expected ``actions``: cycle 1 is the cycle
+of the scenario's first update, and the time before it. An event whose cycle never begins is a fault. The verbs are:
+
+* ``request`` sends a goal;
+* ``cancel`` cancels the latest goal with this identifier;
+* ``facts`` sends facts as the interface ``origin``;
+* ``call`` calls a service with the fields of its request, for instance to close a door.
+
+``launch`` names the launch file that starts the scenario's world (mailbot), ``timeout`` limits the whole scenario, in
+simulated seconds.
 
 ``robot`` is a label of the core's ``~labels``, by ``base_pose_ground_truth``, tf or ``amcl_pose``; without a pose it is
-the place that the program shows. ``packages`` are those of the topic ``packages``, else the shown things.
+the place that the program shows. ``packages`` come from the topic ``packages``, else from the shown things.
 """
 
 from dataclasses import dataclass, field
@@ -34,10 +39,10 @@ import yaml
 
 from rosoclingo.common.reading import MISSING, Reader, read_yaml
 
-#: What an event can do: in words what is done, and what reads it.
+#: The verbs of events: the description of their value, and the function that reads it.
 VERBS: Dict[str, Tuple[str, Callable[[Any], Any]]] = {
     "request": ("a goal as text", lambda value: value if isinstance(value, str) else None),
-    "cancel": ("a goal's identity", lambda value: value),
+    "cancel": ("a goal's identifier", lambda value: value),
     "facts": ("a list of atoms", lambda value: value if isinstance(value, list) else None),
     "call": ("the name of a service", lambda value: value if isinstance(value, str) else None),
 }
@@ -46,14 +51,14 @@ OUTCOMES = ("succeeded", "canceled", "rejected", "aborted")
 
 
 class ScenarioError(ValueError):
-    """A scenario that cannot be played; the text names the place and the fault."""
+    """A scenario that cannot be played; the text has the place and the fault."""
 
 
 @dataclass(frozen=True)
 class ScenarioEvent:
-    """One thing that happens: ``verb`` with ``value``, at ``time`` or ``delay`` seconds into ``cycle``.
+    """An event: ``verb`` with ``value``, at ``time``, or ``time`` seconds into ``cycle``.
 
-    ``fields`` are those of the request when a service is called.
+    ``fields`` are the fields of a service's request.
     """
 
     verb: str
@@ -65,7 +70,7 @@ class ScenarioEvent:
     fields: Mapping[str, Any] = field(default_factory=dict)
 
     def due(self, elapsed: float, begun: Mapping[int, float]) -> bool:
-        """Whether it is to happen ``elapsed`` seconds after the start; ``begun`` tells when each cycle so far began."""
+        """Return whether the event is due ``elapsed`` seconds after the start; ``begun`` has the times of cycles."""
         if self.cycle is None:
             return elapsed >= self.time
         reached = [moment for cycle, moment in begun.items() if cycle >= self.cycle]
@@ -78,7 +83,7 @@ class ScenarioEvent:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A whole scenario; ``expect`` is empty when any end will do."""
+    """A scenario; without ``expect`` it accepts any end."""
 
     title: str
     events: Tuple[ScenarioEvent, ...]
@@ -89,16 +94,16 @@ class Scenario:
 
     @classmethod
     def from_file(cls, path: Path) -> "Scenario":
-        """Read a YAML file; raises ScenarioError with all its faults."""
+        """Read a scenario from a YAML file; raises ScenarioError with all faults."""
         return cls._from(read_yaml(path, "scenario", ScenarioError))
 
     @classmethod
     def from_text(cls, text: str) -> "Scenario":
-        """Read YAML; raises ScenarioError with all its faults."""
+        """Read a scenario from YAML; raises ScenarioError with all faults."""
         try:
             return cls._from(Reader(yaml.safe_load(text)))
         except yaml.YAMLError as error:
-            raise ScenarioError(f"this is no YAML: {error}") from error
+            raise ScenarioError(f"the text is not valid YAML: {error}") from error
 
     @classmethod
     def _from(cls, reader: Reader) -> "Scenario":
@@ -135,7 +140,7 @@ def _event(reader: Reader) -> ScenarioEvent:
         if time.given == cycle.given:
             reader.fault("give either 'time' or 'cycle'")
         if fields.given and verb != "call":
-            fields.fault("goes with 'call' alone")
+            fields.fault("is only for 'call'")
     return event
 
 
@@ -152,7 +157,7 @@ def _expectation(reader: Reader) -> Dict[str, Any]:
 
 
 def _places(reader: Reader) -> Dict[str, str]:
-    """Return where packages are, by their names; both are terms, so that numbers may be written as such."""
+    """Return the places of packages by name; both are terms, so numbers need no quotes."""
     return {name: str(place.value) for name, place in reader.entries("a mapping of packages to labels", {})}
 
 

@@ -1,4 +1,4 @@
-"""Actions in plain words, as a program has them for people: ``_says(move_base,"drives to {}").`` among its facts."""
+"""The program's sentences for actions: ``_says(move_base,"drives to {}").`` among its facts."""
 
 from typing import Dict, Iterable, List, Mapping, Optional
 
@@ -24,12 +24,12 @@ class Sentences:
         self._texts: Dict[str, str] = dict(texts or {})
 
     def of(self, action: Action) -> str:
-        """What an action does, "drives to office2"."""
+        """Return the sentence for an action, "drives to office2"."""
         text = self._texts.get(action.interface_name, f"{action.interface_name} {_PLACE}")
         return text.replace(_PLACE, name_of(action.parameter))
 
     def now(self, cycle: int, state: str, plan: Iterable[str]) -> str:
-        """What is done in a cycle of a plan for a goal in this state (its feedback), in one line."""
+        """Return a line about the actions of a cycle in a plan, for a goal with this state (its feedback)."""
         if state.startswith("waiting"):
             return state
         word, _, remark = state.partition(": ")
@@ -44,7 +44,7 @@ def actions_now(cycle: int, plan: Iterable[str]) -> List[Action]:
 
 
 def sentences_of(program: RunProgram) -> Sentences:
-    """Return what the facts of a program's texts say; what cannot be read says nothing."""
+    """Return the sentences in a program's texts; invalid texts are ignored."""
     facts = [one for one in facts_of(program, {SAYS}) if one.match(SAYS, 2)]
     return Sentences(
         {

@@ -1,4 +1,4 @@
-"""Atoms in the texts of topics: what is none, or not the one that is asked for, is None."""
+"""Parse atoms in texts of topics; the result is None for any other text."""
 
 import functools
 from typing import Callable, Optional, TypeVar
@@ -11,13 +11,13 @@ from rosoclingo.reasoning.keywords import RUN, Action, KeywordError, Return, act
 T = TypeVar("T")
 
 
-#: Limit of characters of an atom that is remembered.
+#: Limit of characters of a cached atom.
 SHORT = 1000
 
 
 def atom_in(text: str) -> Optional[Symbol]:
-    """Return a ground atom."""
-    return _remembered(text) if len(text) <= SHORT else _parsed(text)
+    """Return the ground atom in a text."""
+    return _cached(text) if len(text) <= SHORT else _parsed(text)
 
 
 def _parsed(text: str) -> Optional[Symbol]:
@@ -27,7 +27,7 @@ def _parsed(text: str) -> Optional[Symbol]:
         return None
 
 
-_remembered = functools.lru_cache(maxsize=10000)(_parsed)
+_cached = functools.lru_cache(maxsize=10000)(_parsed)
 
 
 def action_in(text: str) -> Optional[Action]:
@@ -36,12 +36,12 @@ def action_in(text: str) -> Optional[Action]:
 
 
 def return_in(text: str) -> Optional[Return]:
-    """Return that of ``_return(A,V,C)``."""
+    """Return the return of ``_return(A,V,C)``."""
     return _read(text, return_of)
 
 
 def run_in(text: str) -> Optional[str]:
-    """Return the run that the core announces, ID of ``_run("ID")``."""
+    """Return the id of the run that the core announces by ``_run("ID")``."""
     atom = atom_in(text)
     if atom is None or not is_keyword(atom, RUN) or len(atom.arguments) != 1:
         return None

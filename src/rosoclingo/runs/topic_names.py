@@ -1,15 +1,15 @@
-"""The names of a core's topics: its own, those of its action server, and those that it shares with interfaces."""
+"""Names of a core's topics: private topics, topics of its action server, and topics shared with interfaces."""
 
 __all__ = ["USUAL", "full_name"]
 
-#: The core's usual name, and the name of each core's action server.
+#: The default name of the core, and the name of each core's action server.
 USUAL = "rosoclingo"
 
 
 def full_name(topic: str, core: str) -> str:
-    """Return the name of a topic for a core: a full one where the core's is, else a relative one.
+    """Return the name of a topic for a core: absolute if the core's name is absolute, else relative.
 
-    One that begins with ``~`` is the core's own, one with ``/`` nobody's, and any other is in the core's namespace.
+    A topic with ``~`` is private to the core, a topic with ``/`` is global, any other is in the core's namespace.
     """
     if topic.startswith("/"):
         return topic

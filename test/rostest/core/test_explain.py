@@ -44,7 +44,7 @@ class ExplainGoals(unittest.TestCase):
     def test_a_goal_that_was_given_up_is_explained_while_others_are_served(self):
         unknown = self.explain("7")
         self.assertFalse(unknown.success)
-        self.assertEqual(unknown.message, "no goal '7' was given up for want of a plan; those that were: none")
+        self.assertEqual(unknown.message, "no goal '7' was aborted for lack of a plan; aborted goals: none")
 
         self.hands.tell("_blocked(office2,office3,now)")
         goal = self.client.send("goal(office1,office4,7)")

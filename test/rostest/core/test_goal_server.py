@@ -158,7 +158,7 @@ class GoalServerTest(unittest.TestCase):
             handles = goal_handles.GoalHandles()
             texts = ["do(walk,1)", "do({},2)".format("x" * 50000), "do(walk,3)"]
             goals = [self.admit(core, client, handles, text) for text in texts]
-            self.assertIn("2 goals of ", goals[2].ends_as(GoalStatus.REJECTED))
+            self.assertIn(" has 2 open goals", goals[2].ends_as(GoalStatus.REJECTED))
             handles.refused(GoalRefused(1, core.handles[0].get_goal_id().id, texts[0], "y" * 50000))
             self.assertEqual(len(goals[0].ends_as(GoalStatus.REJECTED)), 50000)
             self.admit(core, client, handles, "do(walk,4)")

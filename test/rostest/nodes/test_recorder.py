@@ -74,7 +74,7 @@ class Recorder(unittest.TestCase):
             self.assertEqual(record.wait(), (0, ""))
         words, notes = self.holds()
         self.assertEqual(words, ["hello", *map(str, range(WORDS))])
-        self.assertEqual(notes, ["begins", "ends, with the run: nothing is lacking"])
+        self.assertEqual(notes, ["begins", "ends, with the run: complete"])
 
     def test_recorder_without_topics_has_a_list_of_its_own(self):
         if rospy.has_param("/record/topics"):  # another test's
@@ -102,7 +102,7 @@ class Recorder(unittest.TestCase):
             wait_until(lambda: is_recording([]), "the recorder to wait")
             record.signal(signal.SIGINT)
             self.assertEqual(record.wait()[0], 0)
-        self.assertEqual(self.holds(), (["hello"], ["begins", "ends, lacks what came later on /last_words"]))
+        self.assertEqual(self.holds(), (["hello"], ["begins", "ends, later messages are missing on /last_words"]))
 
     def test_rosnode_kill(self):
         with recorder(self.bag) as record, speaker():
@@ -128,8 +128,8 @@ class Recorder(unittest.TestCase):
             self.assertIn("was killed", record.wait()[1])
         words, notes = self.holds(self.bag.with_name("run_1.bag"))
         self.assertEqual(words, [f"word {number}." for number in range(100)])
-        self.assertIn("mended: who wrote this was killed; lacks what came after", notes[-1])
-        self.assertEqual(self.holds()[1], ["begins", "ends, with the run: nothing is lacking"])
+        self.assertIn("repaired: the recorder was killed; messages after", notes[-1])
+        self.assertEqual(self.holds()[1], ["begins", "ends, with the run: complete"])
 
     def test_a_full_disk_is_told_once_and_the_bag_goes_on_when_there_is_room(self):
         publisher = rospy.Publisher("last_words", String, queue_size=None)
@@ -149,8 +149,8 @@ class Recorder(unittest.TestCase):
         self.assertEqual((code, error.count("cannot be written")), (0, 1), error)
         words, notes = self.holds()
         self.assertEqual(words, ["before", "after"])
-        self.assertRegex(notes[1], r"^lacks what came from .* s to .* s: the bag .* cannot be written: ")
-        self.assertEqual((notes[0], notes[2]), ("begins", "ends, with the run: lacks what is said before"))
+        self.assertRegex(notes[1], r"^messages from .* s to .* s are missing: the bag .* cannot be written: ")
+        self.assertEqual((notes[0], notes[2]), ("begins", "ends, with the run: with the gaps noted before"))
 
     def test_messages_stay_in_order_when_simulated_time_goes_back(self):
         publisher = rospy.Publisher("last_words", String, queue_size=None)
@@ -212,7 +212,7 @@ class Recorder(unittest.TestCase):
             results = [message for _, message, _ in bag.read_messages(["/rosoclingo/result"])]
             notes = [message.data for _, message, _ in bag.read_messages([NOTES])]
         self.assertEqual([f"aborted: {one.status.text}" for one in results], [told])
-        self.assertEqual(notes[-1], "ends, with the run: nothing is lacking")
+        self.assertEqual(notes[-1], "ends, with the run: complete")
 
 
 if __name__ == "__main__":

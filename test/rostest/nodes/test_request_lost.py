@@ -91,8 +91,8 @@ class RequestLost(unittest.TestCase):
     def is_lost(self, request):
         code, said = request.end()
         self.assertEqual(code, 5, said)
-        self.assertIn("lost: nothing is heard of do(walk,1) any more", said)
-        self.assertIn("does not answer", said)
+        self.assertIn("lost: no news of do(walk,1)", said)
+        self.assertIn("does not respond", said)
 
     def test_core_is_killed(self):
         with core("killed") as process:

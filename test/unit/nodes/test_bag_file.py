@@ -55,14 +55,14 @@ def test_a_bag_is_mended_up_to_its_last_flush(tmp_path, lost):
     assert read(tmp_path / "other.bag") == ["1", "2"]
     with rosbag.Bag(str(tmp_path / "other.bag")) as mended:
         (note,) = [message.data for _, message, _ in mended.read_messages(["/notes"])]
-    assert note == "mended: who wrote this was killed; lacks what came after 2.000 s"
+    assert note == "repaired: the recorder was killed; messages after 2.000 s are missing"
 
 
 def test_what_is_no_bag_is_not_mended(tmp_path):
     path = tmp_path / "run.bag"
     for content in (b"", b"#ROSBAG V2.0\n", b"something else"):
         active(path).write_bytes(content)
-        with pytest.raises(BagError, match=r"run\.bag\.active holds no bag that can be mended"):
+        with pytest.raises(BagError, match=r"run\.bag\.active cannot be repaired"):
             mend(path, path, "/notes")
     assert not path.exists()
 

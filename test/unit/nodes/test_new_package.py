@@ -41,24 +41,24 @@ def test_the_readme_names_what_is_there(tmp_path):
 
 
 def test_a_name_that_a_package_has_is_refused(templates, tmp_path):
-    with pytest.raises(NewPackageError, match="there is a package std_msgs already"):
+    with pytest.raises(NewPackageError, match="the package std_msgs already exists"):
         new_package("std_msgs", tmp_path, templates, ["roscpp", "std_msgs"])
     assert not (tmp_path / "std_msgs").exists()
     (tmp_path / "mine").mkdir()
-    with pytest.raises(NewPackageError, match="mine is there already"):
+    with pytest.raises(NewPackageError, match="mine already exists"):
         new_package("mine", tmp_path, templates, ["mine"])
 
 
 @pytest.mark.parametrize("name", ["Guard", "my-robot 2", "2_arms", "x", "", "../up", "ü", "x" * 101])
 def test_what_is_no_name_is_refused(name, templates, tmp_path):
-    with pytest.raises(NewPackageError, match="a letter first, 2 to 100 of them"):
+    with pytest.raises(NewPackageError, match="use 2 to 100 lower-case letters, digits"):
         new_package(name, tmp_path / "folder", templates)
 
 
 def test_what_is_there_is_left_alone(templates, tmp_path):
     (tmp_path / "guard").mkdir()
     (tmp_path / "guard" / "mine").write_text("precious")
-    with pytest.raises(NewPackageError, match="guard is there already: choose another name, or remove it"):
+    with pytest.raises(NewPackageError, match="guard already exists: choose another name, or remove it"):
         new_package("guard", tmp_path, templates)
     assert [path.name for path in (tmp_path / "guard").iterdir()] == ["mine"]
 

@@ -78,7 +78,7 @@ def test_without_a_key_nothing_is_taken(counter, key):
 @pytest.mark.parametrize("message", [{"order": 0, "chosen": {"package": "1", "to": "office1"}}, {"cancel": "id 1"}])
 def test_desk_answers_a_key_that_is_no_unicode(counter, key, message):
     counter.order()
-    assert "no Unicode text" in counter.take(key=key, **message)["fault"]
+    assert "not valid Unicode" in counter.take(key=key, **message)["fault"]
     assert (len(counter.sent), counter.canceled) == (1, [])
 
 
@@ -118,12 +118,12 @@ def test_desk_burst_accepts_only_free_places():
 
 def test_desk_place_is_kept_after_a_failed_sending(counter):
     def fail(_text):
-        raise OrderError("the core is not there: try again later")
+        raise OrderError("the core is not running: try again later")
 
     desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), fail, fail)
     for _ in range(MOST_OPEN + 1):
         message = {"order": 0, "key": KEY, "chosen": {"package": "1", "to": "office1"}}
-        assert desk.take(message, counter.view) == {"fault": "the core is not there: try again later"}
+        assert desk.take(message, counter.view) == {"fault": "the core is not running: try again later"}
 
 
 def test_desk_counts_orders_of_an_earlier_view(counter):

@@ -72,7 +72,7 @@ class Desk:
 @pytest.fixture
 def desk(page):
     view = delivery()
-    view.tell(labels={**LABELS, "office3": [3.0, 1.0, 0.0]})
+    view.describe(labels={**LABELS, "office3": [3.0, 1.0, 0.0]})
     with serving(view) as served:
         yield Desk(served, page)
     assert page.faults == []
@@ -127,7 +127,7 @@ def test_page_keeps_the_choice_while_packages_move(desk):
     desk.page.wait_for("document.querySelector('#orders').textContent.includes('2 (not now)')")
     assert (desk.chosen("package"), desk.offered("package")) == ("2", ["1", "3"])
     desk.order()
-    desk.says("Not ordered: package: choose one of those that there are")
+    desk.says("Not ordered: package: choose one of the options")
     desk.lie({"1": "office3", "2": "office1", "3": "office1"})
     desk.page.wait_for("!document.querySelector('#orders').textContent.includes('not now')")
     assert desk.chosen("package") == "2"
@@ -151,7 +151,7 @@ def test_page_offers_no_place_twice(desk):
     desk.choose(package="2")
     assert desk.words("to")[-1] == "office2 (not now)"
     desk.order()
-    desk.says("Not ordered: to: office2 is 'from' already, choose another place")
+    desk.says("Not ordered: to: office2 is already 'from', choose another place")
     assert desk.offered("a") == ["office2", "office3"]
     desk.choose(b="office3")
     assert desk.offered("a") == ["office1", "office2"]

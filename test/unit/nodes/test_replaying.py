@@ -117,8 +117,8 @@ def test_a_decision_that_is_no_plan_is_an_error(replay, write):
     assert text.endswith("1 unexplained: cycles 2")
     code, text = replay(write(change=change), "--to", 2)
     assert code == 1
-    assert "Answer as it was published: none" in text
-    assert "Answer as it is found now, horizon" in text
+    assert "Answer as recorded: none" in text
+    assert "Answer of the replay, horizon" in text
 
 
 def test_stream_and_program_are_written(replay, write, driver, tmp_path):
@@ -146,15 +146,15 @@ def test_another_program(replay, write, tmp_path):
     assert "another program" not in replay(write(), "--program", *files)[1]
     code, text = replay(write(), "--program", *files, "-c", "capacity=0")
     assert code == 1
-    assert "this is another program than the run's" in text
+    assert "this is not the program of the run" in text
 
 
 @pytest.mark.parametrize(
     ("left_out", "spaces", "why"),
     [
-        (["rosoclingo/updates"], ("/",), "no stream updates of a core"),
-        (["rosoclingo/task_plan"], ("/",), "lacks /rosoclingo/task_plan"),
-        ([], ("/a/", "/b/"), "the runs of 2 cores are in it: name one of /a/rosoclingo, /b/rosoclingo by --core"),
+        (["rosoclingo/updates"], ("/",), "the bag has no stream updates of a core"),
+        (["rosoclingo/task_plan"], ("/",), "lacks the decisions"),
+        ([], ("/a/", "/b/"), "the bag has runs of 2 cores: choose one of /a/rosoclingo, /b/rosoclingo by --core"),
         ([], (), "the bag is empty"),
     ],
 )
@@ -169,7 +169,7 @@ def test_one_of_several_cores(replay, write, capsys):
     path = write(spaces=("/a/", "/b/"))
     assert replay(path, "--core", "b/rosoclingo")[0] == 0
     assert replay(path, "--core", "c")[0] == 2
-    assert "the core c is not in it, but /a/rosoclingo, /b/rosoclingo" in capsys.readouterr().err
+    assert "the bag has no core c; its cores: /a/rosoclingo, /b/rosoclingo" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -180,7 +180,7 @@ def test_a_core_that_was_started_again(replay, write, capsys):
     assert (code, text.count("no unexplained difference")) == (0, 2)
     assert replay(path, *files, "--run", 2)[1].count("no unexplained difference") == 1
     assert replay(path, *files, "--to", 2)[0] == 2
-    assert "holds 2 runs of the core: choose one by --run N" in capsys.readouterr().err
+    assert "has 2 runs of the core: choose one by --run N" in capsys.readouterr().err
     assert replay(path, *files, "--run", 3)[0] == 2
 
 
@@ -191,7 +191,7 @@ def test_a_run_that_begins_too_late(replay, write, capsys):
         return message
 
     assert replay(write(change=change))[0] == 2
-    assert "the updates of cycle 1 are lacking" in capsys.readouterr().err
+    assert "the updates of cycle 1 are missing" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("size", [0, 5, 5000, -1])

@@ -97,4 +97,4 @@ def test_request_interrupted_before_there_is_a_server_sends_nothing(command, mon
     monkeypatch.setattr(Client, "wait_for_server", interrupted)
     said = []
     assert command.request("goal(a,b,1)", "rosoclingo", 1.0, said.append) == command.EXIT_CODES["lost"]
-    assert said == ["not waiting any longer for the action server 'rosoclingo'; nothing was sent"]
+    assert said == ["stopped waiting for the action server 'rosoclingo'; nothing was sent"]

@@ -63,5 +63,5 @@ def test_the_account_of_a_bag(messages, tmp_path):
         ["3", "update", "#step 3. _return(go,x,2). #end step."],
     ]
     assert lines[lines.index("") :] == ["", "g(1): active", "robot: a", "actions: go x", "time: 1.0 s"]
-    with pytest.raises(RecordingError, match="the core other is not in it"):
+    with pytest.raises(RecordingError, match="the bag has no core other"):
         watch_bag(path, "other", True, lines.append)

@@ -66,13 +66,13 @@ def test_each_thing_is_drawn_once_and_other_labels_are_heeded(declared):
     [
         ("_draws(x)", "write _draws(Predicate,Kind) or _draws(Predicate,Kind,Text)"),
         ("_draws(x,nothing)", "nothing is no kind, write one of way, open, blocked, thing, carried, mark, robot"),
-        ("_draws(x,way,text)", 'the text is a string, write "text"'),
+        ("_draws(x,way,text)", 'the text has to be a string, write "text"'),
     ],
 )
 def test_a_declaration_that_is_none_is_told(fact, fault):
     program = RunProgram("run", (ProgramFile("a.lp", f"{fact}. x(a,b). _draws(y,mark). y(a).", False),), {}, "")
     found = drawings_of(program)
-    assert found.faults == (f"{fact} has nothing drawn: {fault}",)
+    assert found.faults == (f"{fact} draws nothing: {fault}",)
     assert found.of([], LABELS) == [Drawing(DrawingKind.MARK, ("a",), "y")]
 
 

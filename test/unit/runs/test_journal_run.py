@@ -79,7 +79,7 @@ def test_one_that_was_begun_anew_goes_on_from_the_state(late):
 
 @pytest.mark.slow
 def test_of_a_state_there_is_no_stream(late):
-    with pytest.raises(RecordingError, match=r"what came before cycle \d+ is in it as a state alone"):
+    with pytest.raises(RecordingError, match=r"the updates before cycle \d+ are compacted to a checkpoint"):
         _ = journal_run(late[0]).stream
 
 

@@ -82,8 +82,8 @@ def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
 @pytest.mark.parametrize(
     ("steps", "text"),
     [
-        ([3, 4], "cycles 1 to 2 are lacking.*begin before the first request"),
-        ([1, 3], "cycle 2 are lacking.*see its notes"),
+        ([3, 4], "cycles 1 to 2 are missing.*before the first request"),
+        ([1, 3], "cycle 2 are missing.*see its notes"),
         ([], "no update of a core"),
     ],
 )

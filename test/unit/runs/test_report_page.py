@@ -137,7 +137,7 @@ def test_what_is_seen_counts_more_than_what_is_believed(opened):
     view = delivery()
     view.program(0.0, floor())
     view.beliefs(132.4, 6, ["on(9,study,now)", "me(hall,now)"])
-    view.tell(labels={**LABELS, "hall": [3.0, 1.0, 0.0], "study": [3.5, 1.0, 0.0]})
+    view.describe(labels={**LABELS, "hall": [3.0, 1.0, 0.0], "study": [3.5, 1.0, 0.0]})
     assert opened(view).text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
 
 
@@ -182,7 +182,7 @@ def test_an_address_names_a_moment(page, tmp_path):
 @pytest.mark.parametrize("verdict", [[], ["goals: expected <b>"]])
 def test_the_verdict(opened, verdict):
     view = delivery()
-    view.tell(verdict=verdict)
+    view.describe(verdict=verdict)
     text = opened(view).text("#verdict")
     assert text.split("\n") == (["Not as expected", *verdict] if verdict else ["As expected"])
 
@@ -192,7 +192,7 @@ def test_hostile_texts_are_text(opened, text):
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
     quoted = text.replace("\\", "\\\\").replace('"', '\\"')
     view.program(0.0, floor(f'_draws(sign,mark,"{quoted}").'))
-    view.tell(labels={**view.about["labels"], text: [1.0, 1.0, 0.0]})
+    view.describe(labels={**view.about["labels"], text: [1.0, 1.0, 0.0]})
     view.goal(0.0, text, text)
     view.status(1.0, text, 5, text)
     view.update(1.0, text)

@@ -269,7 +269,7 @@ def test_the_log_tells_of_declarations_that_are_none_once():
     view.goal(10.0, "a", "g(1)")
     view.finish()
     lines = [(one["kind"], one["text"].partition(":")[0]) for one in records(view.changes(), "log")]
-    assert lines == [("note", "_draws(path,roads) has nothing drawn"), ("request", "g(1)")]
+    assert lines == [("note", "_draws(path,roads) draws nothing"), ("request", "g(1)")]
 
 
 def test_a_core_that_is_started_again_begins_with_cycle_1():
@@ -293,7 +293,7 @@ def test_goals_of_a_core_that_is_gone_are_lost_unless_they_are_heard_of_again():
         view.status(6.0, key, 1, "")
     view.begin("two")
     first, second = records(view.changes(), "goals")
-    assert first["states"][-1] == second["states"][-1] == [1.0, "lost", "the core was started again"]
+    assert first["states"][-1] == second["states"][-1] == [1.0, "lost", "the core was restarted"]
     view.status(8.0, "a", 1, "")
     assert (first["ended"], second["ended"]) == (None, 1.0)
 

@@ -65,7 +65,7 @@ def test_when_events_are_due():
     [
         ("", "events: is missing: give a list of events"),
         ("3", "must be a mapping with the keys title, events, packages, expect, timeout, launch, not 3"),
-        ("[", "no YAML"),
+        ("[", "not valid YAML"),
         ("title: x", "events: is missing: give a list of events"),
         ("events: []\nevnts: []", "unknown key 'evnts' (is events meant?); keys are title, events"),
         ("events: [3]", "events[0]: must be a mapping with the keys request, cancel"),
@@ -77,7 +77,7 @@ def test_when_events_are_due():
         ("events: [{time: 1, facts: a}]", "events[0].facts: must be a list of atoms, not 'a'"),
         ("events: [{time: 1, call: 3}]", "events[0].call: must be the name of a service, not 3"),
         ("events: [{time: 1, call: a, with: 3}]", "events[0].with: must be a mapping of the request's fields, not 3"),
-        ("events: [{time: 1, request: a, with: {b: 1}}]", "events[0].with: goes with 'call' alone"),
+        ("events: [{time: 1, request: a, with: {b: 1}}]", "events[0].with: is only for 'call'"),
         (
             "events: []\nexpect: {goals: [preempted]}",
             "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'preempted'",

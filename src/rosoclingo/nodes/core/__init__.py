@@ -1,1 +1,1 @@
-"""The core as a node."""
+"""The core node."""

@@ -1,4 +1,4 @@
-"""The states of the core's goals for nodes that are no actionlib clients: the topic ``~goals``."""
+"""The topic ``~goals``: the states of all goals, for nodes that are no actionlib clients."""
 
 import time
 from typing import Dict
@@ -14,10 +14,10 @@ from rosoclingo.reasoning.keywords import shortened
 #: Limit of ended goals in a message.
 ENDED = 100
 
-#: Limit of characters of a goal's request and of its reason; longer ones are shortened in the middle.
+#: Limit of characters of a goal's request and of its reason; longer texts are shortened in the middle.
 SHOWN = 500
 
-#: Seconds of wall time in which changes are published together, as each message has all goals.
+#: Seconds of wall time within which changes are published together, as each message has all goals.
 TOGETHER = 0.1
 
 _OPEN = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.RECALLING, GoalStatus.PREEMPTING)
@@ -25,10 +25,10 @@ _ACCEPTED = (GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.SUCCEEDED, Goa
 
 
 class GoalBoard:
-    """The goals as they came. Used by the worker only, as a handle takes the action server's lock."""
+    """The goals in order of arrival. Use it on the worker only, as a handle takes the action server's lock."""
 
     def __init__(self) -> None:
-        self._goals: Dict[str, GoalState] = {}  # by their order; a message in it is replaced, never changed
+        self._goals: Dict[str, GoalState] = {}  # in order of arrival; its messages are replaced, never changed
         self._waits: Dict[str, str] = {}
         self._changed = False
         self._last = float("-inf")
@@ -36,7 +36,7 @@ class GoalBoard:
         self._publish()
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
-        """Take a goal that arrived."""
+        """Add a goal that has arrived."""
         self._goals.pop(key, None)
         request = shortened(handle.get_goal().request, SHOWN)
         self._goals[key] = GoalState(id=handle.get_goal_id(), request=request, came=rospy.Time.now())
@@ -44,13 +44,13 @@ class GoalBoard:
         self.look(key, handle)
 
     def waits(self, key: str, handle: ServerGoalHandle, why: str) -> None:
-        """Take why a goal has to wait its turn, empty for one that need not."""
+        """Set the reason why a goal is queued, empty for a goal that is not."""
         if why != self._waits.get(key, ""):
             self._waits[key] = why
             self.look(key, handle)
 
     def look(self, key: str, handle: ServerGoalHandle) -> None:
-        """Take a goal's status, which may be another, from actionlib's server."""
+        """Update a goal's status from actionlib's server."""
         before, found = self._goals[key], handle.get_goal_status()
         status, now = found.status, rospy.Time.now()
         accepted, ended = status in _ACCEPTED, status not in _OPEN
@@ -70,18 +70,18 @@ class GoalBoard:
             self._forget()
 
     def _forget(self) -> None:
-        """Let go of the oldest of too many goals that have ended."""
+        """Remove the oldest ended goals above the limit."""
         ended = [key for key, goal in self._goals.items() if goal.status not in _OPEN]
         for key in ended[:-ENDED]:
             del self._goals[key]
 
     def tick(self) -> None:
-        """Publish what has changed, but not all the time; to be called often."""
+        """Publish changes, at most every TOGETHER seconds; call this often."""
         if self._changed and time.monotonic() - self._last >= TOGETHER:
             self._publish()
 
     def flush(self) -> None:
-        """Publish what has changed, at once."""
+        """Publish changes immediately."""
         if self._changed:
             self._publish()
 

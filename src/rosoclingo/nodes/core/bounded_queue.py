@@ -1,4 +1,4 @@
-"""Arrivals from other nodes that wait for the core's worker, a limited number of each node."""
+"""A queue of messages for the core's worker, with a limit for each sending node."""
 
 import threading
 from collections import Counter, deque
@@ -6,7 +6,7 @@ from typing import Deque, Generic, List, Tuple, TypeVar
 
 from rosoclingo.common.worker import ending
 
-#: Seconds of wall time between two checks for the node's end while a sender waits for room.
+#: Seconds of wall time between two checks for the node's shutdown while a sender waits for space.
 CHECK = 1.0
 
 T = TypeVar("T")
@@ -15,8 +15,8 @@ T = TypeVar("T")
 class BoundedQueue(Generic[T]):
     """Items in the order of their arrival, put by rospy's threads and taken by the worker.
 
-    The thread of a node with ``limit`` queued items waits in ``put``: its connection is not read meanwhile, so TCP
-    slows the node down. Only items that wait for room when this node ends are lost.
+    The thread of a node with ``limit`` queued items waits in ``put``. Meanwhile its connection is not read, so TCP
+    slows the node down. Only items that wait for space when this node shuts down are lost.
     """
 
     def __init__(self, limit: int) -> None:
@@ -35,7 +35,7 @@ class BoundedQueue(Generic[T]):
             return [item for _, item in self._items]
 
     def put(self, node: str, item: T) -> bool:
-        """Queue an item of a node; return True if the queue was empty before, so the worker has to be called."""
+        """Queue an item of a node; return True if the queue was empty, so that the caller has to wake the worker."""
         with self._changed:
             while not self._changed.wait_for(lambda: self._number[node] < self._limit, CHECK):
                 if ending():
@@ -48,6 +48,6 @@ class BoundedQueue(Generic[T]):
         """Remove and return the oldest items, at most ``limit``."""
         with self._changed:
             taken = [self._items.popleft() for _ in range(min(limit, len(self._items)))]
-            self._number -= Counter(node for node, _ in taken)  # nodes without items are left out
+            self._number -= Counter(node for node, _ in taken)  # removes nodes without items
             self._changed.notify_all()
             return [item for _, item in taken]

@@ -1,4 +1,4 @@
-"""The node ``rosoclingo``: the pure core on topics, parameters and an action server."""
+"""The node ``rosoclingo``: connects the pure core to topics, parameters and an action server."""
 
 import time
 from functools import partial
@@ -46,22 +46,22 @@ from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import Halt
 from rosoclingo.runs.recorded_run import RunProgram
 
-#: Seconds of wall time that a shutdown waits for the worker, so that every client hears of its goal's end.
+#: Limit in seconds of wall time for the worker to end all goals at a shutdown.
 SHUTDOWN_TIME = 5.0
 
-#: Seconds, of wall time or of ROS time, after which an improvement lets what is due by time be done.
+#: Seconds, of wall time or of ROS time, after which an improvement pauses for timed work.
 IMPROVING = 0.5
 
-#: Seconds of wall time that actions have been under way before answers to what may come are prepared.
+#: Seconds of wall time after the last cycle before answers are prefetched.
 PREPARING = 0.1
 
-#: Seconds of wall time between two turns of the worker, once answers are prepared.
+#: Seconds of wall time between two turns of the worker, once answers are prefetched.
 IDLE = 0.25
 
-#: Seconds of wall time that a search may take though a cancel waits; one so short has its plan before.
+#: Seconds of wall time that a search can continue although a cancel waits: a short search finds its plan in that time.
 CANCEL_GRACE = 0.05
 
-#: Why a goal has ended whose cancel came while the core was at something else.
+#: The reason of a goal that was cancelled while it was queued.
 RECALLED = "the goal was cancelled before it was planned for"
 
 
@@ -70,69 +70,68 @@ class CoreNode:
 
     Parameters
     ----------
-        ~program_files (list of str, required): the reactive logic program, files in order.
-        ~constants (map, default {}): values of the program's ``#const`` names; numbers where the program has numbers.
-        ~labels (map, default {}): named locations, or a list of their names; each is given to the program's base part
-            as ``label(Name).``
-        ~places (str, default ""): facts to add to the program, of the floor as the command ``places`` writes them.
-        ~horizon_limit (int, default 100): steps that a plan for one goal may reach beyond the current cycle; each
-            further goal adds a tenth, and more where the plan that there is has nearly as many.
-        ~plan (str, default soon): ``soon``: each plan is the best one that is found within ``~plan_time``; it is
-            improved while actions run, and new goals join as soon as there is a plan with them; ``shortest``: each
-            plan is the shortest, as in the paper, without a limit of time.
-        ~plan_time (float, default 1.0): seconds of the solver's processor time in which it looks for a shorter plan
-            than the first one that it has found; 0 takes the first.
-        ~goals_at_once (int, default 0): goals that the program is told of at the same time; further ones wait, the
-            oldest first. 0 for no limit: as many as plans are found for well within ``~search_timeout``.
-        ~overtaking_limit (int, default 20): goals that may come later than a goal and end before it, or as many as it
-            was planned for together with, if that is more; then no newer one is fed until it has ended. 0 for no limit.
-        ~search_timeout (float, default 10.0): seconds of the solver's processor time that one search may go on before
-            goals wait, the newest first. 0 for no limit.
-        ~action_timeout (float, default 600.0): seconds of ROS time, which here passes no faster than wall time, until
-            an action that has not returned counts as failed and ``_return(A,timeout,C)`` is fed, 0 for no limit.
-        ~recovery_timeout (float, default 5.0): seconds of the solver's processor time in which to look for the fewest
-            goals to give up, and again for the reasons, when there is no plan; then goals wait, too. 0 for no limit.
-            The check under way still ends.
-        ~preempt (bool, default false): end an action under way at once when the new plan does not want it.
-        ~journal (str, default auto): the folder in which the core writes down all that it needs to go on after it was
-            killed; ``auto`` for one below ``rosoclingo`` in ROS_HOME that is named after the node, its master and the
-            program; ``none`` for none. Of those for ``auto``, what no core has written to for a week is removed, but
-            for the latest 20.
-        ~resume (str, default ask): whether to go on with what is in the journal. ``ask``: where the roslaunch that has
-            started the core of the journal starts this one again; else a new run begins, the journal is set aside, and
-            open goals in it are told. ``yes``: always, and it does not start where it can't. ``no``: never.
-        ~required (bool, default false): in a launch file that starts the core again when it ends (``respawn``), have
-            roslaunch end where that cannot help: the core cannot start, another node has taken its name, or it fails
-            by a fault of its own within a minute of having been started again.
+        ~program_files (list of str, required): the files of the reactive logic program, in order.
+        ~constants (map, default {}): values of the program's ``#const`` names; numbers have to stay numbers.
+        ~labels (map, default {}): named locations, or a list of their names; each becomes a fact ``label(Name).`` of
+            the program's base part.
+        ~places (str, default ""): further facts of the program: the floor, as the command ``places`` prints it.
+        ~horizon_limit (int, default 100): limit of a plan's steps beyond the current cycle for one goal. Each further
+            goal adds a tenth. The limit also grows with a plan that nearly reaches it.
+        ~plan (str, default soon): ``soon``: each plan is the best that is found within ``~plan_time``. It is
+            improved while actions run, and new goals join as soon as a plan includes them. ``shortest``: each plan is
+            the shortest, as in the paper, without a time limit.
+        ~plan_time (float, default 1.0): seconds of the solver's processor time to search for a shorter plan than the
+            first; 0 uses the first plan.
+        ~goals_at_once (int, default 0): limit of goals in the program; further goals are queued, the oldest first.
+            0 adapts the limit, so that plans are found well within ``~search_timeout``.
+        ~overtaking_limit (int, default 20): limit of newer goals that can end before a goal, or the number of goals
+            that it was planned together with, if that is more. Then newer goals are queued until it has ended. 0 for
+            no limit.
+        ~search_timeout (float, default 10.0): seconds of the solver's processor time for one search, after which the
+            newest goals are queued. 0 for no limit.
+        ~action_timeout (float, default 600.0): seconds of ROS time, counted no faster than wall time, after which an
+            action without a return fails with ``_return(A,timeout,C)``. 0 for no limit.
+        ~recovery_timeout (float, default 5.0): seconds of the solver's processor time to search for the fewest goals
+            to abort when there is no plan, and again for the reasons. Afterwards goals are queued instead. 0 for no
+            limit. A check that has started still completes.
+        ~preempt (bool, default false): cancel a running action immediately if the new plan does not contain it.
+        ~journal (str, default auto): the folder of the journal, from which the core resumes after it was killed.
+            ``auto``: a folder below ``rosoclingo`` in ROS_HOME, named after the node, its master and the program.
+            ``none``: no journal. Automatic folders that were not used for a week are deleted, except the latest 20.
+        ~resume (str, default ask): whether to resume from the journal. ``ask``: if the roslaunch that started the
+            journal's core also started this core; else a new run begins, the journal is set aside, and its
+            open goals are logged. ``yes``: always; the core does not start if it cannot resume. ``no``: never.
+        ~required (bool, default false): in a launch file with ``respawn``, end roslaunch if a restart cannot help: the
+            core cannot start, another node has taken its name, or it crashes again within a minute after a restart.
     Subscribes:
-        in_rosoclingo (rosoclingo/InterfaceIO): facts from the interfaces, ``_return(A,V,C)`` and any declared external.
-            In place of its cycle a fact may say ``now``: the next actions that go out heed it already.
-            A message without facts announces that its node serves that interface.
+        in_rosoclingo (rosoclingo/InterfaceIO): facts of the interfaces, ``_return(A,V,C)`` and any declared external.
+            ``now`` in place of the cycle makes the next actions depend on the fact.
+            A message without facts announces that its node serves the interface.
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
-            but each subscriber is sent first which run of the core this is, ``_run("ID")`` for the interface
-            ``rosoclingo``, and the actions under way. ``_cancel(A,P,C)`` ends an action: an
-            unwanted one with ``~preempt``, and each one under way when the core shuts down.
-        ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last few actions done.
-        ~state (rosoclingo/State, latched): what the latest answer shows of the present: what the program believes.
-        ~goals (rosoclingo/GoalStates, latched): the goals with actionlib's statuses and texts: those that are open, and
-            the last 100 that have ended, long texts shortened. Changes within 0.1 s are published together.
-        ~updates (std_msgs/String): every stream update that is in force, once and as the solver took it, with the bound
-            of its search and what is past: ``oclingo --shortest --stream`` plays them, with the same plans where
-            ``~plan`` is ``shortest``, else with plans that may be shorter.
-        ~program (std_msgs/String, latched): the program whole, its constants, and what else decisions depend on, as
-            JSON: with ``~updates`` and ``~task_plan`` all that ``rosrun rosoclingo replay`` needs.
+            but each new subscriber first gets the run of the core, ``_run("ID")`` for the interface ``rosoclingo``,
+            and the running actions. ``_cancel(A,P,C)`` cancels an action: with ``~preempt`` an action that the new
+            plan does not contain, at shutdown all running actions.
+        ~task_plan (rosoclingo/TaskPlan, latched): the plan of the latest answer, after the last executed actions.
+        ~state (rosoclingo/State, latched): the beliefs of the program: the shown atoms that hold now.
+        ~goals (rosoclingo/GoalStates, latched): the goals with actionlib's statuses and texts: all open goals, and
+            the last 100 that have ended. Long texts are shortened. Changes within 0.1 s are published together.
+        ~updates (std_msgs/String): each accepted stream update, once, as the solver received it, with the bound
+            of its search and the past. ``oclingo --shortest --stream`` plays them, with the same plans if ``~plan``
+            is ``shortest``, else with plans that can be shorter.
+        ~program (std_msgs/String, latched): the whole program, its constants, and all parameters that affect
+            decisions, as JSON. With ``~updates`` and ``~task_plan`` it is the input of ``rosrun rosoclingo replay``.
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Services:
-        ~explain (rosoclingo/Explain): why a goal was given up: the fewest rules that forbid it, by file and line and in
-            the program's words, the facts, and the steps. Of the last 20 goals for which there was no plan, also
-            where the core was started again, as far as its journal has them; it takes up to 30 s of processor time, in
-            a process of its own, while the core goes on.
+        ~explain (rosoclingo/Explain): explains why a goal was aborted: the fewest rules that forbid it, by file and
+            line and in the program's words, the facts, and the steps. Available for the last 20 goals without a plan,
+            after a restart as far as the journal has them. It takes up to 30 s of processor time in a separate
+            process, while the core continues.
     Actions served:
         rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 
-    Raises ParameterError, ProgramError and JournalError when it cannot start.
+    Raises ParameterError, ProgramError and JournalError if the core cannot start.
 
     """
 
@@ -140,8 +139,8 @@ class CoreNode:
         self._parameters = core_parameters()
         self._ending = False
         self._arrivals: Set[str] = set()  # keys of queued goals
-        self._cancels: Set[str] = set()  # and of goals with a queued cancel
-        self._recalled: List[str] = []  # and of queued goals that were cancelled, until the journal has it
+        self._cancels: Set[str] = set()  # keys of goals with a queued cancel
+        self._recalled: List[str] = []  # keys of queued goals that were cancelled, until the journal records that
         self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
         self._clock = PacedClock()
         self._handles = GoalHandles()
@@ -197,10 +196,10 @@ class CoreNode:
         start_server(self._server)
         self._worker.start()
 
-    # -- the worker's side
+    # -- jobs of the worker
 
     def _start(self) -> None:
-        """Tell what is known, then wait for the solver's process, which is no part of the first search's time."""
+        """Publish the restored state, then wait for the solver's process, which no search time includes."""
         self._core.remind()
         if self._core.plan.actions:
             self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
@@ -213,7 +212,7 @@ class CoreNode:
         self._core.start()
 
     def _go_on_with_clients(self) -> None:
-        """Have the goals of a core that was killed, before the server tells of any."""
+        """Restore the goals of a killed core before the server publishes a status."""
         for key, client in self._keeper.clients.items():
             status = status_of(client, self._core.goal(key))
             handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status)
@@ -229,9 +228,9 @@ class CoreNode:
         self._handles.board.flush()
 
     def _take_arrivals(self) -> None:
-        """Take goals and cancels, at any time: clients hear that they have come once that is written down.
+        """Take queued goals and cancels, also during a search; clients see them once the journal has them.
 
-        A goal whose cancel has come before the core heard of it ends at once, also while a search goes on.
+        A goal that is cancelled before the core has received it ends immediately.
         """
         self._server.take(self._keeper.keep)
         while self._recalled:
@@ -283,7 +282,7 @@ class CoreNode:
         return IDLE if quiet else None
 
     def _go_on(self) -> bool:
-        """Do what is due; tell whether the plan may be improved while nothing comes."""
+        """Advance the core; return whether the plan can be improved until the next arrival."""
         now = rospy.get_time()
         if now < self._last_time:
             rospy.logwarn("time jumped back by %.1f s", self._last_time - now)
@@ -297,7 +296,7 @@ class CoreNode:
         while not self._ending and not self._facts.gather() and self._core.advance(self._time()):
             self._send()
             self._last_cycle = time.monotonic()
-            if self._worker.waiting:  # a cancel that has come during the search bears on the next one
+            if self._worker.waiting:  # a cancel that arrived during the search affects the next search
                 break
         self._send()
         if time.monotonic() - self._last_cycle >= PREPARING:
@@ -309,7 +308,7 @@ class CoreNode:
         self._keeper.send(keep_ends=self._results.awaited)
 
     def _tick(self) -> None:
-        """Tell what has changed; often, also while a search goes on."""
+        """Publish and log changes; called often, also during a search."""
         for line in self._health.counted(time.monotonic()):
             rospy.logwarn("%s", line)
         self._diagnostics.tick()
@@ -319,22 +318,22 @@ class CoreNode:
         return self._clock.at(rospy.get_time(), time.monotonic())
 
     def _attend(self) -> None:
-        """Attend to time and arrivals, also during a search."""
+        """Publish changes and take arrivals, also during a search."""
         self._tick()
         if self._server.arrivals:
             self._take_arrivals()
 
     def _watch_start(self) -> bool:
-        """Tell whether the core ends while its solver starts."""
+        """Return whether the core shuts down while its solver starts."""
         self._attend()
         return self._ending
 
     def _watch_improvement(self, now: float) -> Callable[[], bool]:
-        """End what improves the plan as soon as anything comes, or something may be due by time."""
+        """Return a watch that ends an improvement of the plan on any arrival, or after IMPROVING seconds."""
         start = time.monotonic()
 
         def look() -> bool:
-            """Tell whether to end it now."""
+            """Return whether to end it now."""
             self._tick()
             spent = max(time.monotonic() - start, abs(rospy.get_time() - now))
             return self._ending or self._worker.waiting or spent >= IMPROVING
@@ -342,11 +341,11 @@ class CoreNode:
         return look
 
     def _watch_search(self) -> Callable[[], Optional[Halt]]:
-        """End a search that takes too long, or whose result a cancel or the shutdown makes useless."""
+        """Return a watch that ends a search after its timeout, or if a cancel or the shutdown makes it useless."""
         start = time.monotonic()
 
         def look() -> Optional[Halt]:
-            """Return why the search has to end now, None while it can go on."""
+            """Return why the search has to end now, None while it can continue."""
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
             why = self._core.queue.why_left(self._cancels, bool(self._arrivals))
@@ -355,24 +354,24 @@ class CoreNode:
         return self._watching(look, self._parameters.settings.search_timeout)
 
     def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
-        """End the search for goals to give up after some time, with those that were found."""
+        """Return a watch that ends the search for goals to abort after its timeout."""
         return self._watching(lambda: None, self._parameters.recovery_timeout)
 
     def _watch_joining(self) -> Callable[[], Optional[Halt]]:
-        """End the wait for a plan with new goals before the next action."""
+        """Return a watch that ends the search for a plan with new goals, so that the next action is not delayed."""
         start, late = time.monotonic(), Halt(f"it took longer than {JOINING:g} s")
         return self._watching(lambda: late if self._ending or time.monotonic() - start >= JOINING else None)
 
     def _watching(self, look: Callable[[], Optional[Halt]], seconds: float = 0.0) -> Callable[[], Optional[Halt]]:
-        """Return a watch that attends to time and arrivals during a search.
+        """Return a watch that publishes changes and takes arrivals during a search.
 
-        It ends the search by ``look``, or after ``seconds`` of processor time, 0 for no limit.
+        It ends the search if ``look`` does, or after ``seconds`` of processor time, 0 for no limit.
         """
         queue = self._core.queue
         worked, limit = self._solvers.stopwatch(), seconds * queue.patience
 
         def watch() -> Optional[Halt]:
-            """Return why the search has to end now, None while it can go on."""
+            """Return why the search has to end now, None while it can continue."""
             self._attend()
             halt = look()
             if halt is None and 0 < limit <= worked():
@@ -393,7 +392,7 @@ class CoreNode:
         self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)
 
-    # -- what the core tells
+    # -- events of the core
 
     def _let_out(self, event: Event) -> None:
         outlet = self._outlets.get(type(event))
@@ -401,10 +400,10 @@ class CoreNode:
             outlet(event)
 
     def _look_after_journal(self) -> None:
-        """Tell that nothing is written, once."""
+        """Log once that the journal cannot be written, or can be written again."""
         if self._keeper.fault != self._fault:
             self._fault = self._keeper.fault
-            text = self._fault + ": the core goes on without" if self._fault else "the journal is written again"
+            text = self._fault + ": the core continues without" if self._fault else "the journal is written again"
             (rospy.logwarn if self._fault else rospy.loginfo)("%s: %s", rospy.get_name(), text)
 
     def _plan_made(self, event: PlanMade) -> None:

@@ -1,4 +1,4 @@
-"""The core's intake of facts from the topic in_rosoclingo."""
+"""The core's input of facts from the topic in_rosoclingo."""
 
 import time
 from typing import NamedTuple, Set, Tuple
@@ -13,7 +13,7 @@ from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.keywords import shortened
 
-#: Seconds of wall time for which the worker takes facts before other work.
+#: Limit in seconds of wall time that the worker spends on facts before other work.
 SLICE = 0.05
 
 
@@ -33,7 +33,7 @@ class FactIntake:
     """Queues facts until the worker takes them; the topic's callback only enqueues.
 
     Attributes:
-        gathering: whether the next update waits for what was sent together.
+        gathering: decides whether the next update waits for messages that were sent together.
 
     """
 
@@ -48,11 +48,11 @@ class FactIntake:
 
     @property
     def waiting(self) -> bool:
-        """Whether facts wait."""
+        """Whether facts are queued."""
         return len(self._queue) > 0
 
     def gather(self) -> bool:
-        """Tell whether the next update waits for facts, goals or cancels."""
+        """Return whether the next update waits for facts, goals or cancels."""
         return self.gathering.waits(time.monotonic(), self.waiting or self._worker.waiting)
 
     @property
@@ -66,7 +66,7 @@ class FactIntake:
             self._worker.put(_wake)
 
     def take(self) -> None:
-        """Pass on facts for at most SLICE seconds; called by the worker."""
+        """Pass queued facts to the core, for at most SLICE seconds; called by the worker."""
         end = time.monotonic() + SLICE
         while self._queue and time.monotonic() < end:
             [message] = self._queue.take(1)
@@ -77,4 +77,4 @@ class FactIntake:
 
 
 def _wake() -> None:
-    """Let the worker settle, which takes facts."""
+    """Do nothing: any job makes the worker take facts."""

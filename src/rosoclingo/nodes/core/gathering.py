@@ -1,9 +1,9 @@
-"""When the next update waits for arrivals that were sent together."""
+"""Gathering of messages that were sent together into one update."""
 
-#: Seconds of wall time for which an update waits for queued arrivals.
+#: Limit in seconds of wall time that an update waits for queued arrivals.
 GATHERING = 0.1
 
-#: Seconds of wall time for which an update with a new goal waits for others that were sent together with it.
+#: Seconds of wall time that an update with a new goal waits for further goals.
 TOGETHER = 0.02
 
 
@@ -14,15 +14,15 @@ class Gathering:
         self._since, self._goal_came = now, float("-inf")
 
     def goal_came(self, now: float) -> None:
-        """Note that a goal has come, which others can follow."""
+        """Record the arrival of a goal, which others can follow."""
         self._goal_came = now
 
     def expects(self, now: float) -> bool:
-        """Return whether further goals are expected, as one has just come."""
+        """Return whether further goals are expected, because a goal has just arrived."""
         return now - self._goal_came < TOGETHER
 
     def waits(self, now: float, queued: bool) -> bool:
-        """Return whether the update waits, for at most GATHERING; ``queued`` is whether arrivals are queued."""
+        """Return whether the update waits, at most for GATHERING; ``queued`` is True if arrivals are queued."""
         waiting = queued or self.expects(now)
         if not waiting:
             self._since = now

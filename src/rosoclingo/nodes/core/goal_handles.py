@@ -1,4 +1,4 @@
-"""The clients' side of the core's goals: actionlib's goal handles, kept until their goals end."""
+"""Actionlib's handles of the core's open goals, through which clients get their status."""
 
 import time
 from collections import Counter
@@ -25,7 +25,7 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
 
 _ACCEPTED = (GoalState.ACTIVE, GoalState.PREEMPTING)
 
-#: Seconds of wall time for which a resumed core sends results to each client that connects.
+#: Seconds of wall time during which a resumed core sends results to each client that connects.
 RESENT = 60.0
 
 #: Limit of open goals of one node.
@@ -33,10 +33,10 @@ MOST_OPEN = 1000
 
 
 class GoalHandles:
-    """Handles by goal id. Used by the worker only, as a handle takes the action server's lock.
+    """Handles by goal id. Use them on the worker only, as a handle takes the action server's lock.
 
     Attributes:
-        board: how the goals stand, for the topic ``~goals``.
+        board: the states of the goals, for the topic ``~goals``.
 
     """
 
@@ -45,24 +45,24 @@ class GoalHandles:
         self._open: Dict[str, int] = Counter()  # by sending node
         self._remarks: Dict[str, str] = {}  # the program's text about an accepted goal
         self.board = GoalBoard()
-        self._told: Tuple[Sequence[Action], List[str]] = ((), [])  # a plan, the same for all goals, and its text
+        self._plan: Tuple[Sequence[Action], List[str]] = ((), [])  # the latest plan, shared by all goals, and its text
 
     def has_room(self, handle: ServerGoalHandle) -> bool:
-        """Tell whether the goal's node is below its limit of open goals; else reject the goal."""
+        """Return whether the goal's node is below its limit of open goals; else reject the goal."""
         if self._open[_node_of(handle)] < MOST_OPEN:
             return True
-        text = f"{MOST_OPEN} goals of {_node_of(handle)} are open: wait until some of them have ended"
+        text = f"{_node_of(handle)} has {MOST_OPEN} open goals: wait until some of them have ended"
         handle.set_rejected(ROSoClingoResult(ROSoClingoResult.REJECTED, text), text)
         return False
 
     def add(self, key: str, handle: ServerGoalHandle) -> None:
-        """Take a goal that arrived."""
+        """Add a goal that has arrived."""
         self._handles[key] = handle
         self._open[_node_of(handle)] += 1
         self.board.add(key, handle)
 
     def changed(self, event: GoalChanged) -> None:
-        """Tell the client of a transition; the one to a cancelling state the action server has made itself."""
+        """Report a transition to the client, except to a cancelling state, which the action server reports itself."""
         if event.outcome is not None:
             self._end(event.key, event.event, event.outcome, event.message)
             return
@@ -72,20 +72,20 @@ class GoalHandles:
         self.board.look(event.key, handle)
 
     def refused(self, event: GoalRefused) -> None:
-        """Tell the client that its goal is not taken."""
+        """Reject a goal that the core did not accept."""
         self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
 
     def recall(self, key: str, message: str) -> None:
-        """Tell the client that its goal, which the core has not heard of, is cancelled."""
+        """End a goal that was cancelled before the core received it."""
         self._end(key, GoalEvent.CANCEL, Outcome.CANCELED, message)
 
     def progress(self, event: GoalProgress) -> None:
-        """Give the client feedback, and put the program's remark on the goal into its status."""
-        if event.actions is not self._told[0]:
-            self._told = event.actions, [str(action.atom) for action in event.actions]
+        """Send feedback to the client, and put the program's remark about the goal into its status."""
+        if event.actions is not self._plan[0]:
+            self._plan = event.actions, [str(action.atom) for action in event.actions]
         state = event.state.value
         status = f"waiting: {event.waits}" if event.waits else f"{state}: {event.remark}" if event.remark else state
-        feedback = ROSoClingoFeedback(event.cycle, self._told[1], event.position, status)
+        feedback = ROSoClingoFeedback(event.cycle, self._plan[1], event.position, status)
         handle = self._handles[event.key]
         handle.publish_feedback(feedback)
         if not event.waits and event.state in _ACCEPTED:
@@ -93,7 +93,7 @@ class GoalHandles:
         self.board.waits(event.key, handle, event.waits)
 
     def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
-        """Update the text of an accepted goal's status to a new remark; actionlib has no call for that."""
+        """Set a new remark as the text of an accepted goal's status; actionlib has no function for this."""
         accepted = f"{shortened(handle.get_goal().request)} is accepted"
         text = f"{accepted}: {remark}" if remark else accepted
         if remark != self._remarks.get(key, ""):
@@ -114,9 +114,9 @@ class GoalHandles:
 
 
 class Results:
-    """Results that may not reach their clients, which connect one by one to a core that goes on: for each that does.
+    """Results that a resumed core sends to each client that connects, since clients reconnect one by one.
 
-    They are of goals that ended before the core was killed, and of those that end before all clients are there again.
+    They belong to goals that ended before the core was killed, or before all clients had reconnected.
     """
 
     def __init__(self, resumed: bool) -> None:
@@ -124,21 +124,21 @@ class Results:
         self._until = time.monotonic() + (RESENT if resumed else 0.0)
 
     def open(self, name: str) -> None:
-        """Let clients of the action server ``name`` connect, once all results from before are added."""
+        """Let clients of the action server ``name`` connect; call this after adding all earlier results."""
         topic = rospy.remap_name(name) + "/result"
         prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, greeting=lambda: list(self._messages))
 
     @property
     def awaited(self) -> bool:
-        """Whether clients may have to connect yet."""
+        """Whether clients can still be reconnecting."""
         return time.monotonic() < self._until
 
     def add(self, status: GoalStatus, result: ROSoClingoResult) -> None:
-        """Take a result, before it is published: who connects meanwhile has it twice rather than not at all."""
+        """Add a result before it is published, so that a client that connects meanwhile gets it twice, not never."""
         self._messages.append(ROSoClingoActionResult(status=status, result=result))
 
     def over(self) -> List[str]:
-        """The keys of goals whose results need not be sent any more."""
+        """Return and forget the keys of goals whose results need not be sent any more."""
         if not self._messages or self.awaited:
             return []
         messages, self._messages = self._messages, []
@@ -146,7 +146,7 @@ class Results:
 
 
 def status_of(client: ClientGoal, goal: Optional[Goal]) -> int:
-    """Return actionlib's status of a goal; the core has none where it has not got to it, or the goal has ended."""
+    """Return actionlib's status of a goal; ``goal`` is None if the core has not received it yet, or it has ended."""
     if client.ending is not None:
         return _number(client.ending.state)
     state = GoalState.PENDING if goal is None else goal.state
@@ -158,12 +158,12 @@ def _number(state: GoalState) -> int:
 
 
 def _node_of(handle: Any) -> str:
-    """Return the node that has sent a goal; empty for a goal from before the core was killed."""
+    """Return the node that has sent a goal; empty for a restored goal."""
     header = getattr(handle.goal, "_connection_header", None) or {}
     return str(header.get("callerid", ""))
 
 
 def stamp_of(handle: Any) -> Tuple[int, int]:
-    """When a goal was sent, in seconds and nanoseconds."""
+    """Return the time at which a goal was sent, in seconds and nanoseconds."""
     stamp = handle.get_goal_id().stamp
     return stamp.secs, stamp.nsecs

@@ -1,4 +1,4 @@
-"""The action server of the core: clients hear of what arrived, and of what was, once it is in the journal."""
+"""The action server of the core, which reports goals to clients once they are in the journal."""
 
 from typing import Any, Callable, NamedTuple
 
@@ -33,19 +33,19 @@ _ENDS = {
 
 
 class _Arrival(NamedTuple):
-    """A queued goal or cancel, and actionlib's function to take it."""
+    """A queued goal or cancel, and actionlib's function that processes it."""
 
     take: Callable[[], None]
     is_goal: bool
 
 
 class GoalServer(ActionServer):  # type: ignore[misc]
-    """actionlib's server, in which goals and cancels wait until the worker takes them.
+    """actionlib's server, with a queue of goals and cancels for the worker.
 
-    No status goes out while a goal is queued: for a client that has cancelled its goal, a status without that goal
-    means that it is lost. ``arrived`` is called from rospy's threads and is to have the worker call
-    :meth:`take`. ``ending`` is called with each result before it goes out. The connection of a node with MOST_ARRIVALS
-    queued arrivals is not read meanwhile, so TCP slows the node down, and nothing is lost here.
+    The server publishes no status while a goal is queued: a client that has cancelled its goal counts the goal as lost
+    if a status lacks it. ``arrived`` is called on rospy's threads, and has to make the worker call :meth:`take`.
+    ``ending`` is called with each result before it is published. The connection of a node with MOST_ARRIVALS queued
+    arrivals is not read, so TCP slows the node down, and nothing is lost.
     """
 
     def __init__(
@@ -53,9 +53,10 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     ) -> None:
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
         self._arrived, self._ending = arrived, ending
-        self._owed = self._told = False  # a deferred status; whether a result's status is out already
+        self._deferred = False  # whether a status has to be published once the queue is empty
+        self._published = False  # whether the status of the present result is already published
         self._arrivals: BoundedQueue[_Arrival] = BoundedQueue(MOST_ARRIVALS)
-        self._taking = False  # arrivals were taken and are not in the journal yet
+        self._taking = False  # whether taken arrivals are not in the journal yet
 
     @property
     def arrivals(self) -> int:
@@ -63,26 +64,26 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         return len(self._arrivals)
 
     def internal_goal_callback(self, goal: Any) -> None:
-        """Called by rospy."""
+        """Queue a goal; called by rospy."""
         take = super().internal_goal_callback
         self._put(goal, goal.goal_id.id, _Arrival(lambda: take(goal), is_goal=True))
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
-        """Called by rospy."""
+        """Queue a cancel; called by rospy."""
         take = super().internal_cancel_callback
         self._put(goal_id, goal_id.id, _Arrival(lambda: take(goal_id), is_goal=False))
 
     def _put(self, message: Any, key: str, arrival: _Arrival) -> None:
-        """Queue an arrival, as soon as its node has room for it."""
+        """Queue an arrival, once its node is below its limit."""
         node = str(message._connection_header["callerid"])
         if len(key) > LONGEST_ID:
-            text = "a goal or cancel of %s is dropped: its id has more than %d characters"
+            text = "dropped a goal or cancel of %s: its id has more than %d characters"
             rospy.logwarn_throttle(10.0, text, node, LONGEST_ID)
         elif self._arrivals.put(node, arrival):
             self._arrived()
 
     def take(self, keep: Callable[[], None]) -> None:
-        """Take what has arrived; called by the worker. It is shown to clients after ``keep``."""
+        """Process queued arrivals, and publish them after ``keep``; called by the worker."""
         self._taking = True
         taken = self._arrivals.take(TURN)
         for one in taken:
@@ -90,25 +91,25 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         if taken:
             keep()
         self._taking = False
-        if self._owed:
+        if self._deferred:
             self.publish_status()
         if self._arrivals:
             self._arrived()
 
     def publish_status(self) -> None:
-        """Publish the status unless goals are queued; actionlib calls this at each change and by its timer."""
+        """Publish the status unless goals are queued; called by actionlib on each change and by its timer."""
         with self.lock:
-            if self._told:
+            if self._published:
                 return
-            # in this order: the worker sets the mark before it takes a goal from the queue
-            self._owed = any(one.is_goal for one in self._arrivals.items) or self._taking
-            if not self._owed:
+            # in this order, as the worker sets _taking before it takes a goal from the queue
+            self._deferred = any(one.is_goal for one in self._arrivals.items) or self._taking
+            if not self._deferred:
                 super().publish_status()
 
     def publish_result(self, status: GoalStatus, result: Any) -> None:
         """Publish a result with the outcome and the text of its status; called by actionlib.
 
-        The status goes out first: a client that sends its next goal on this result gets no older status after that.
+        The status is published first, so that a client that sends its next goal on this result gets no older status.
         """
         result.outcome, words = _ENDS[status.status]
         result.message = result.message or status.text or words
@@ -116,14 +117,14 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         with self.lock:
             self._ending(status, result)
             self.publish_status()
-            self._told = True
+            self._published = True
             try:
                 super().publish_result(status, result)
             finally:
-                self._told = False
+                self._published = False
 
     def restore(self, key: str, text: str, stamp: rospy.Time, status: int) -> ServerGoalHandle:
-        """Have a goal of before in the first status message; to be called before the server starts."""
+        """Restore a goal of a previous process, for the first status message; call this before the server starts."""
         goal = ROSoClingoActionGoal(goal_id=GoalID(id=key, stamp=stamp))
         goal.goal.request = text
         tracker = StatusTracker(None, None, goal)

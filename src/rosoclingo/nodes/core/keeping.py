@@ -1,4 +1,4 @@
-"""Where the core's journal lies, and which launch it is of."""
+"""Finds the folder of the core's journal, and the launch that it belongs to."""
 
 import os
 import re
@@ -19,12 +19,12 @@ from rosoclingo.reasoning.journal.folder import LockedError, tidy
 from rosoclingo.reasoning.journal.resuming import OpenedJournal, open_journal
 from rosoclingo.runs.recorded_run import RunProgram
 
-#: Seconds of wall time for another core to leave the journal.
-TAKEN = 10.0
+#: Limit in seconds of wall time for another core to release the journal.
+PATIENCE = 10.0
 
 
 def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> OpenedJournal:
-    """Take the journal of the parameters, and say what was found; raises JournalError."""
+    """Open the journal that the parameters name, and log the result; raises JournalError."""
     run = _new_run()
     description = RunProgram.of(run, program, parameters.deciding).text()
     header = Header(run, program.fingerprint, _launch(), description)
@@ -36,10 +36,10 @@ def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> Opened
     return found
 
 
-def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: float = TAKEN) -> OpenedJournal:
-    """As :func:`open_journal`, but where another core uses the journal wait for its end.
+def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: float = PATIENCE) -> OpenedJournal:
+    """Call :func:`open_journal`; if another core has the journal open, wait for its end.
 
-    Of two nodes of the same name ROS ends the older one, which has it until then.
+    Of two nodes with the same name, ROS ends the older, which has the journal until then.
     """
     end = time.monotonic() + patience
     while True:
@@ -52,7 +52,7 @@ def take_journal(folder: Optional[Path], resume: str, fresh: Header, patience: f
 
 
 def _folder(given: str, program: str) -> Optional[Path]:
-    """The folder as given, or the usual one: of a core's name, its master and its program; None for none."""
+    """Return the given folder, or the default folder for the core's name, its master and its program; None for none."""
     if given != AUTO:
         return None if given in ("", NONE) else Path(given).expanduser()
     words = f"{rospy.get_name()}-{rosgraph.get_master_uri().partition('://')[2]}-{program[:8]}"
@@ -64,11 +64,11 @@ def _shelf() -> Path:
 
 
 def _launch() -> str:
-    """What a node that its roslaunch starts again has in common with the one before alone; empty for one by hand."""
+    """Return an id that a node shares only with those that its roslaunch respawns; empty without roslaunch."""
     by_roslaunch = any(word.startswith("__log:=") for word in sys.argv)
     return f"{rospy.get_param('/run_id', '')} {os.getppid()}" if by_roslaunch else ""
 
 
 def _new_run() -> str:
-    """An identity that no other run has, and that tells when it began (UTC)."""
+    """Return a unique id of a run, which begins with its start time (UTC)."""
     return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime()) + "-" + uuid.uuid4().hex[:8]

@@ -1,4 +1,4 @@
-"""The core node's parameters: read from the parameter server and checked; errors name the mend."""
+"""Read and check the parameters of the core node, and load its program."""
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -16,10 +16,10 @@ from rosoclingo.oclingo.program.survey import LABELS, label_facts
 from rosoclingo.reasoning.journal.resuming import RESUMES
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Kinds of plans: the best that is known after some time, or the shortest, without a limit of time.
+#: Kinds of plans: the best within a time limit, or the shortest without a time limit.
 PLANS = ("soon", "shortest")
 
-#: In place of a journal's folder: the usual one, and none; empty is none, too.
+#: Values of the journal's folder: the default folder, and no journal; an empty value is NONE, too.
 AUTO, NONE = "auto", "none"
 
 #: The name of the facts of ``~places`` in messages.
@@ -30,10 +30,9 @@ PLACES = "~places"
 class CoreParameters:
     """The parameters of the core node.
 
-    ``floor`` is text that is added to the program. ``places`` are the poses of labels in the map (x, y, yaw; m, rad),
-    where they are given. ``recovery_timeout`` and
-    ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or NONE. ``required`` is read by
-    :mod:`rosoclingo.common.launched`, whether or not the rest can be.
+    ``floor`` is text that is added to the program. ``places`` are the known poses of labels in the map (x, y, yaw; m,
+    rad). ``recovery_timeout`` and ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or
+    NONE. :mod:`rosoclingo.common.launched` reads ``required`` itself, even if other parameters are invalid.
     """
 
     program_files: Tuple[str, ...]
@@ -51,18 +50,18 @@ class CoreParameters:
 
     @property
     def time_to_shorten(self) -> Optional[float]:
-        """The solver's time for a shorter plan than the first; None where each plan is to be shortest."""
+        """The solver's time to search for a shorter plan than the first; None if each plan has to be the shortest."""
         return None if self.plan == "shortest" else self.plan_time
 
     @property
     def deciding(self) -> Dict[str, Any]:
-        """The parameters by name that decisions depend on, and the poses of the labels."""
+        """The parameters that affect decisions, by name, and the poses of the labels."""
         times = {"plan": self.plan, "plan_time": self.plan_time, "recovery_timeout": self.recovery_timeout}
         return {**asdict(self.settings), **times, "labels": dict(self.places)}
 
 
 def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:
-    """The node's private parameters, or ``values`` in their place; raises ParameterError with all their faults."""
+    """Read the node's private parameters, or ``values``; raises ParameterError with all their faults."""
     given, defaults = Parameters(values), CoreSettings()
     limit = "seconds, 0 for no limit"
     settings = CoreSettings(
@@ -92,9 +91,9 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
 
 
 def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]]:
-    """The reactive program of the parameters, and what the lint says of it.
+    """Load the reactive program that the parameters name, and return it with the findings of the lint.
 
-    Raises ProgramError with all its faults, ParameterError for constants that do not fit it.
+    Raises ProgramError with all faults of the program, ParameterError for constants that do not fit it.
     """
     sources = [Source.from_file(Path(name)) for name in parameters.program_files]
     sources += [Source(PLACES, parameters.floor)] if parameters.floor else []
@@ -102,7 +101,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
     try:
         program = ReactiveProgram(sources, parameters.constants)
     except ProgramError:
-        if parameters.constants:  # perhaps it is a constant that it cannot live with
+        if parameters.constants:  # the fault can be the value of a constant
             _check_constants(ReactiveProgram(sources), parameters.constants)
         raise
     _check_constants(program, parameters.constants)
@@ -113,7 +112,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
 
 
 def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None:
-    """Raise ParameterError listing the values that the program's constants cannot have."""
+    """Raise ParameterError, which lists invalid values of the program's constants."""
     found = findings(check_given_values(program.survey, parse_constants(given)), ())
     faults = [one.fault for one in found if is_error(one)]
     if faults:
@@ -121,11 +120,11 @@ def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None
 
 
 def _resume(reader: Reader) -> str:
-    """One of the words; YAML takes two of them for true and false."""
+    """Return one of RESUMES; YAML reads two of these words as true and false."""
     words = {True: "yes", False: "no", **{word: word for word in RESUMES}}
 
     def read(value: Any) -> Optional[str]:
-        """The word of a value, None where it is none."""
+        """Return the word of a value, None for an invalid value."""
         return words.get(value) if isinstance(value, (bool, str)) else None
 
     return str(reader.read("one of {}".format(", ".join(RESUMES)), read, CoreParameters.resume, RESUMES[0]))
@@ -153,7 +152,7 @@ def _labels(reader: Reader) -> Tuple[str, ...]:
 
 
 def _places(value: Any) -> Dict[str, List[float]]:
-    """Return where labels are; faults of poses are reported by nodes that drive there, not by the core."""
+    """Return the poses of labels; the nodes that use poses report their faults, not the core."""
     try:
         table = LabelTable.from_mapping(value)
     except LabelError:

@@ -1,4 +1,4 @@
-"""What the core publishes: actions to the interfaces, plans and stream updates."""
+"""The publishers of the core: actions for the interfaces, plans and stream updates."""
 
 from typing import Callable, Dict, Iterable, List, Set, Tuple
 
@@ -13,10 +13,10 @@ from rosoclingo.reasoning.keywords import CORE, Action, run_of
 
 
 class CoreTopics:
-    """Used by the worker only.
+    """The topics of the core; use them on the worker only.
 
-    ``awaited`` gives the actions under way that have not returned, ``preempted`` those of them that are not wanted any
-    more, ``run`` names the run, which goes on at ``cycle``.
+    ``awaited`` returns the running actions, ``preempted`` those of them that were cancelled, ``run`` is the id of the
+    run, which starts or resumes at ``cycle``.
     """
 
     def __init__(
@@ -27,7 +27,7 @@ class CoreTopics:
         cycle: int,
     ) -> None:
         self._awaited, self._preempted = awaited, preempted
-        self._under_way: Tuple[InterfaceIO, ...] = ()
+        self._running: Tuple[InterfaceIO, ...] = ()
         self._look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
         self._out = prompt_publisher("out_rosoclingo", InterfaceIO, greeting=self._greeting)
@@ -36,29 +36,29 @@ class CoreTopics:
         self._program = prompt_publisher("~program", String, 1, latch=True)
         self._updates = prompt_publisher("~updates", String)
         self._cycle = prompt_publisher("~cycle", UInt32, 10, latch=True)
-        self._told = 0
-        self._tell_cycle(cycle)
+        self._last_cycle = 0
+        self._publish_cycle(cycle)
 
     @property
     def listeners(self) -> Set[str]:
-        """The names of the nodes that hear the actions."""
+        """The names of the nodes that subscribe to the actions."""
         return {connection.endpoint_id for connection in self._out.impl.connections}
 
     def _greeting(self) -> Tuple[InterfaceIO, ...]:
-        return (self._run, *self._under_way)
+        return (self._run, *self._running)
 
     def program_loaded(self, text: str) -> None:
-        """Publish what the program is, and what else decisions depend on."""
+        """Publish the program and all parameters that affect decisions."""
         self._program.publish(String(text))
 
     def update_sent(self, event: UpdateSent) -> None:
         """Publish a stream update."""
         self._updates.publish(String(event.stream))
-        self._tell_cycle(event.cycle)
+        self._publish_cycle(event.cycle)
 
-    def _tell_cycle(self, cycle: int) -> None:
-        if cycle != self._told:
-            self._told = cycle
+    def _publish_cycle(self, cycle: int) -> None:
+        if cycle != self._last_cycle:
+            self._last_cycle = cycle
             self._cycle.publish(UInt32(cycle))
 
     def plan_made(self, event: PlanMade) -> None:
@@ -69,7 +69,7 @@ class CoreTopics:
         self._task_plan.publish(message)
 
     def state_changed(self, event: StateChanged) -> None:
-        """Publish what holds now."""
+        """Publish the beliefs."""
         message = State(cycle=event.cycle, atoms=sorted(map(str, event.atoms)))
         message.header.stamp = rospy.Time.now()
         self._state.publish(message)
@@ -88,17 +88,17 @@ class CoreTopics:
             self._out.publish(message)
 
     def return_taken(self, _event: object) -> None:
-        """Record a return: its action is no longer under way."""
+        """Update the running actions after a return."""
         self._look()
 
     def _look(self) -> None:
-        """Note what a newcomer has to know."""
+        """Update the messages for new subscribers."""
         wanted = _messages((action, action.atom) for action in self._awaited())
-        self._under_way = (*wanted, *_messages((action, action.cancellation) for action in self._preempted()))
+        self._running = (*wanted, *_messages((action, action.cancellation) for action in self._preempted()))
 
 
 def _messages(facts: Iterable[Tuple[Action, Symbol]]) -> Tuple[InterfaceIO, ...]:
-    """One message for each interface, in the order of the actions."""
+    """Return one message for each interface, in the order of the actions."""
     texts: Dict[str, List[str]] = {}
     for action, fact in facts:
         texts.setdefault(action.interface_name, []).append(str(fact))

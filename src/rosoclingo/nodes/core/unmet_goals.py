@@ -1,4 +1,4 @@
-"""The service ``~explain``: why a goal was given up, found by a process of its own while the core goes on."""
+"""The service ``~explain``: explains in a separate process why a goal was aborted, while the core continues."""
 
 import json
 import threading
@@ -12,18 +12,18 @@ from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.srv import Explain, ExplainResponse
 
-#: Seconds of processor time for the reasons.
+#: Limit in seconds of processor time for one explanation.
 EXPLAINING = 30.0
 
-#: Seconds of wall time that one waits for those who asked before.
+#: Limit in seconds of wall time that a request waits for earlier requests.
 PATIENCE = 60.0
 
 
 class UnmetGoals:
-    """Explains goals that were given up when asked; ``goals`` are those that are remembered, the worker's own.
+    """Explains aborted goals on request; ``goals`` are the remembered goals, which belong to the worker.
 
-    The callback asks the worker for a goal's stream, which takes no time; then it waits for the process in the thread
-    that ROS has for each call, so that the core goes on. One goal is explained at a time.
+    The callback asks the worker for a goal's stream, which takes no time. Then it waits for the process in the thread
+    of the call, so that the core continues. Goals are explained one at a time.
     """
 
     def __init__(self, program: ReactiveProgram, worker: Worker, goals: GivenUpGoals) -> None:
@@ -35,10 +35,10 @@ class UnmetGoals:
         event = self._worker.ask(lambda: self._goals.find(goal))
         if event is None:
             known = ", ".join(map(str, self._worker.ask(lambda: self._goals.terms)))
-            text = f"no goal '{goal}' was given up for want of a plan; those that were: {known or 'none'}"
+            text = f"no goal '{goal}' was aborted for lack of a plan; aborted goals: {known or 'none'}"
             return ExplainResponse(success=False, message=text)
         if not self._turn.acquire(timeout=PATIENCE):
-            return ExplainResponse(success=False, message="other goals are being explained: ask again")
+            return ExplainResponse(success=False, message="busy with explanations of other goals: try again")
         try:
             return _explained(self._program, event)
         finally:
@@ -51,5 +51,5 @@ def _explained(program: ReactiveProgram, event: GoalUnmet) -> ExplainResponse:
     except SolverError as error:
         return ExplainResponse(success=False, message=f"{event.term}: {error}")
     if why is None:
-        return ExplainResponse(success=False, message=f"{event.term}: there is a plan, but none was found in time then")
+        return ExplainResponse(success=False, message=f"{event.term}: a plan exists, but it was not found in time")
     return ExplainResponse(True, f"{event.term}: {why.text}", json.dumps(why.message))

@@ -1,1 +1,1 @@
-"""A run on pages: as a report, and live."""
+"""Web pages of a run: the report and the live page."""

@@ -1,4 +1,4 @@
-"""The live page's server: files, and a WebSocket that sends what is new in a run. It has a thread of its own."""
+"""The live page's server, in its own thread: files, and a WebSocket that sends the changes of a run."""
 
 import asyncio
 import json
@@ -21,16 +21,16 @@ from rosoclingo.runs.run_view import Known, RunView
 
 __all__ = ["PageServer"]
 
-#: Seconds between two looks for what is new.
+#: Seconds between two checks for changes.
 PERIOD = 0.2
 
-#: Viewers at a time; bytes of what one may send.
+#: Limits of simultaneous viewers, and of bytes of a viewer's message.
 MOST_VIEWERS, MOST_BYTES = 50, 4096
 
-#: Messages that a viewer may send in so many seconds.
+#: Limit of messages of a viewer within WINDOW seconds.
 MOST_MESSAGES, WINDOW = 20, 10.0
 
-#: Seconds after which a viewer that does not answer is let go.
+#: Seconds without a response after which a viewer is disconnected.
 SILENCE = 30
 
 COOKIE = "rosoclingo"
@@ -45,10 +45,11 @@ TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 
 
 class PageServer:
-    """Serves the view of a run; all but ``put`` and ``stop`` are called in the server's own thread.
+    """Serves the view of a run; all callbacks run in the server's thread, ``put`` and ``stop`` work from any thread.
 
-    ``look`` is called before each look for what is new and returns what else to tell; ``view`` gives the view, which
-    may become another one. ``sockets`` listen already. ``take`` answers what a viewer asks for; without it nobody may.
+    ``look`` is called before each check for changes and returns further data for the page; ``view`` returns the view,
+    which can be replaced. ``sockets`` already listen. ``take`` answers requests of viewers; without it, requests are
+    refused.
     """
 
     def __init__(
@@ -74,17 +75,17 @@ class PageServer:
         self._thread = threading.Thread(target=self._serve, name="pages", daemon=True)
 
     def start(self) -> None:
-        """Begin to serve."""
+        """Start to serve."""
         self._thread.start()
         self._ready.wait()
 
     def put(self, job: Callable[[], object]) -> None:
-        """Have a job done in the server's thread; from any thread."""
+        """Queue a job for the server's thread, from any thread."""
         if self._loop is not None:
             self._loop.add_callback(job)
 
     def stop(self, timeout: float = 2.0) -> None:
-        """End it, and wait for that."""
+        """Stop the server, and wait for its thread."""
         self.put(lambda: self._loop.stop() if self._loop is not None else None)
         self._thread.join(timeout)
 
@@ -101,14 +102,14 @@ class PageServer:
         self._loop.start()
         ticks.stop()
         server.stop()
-        self._loop.run_sync(self._let_go)
+        self._loop.run_sync(self._disconnect)
         self._loop.close(all_fds=True)
 
-    async def _let_go(self) -> None:
-        """Tell the viewers, and end what waits for a browser."""
+    async def _disconnect(self) -> None:
+        """Disconnect the viewers, and cancel tasks that wait for a browser."""
         for viewer in list(self.viewers):
-            viewer.close(1001, "the page's server ends")
-        await asyncio.sleep(0)  # what is said goes out
+            viewer.close(1001, "the page's server shuts down")
+        await asyncio.sleep(0)  # sends the messages above
         waiting = asyncio.all_tasks() - {asyncio.current_task()}
         for task in waiting:
             task.cancel()
@@ -124,7 +125,7 @@ class PageServer:
         )
 
     def _tick(self) -> None:
-        """Send each viewer what is new for it; one that has not taken what it was sent is passed over."""
+        """Send each viewer its changes; skip viewers that have not received the previous message yet."""
         self._extra = self._look()
         view = self._view()
         if view is not self._shown:
@@ -137,12 +138,12 @@ class PageServer:
 
 
 def _check(handler: RequestHandler, server: PageServer) -> None:
-    """Raise HTTPError for a request that is not to be answered."""
+    """Raise HTTPError for a request without access."""
     host = handler.request.host
     if not server.access.named(host):
         raise HTTPError(403, reason="Wrong host name")
     if not server.access.proven(handler.get_cookie(COOKIE, "") or ""):
-        raise HTTPError(403, reason="Token needed: open the address that the node has logged")
+        raise HTTPError(403, reason="Token needed: open the address in the node's log")
 
 
 def _say_error(handler: RequestHandler, status_code: int, reason: str) -> None:
@@ -151,22 +152,22 @@ def _say_error(handler: RequestHandler, status_code: int, reason: str) -> None:
 
 
 class _Nothing(RequestHandler):
-    """What there is not."""
+    """A path that does not exist."""
 
     def prepare(self) -> None:
-        """Answer that it is not there."""
+        """Answer that the path does not exist."""
         raise HTTPError(404)
 
     def write_error(self, status_code: int, **_more: Any) -> None:
-        """Answer with the fault in plain text."""
+        """Answer with the error in plain text."""
         _say_error(self, status_code, self._reason)
 
 
 class _File(_Nothing):
-    """One of the front-end's files. The page takes a token from its address into a cookie."""
+    """A file of the front-end. A token in the page's address becomes a cookie."""
 
     def initialize(self, server: PageServer, path: str, data: bytes) -> None:
-        """Take what it serves."""
+        """Set the file to serve."""
         self._server, self._file, self._data = server, path, data
 
     def prepare(self) -> None:
@@ -194,52 +195,52 @@ class _File(_Nothing):
 
 
 class _Viewer(WebSocketHandler):
-    """One who looks on."""
+    """The connection of a viewer."""
 
     def initialize(self, server: PageServer) -> None:
-        """Take the server."""
+        """Set the server."""
         self._server = server
         self._busy = False
-        self._spoken: Deque[float] = deque(maxlen=MOST_MESSAGES)
-        self._told: Dict[str, Any] = {}
+        self._received: Deque[float] = deque(maxlen=MOST_MESSAGES)  # times of messages
+        self._sent: Dict[str, Any] = {}
         self.forget()
 
     def forget(self) -> None:
-        """Begin with all that there is."""
+        """Send the whole view next."""
         self._known: Known = (-1, (0, 0, 0), (0, 0))
 
     def check_origin(self, origin: str) -> bool:
-        """Whether a page of this server asks."""
+        """Return whether the request comes from a page of this server."""
         return Access.own(origin, self.request.host)
 
     def prepare(self) -> None:
-        """Refuse who may not see the run, and those who are too many."""
+        """Refuse requests without access, and viewers above the limit."""
         _check(self, self._server)
         if "Origin" not in self.request.headers:
-            raise HTTPError(403, reason="No page of this server")
+            raise HTTPError(403, reason="Not a page of this server")
         if len(self._server.viewers) >= MOST_VIEWERS:
             raise HTTPError(503, reason="Too many viewers")
 
     def write_error(self, status_code: int, **_more: Any) -> None:
-        """Answer with the fault in plain text."""
+        """Answer with the error in plain text."""
         _say_error(self, status_code, self._reason)
 
     def open(self, *_arguments: str, **_more: str) -> None:
-        """Add it to those who look on."""
+        """Add the viewer."""
         self._server.viewers.add(self)
 
     def on_message(self, message: Any) -> None:
-        """Answer a viewer's request; disconnect it for a message that is no JSON object, or too many messages."""
+        """Answer a viewer's request; disconnect a viewer that sends no JSON object, or too many messages."""
         now = time.monotonic()
-        too_often = len(self._spoken) == MOST_MESSAGES and now - self._spoken[0] < WINDOW
-        self._spoken.append(now)
+        too_often = len(self._received) == MOST_MESSAGES and now - self._received[0] < WINDOW
+        self._received.append(now)
         if self._server.take is None or too_often:
             words = "nothing can be ordered here"
             self.close(1008, f"at most {MOST_MESSAGES} messages in {WINDOW:g} s" if too_often else words)
             return
         found = _read(message)
         if found is None:
-            self.close(1008, "a message is a JSON object")
+            self.close(1008, "a message has to be a JSON object")
             return
         number = found.get("number")
         taken = self._server.take(found) if type(number) in _NUMBERS else {"fault": "'number' is no whole number"}
@@ -247,19 +248,19 @@ class _Viewer(WebSocketHandler):
         self._server.put(lambda: self._say(answer))
 
     def on_close(self) -> None:
-        """Forget it."""
+        """Remove the viewer."""
         self._server.viewers.discard(self)
 
     def send_news(self, view: RunView, extra: Dict[str, Any], texts: Dict[Any, str]) -> None:
-        """Send what is new since the last time; ``texts`` has what others were sent just now."""
+        """Send the changes since the last message; ``texts`` caches the messages of this turn for all viewers."""
         seconds = {**extra, "seconds": int(view.seconds)}
-        if self._busy or (self._known[0] == view.revision and self._told == seconds):
+        if self._busy or (self._known[0] == view.revision and self._sent == seconds):
             return
         if self._known not in texts:
             revision, words, poses = self._known
             changes = view.changes(max(0, revision), words, poses)
             texts[self._known] = json.dumps({**changes, **extra, "whole": revision < 0}, separators=(",", ":"))
-        text, self._known, self._told, self._busy = texts[self._known], view.known(), seconds, True
+        text, self._known, self._sent, self._busy = texts[self._known], view.known(), seconds, True
         self._server.put(lambda: self._write(text))
 
     async def _write(self, text: str) -> None:
@@ -274,7 +275,7 @@ class _Viewer(WebSocketHandler):
 
 
 def _read(message: Any) -> Optional[Dict[str, Any]]:
-    """Return what a viewer says, None for what is no JSON object."""
+    """Return the JSON object of a viewer's message, None for an invalid message."""
     try:
         found = json.loads(message)
     except (ValueError, RecursionError):
@@ -283,7 +284,7 @@ def _read(message: Any) -> Optional[Dict[str, Any]]:
 
 
 def _plain(host: str) -> str:
-    """Return a host that can be part of a policy."""
+    """Return a host without characters that are special in a policy."""
     return "".join(letter for letter in host if letter.isalnum() or letter in ".-:[]")
 
 

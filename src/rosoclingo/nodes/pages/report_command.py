@@ -1,4 +1,4 @@
-"""The command ``report``: a recorded run as one HTML file, without a master."""
+"""The command ``report``: writes a recorded run as one HTML file, without a master."""
 
 import argparse
 import sys
@@ -22,21 +22,21 @@ figures, with a slider over the run. It needs no other file and no network. No R
 
 _EPILOG = """\
 Exit code: 0, 2 for a wrong command line, a recording that cannot be read or a file that cannot be written.
-A bag is made by the launch files' record:=true. JOURNAL is the folder of a core's ~journal or a file of it: it goes
-back some hundred cycles at most, and has no poses, map, packages, lines of the core's log or times of the solver.
+Launch files record a bag with record:=true. JOURNAL is the folder of a core's ~journal or a file in it. It has at most
+some hundred cycles, without poses, map, packages, lines of the core's log and times of the solver.
 FILE.html#t=12.5 opens the report at 12.5 s."""
 
 
 def web() -> Path:
-    """The folder of the front-end files."""
+    """Return the folder of the front-end files."""
     return Path(rospkg.RosPack().get_path("rosoclingo")) / "web"
 
 
 def write_report(run: Path, to: Path, core: Optional[str] = None, about: Optional[Mapping[str, Any]] = None) -> None:
     """Write the report of a bag or a journal; raises RecordingError, OSError.
 
-    ``about`` is what else the page says: ``title``, ``source``, and ``verdict``, how the run differs from
-    what was expected.
+    ``about`` has further texts of the page: ``title``, ``source``, and ``verdict``, the differences from the expected
+    end.
     """
     about = {"title": run.stem, "source": run.name, **(about or {})}
     if is_journal(file_of(run)):
@@ -60,7 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
         "-o", "--output", metavar="FILE", type=Path, help="the report (default: RUN.html next to the recording)"
     )
     parser.add_argument("--title", help="the report's title (default: the recording's name)")
-    parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")
+    parser.add_argument("--core", metavar="NAME", help="the core's name, if the recording has several")
     return parser
 
 

@@ -26,17 +26,16 @@ class WebNode:
 
     Parameters
     ----------
-        ~host (str, default "127.0.0.1"): the address of this machine on which it is served; with another one than the
-            default, or 0.0.0.0 for all, browsers on other machines can see it, if they have the token.
-        ~port (int, default 8080): the port; 0 for any that is free.
-        ~token (str, default ""): what others have to know to see the page when it is served for other machines; empty:
-            a new one at each start, which is told in the log.
+        ~host (str, default "127.0.0.1"): the address of this machine on which the page is served. With another address,
+            or 0.0.0.0 for all, browsers on other machines can open the page with the token.
+        ~port (int, default 8080): the port; 0 for any free port.
+        ~token (str, default ""): the token for other machines; empty: a new token at each start, printed in the log.
         ~title (str, default "rosoclingo"): the page's title.
-        ~orders (list, default []): what people may order from the page, as ``doc/web_page.md`` has it; empty: nothing.
+        ~orders (list, default []): the orders that the page offers, see ``doc/web_page.md``; empty: none.
     Subscribes:
         rosoclingo/program, rosoclingo/updates (std_msgs/String), rosoclingo/task_plan (rosoclingo/TaskPlan)
-        rosoclingo/goals (rosoclingo/GoalStates): how goals stand, also those that were sent before the page was there.
-        rosoclingo/state (rosoclingo/State): what the program believes.
+        rosoclingo/goals (rosoclingo/GoalStates): the states of goals, also of goals that were sent before the start.
+        rosoclingo/state (rosoclingo/State): the program's beliefs.
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
         rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/feedback
             (rosoclingo/ROSoClingoActionFeedback), rosoclingo/result (rosoclingo/ROSoClingoActionResult)
@@ -44,12 +43,12 @@ class WebNode:
         map (nav_msgs/OccupancyGrid), base_pose_ground_truth (nav_msgs/Odometry), amcl_pose
             (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)
         move_base/GridPlanner/plan, move_base/NavfnROS/plan, move_base/GlobalPlanner/plan (nav_msgs/Path)
-        /rosout (rosgraph_msgs/Log): what the core says.
+        /rosout (rosgraph_msgs/Log): the log of the core.
     Publishes:
-        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID): what is ordered.
-        ~address (std_msgs/String, latched): where the page is, without the token.
+        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID): orders.
+        ~address (std_msgs/String, latched): the address of the page, without the token.
 
-    Raises ParameterError when it cannot start, also where the port is taken.
+    Raises ParameterError if it cannot start, for example because the port is in use.
 
     """
 
@@ -93,7 +92,7 @@ class WebNode:
             self._server.put(lambda: self._topics.takes[name](now, message))
 
     def _look(self) -> Dict[str, Any]:
-        """Keep the view in bounds, and tell what else the page shows: whether the core is there."""
+        """Limit the size of the view, and return further data for the page: the forms, and whether the core runs."""
         self._view.clock(rospy.get_time())
         if self._view.full:
             self._topics.events = self._view = self._view.renewed()
@@ -107,7 +106,7 @@ class WebNode:
     def _send(self, text: str) -> str:
         """Send a goal and return its id."""
         if not self._goals.get_num_connections():
-            raise OrderError("the core is not there: try again later")
+            raise OrderError("the core is not running: try again later")
         goal = ROSoClingoActionGoal(goal_id=GoalID(rospy.Time.now(), f"{rospy.get_name()}-{uuid.uuid4().hex}"))
         goal.header.stamp, goal.goal.request = goal.goal_id.stamp, text
         self._goals.publish(goal)

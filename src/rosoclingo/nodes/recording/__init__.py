@@ -1,1 +1,1 @@
-"""Runs as bags: the recorder, the reader of bags, replay."""
+"""Recording of runs in bags: the recorder, the bag reader, replay."""

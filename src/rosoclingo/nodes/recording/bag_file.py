@@ -1,4 +1,4 @@
-"""A bag that can be read whenever its writer dies, up to a second before."""
+"""A bag that stays readable when its writer is killed, except for the last second."""
 
 import os
 from contextlib import contextmanager, suppress
@@ -11,37 +11,37 @@ from std_msgs.msg import String
 
 __all__ = ["BagError", "BagFile", "active", "mend"]
 
-#: Bytes of one chunk; what is in an unfinished one is lost with the process, so every flush finishes one.
+#: Bytes of one chunk; an unfinished chunk is lost with the process, so each flush finishes one.
 CHUNK = 768 * 1024
 
-#: Bytes that have to fit on a disk that was full before it is written again.
+#: Free bytes that a full disk needs before writing resumes.
 ROOM = 2 * CHUNK
 
-#: Flushes after which the index in memory is let go.
+#: Number of flushes after which the index in memory is released.
 KEEP = 300
 
-#: The least time that a bag may hold.
+#: The earliest time of a message in a bag.
 FIRST = genpy.Time(0, 1)
 
 
 class BagError(RuntimeError):
-    """A bag that cannot be written or mended; the text names the file and says why."""
+    """A bag that cannot be written or repaired; the text has the file and the reason."""
 
 
 def active(path: Path) -> Path:
-    """Where a bag is while it is written, as rosbag has it."""
+    """Return the path of an unfinished bag, as in rosbag."""
     return path.with_name(path.name + ".active")
 
 
 class BagFile:
-    """A bag while it is written; it is called ``FILE.active`` until it is closed.
+    """The writer of a bag, which is called ``FILE.active`` until it is closed.
 
-    ``notes`` is the topic (std_msgs/String) of what the bag says about itself: when it begins, what it lacks, whether
-    it ends with the run. Methods raise BagError where the disk does not take what is written.
+    ``notes`` is the topic (std_msgs/String) of notes about the bag itself: its beginning, its gaps, and whether it ends
+    with the run. Methods raise BagError if the disk cannot be written.
     """
 
     def __init__(self, path: Path, notes: str) -> None:
-        """Begin a bag."""
+        """Create the bag."""
         self.path = path
         self._notes = notes
         self._flushes = 0
@@ -63,7 +63,7 @@ class BagFile:
         self._bag = rosbag.Bag(self._file, mode, chunk_threshold=CHUNK, skip_index=mode == "a")
 
     def write(self, topic: str, data: bytes, header: Any, time: genpy.Time) -> None:
-        """Take a message as it came over the wire, with its connection's header."""
+        """Write a serialized message with its connection's header."""
         kind = type("Kind", (), {"_md5sum": header["md5sum"], "_full_text": header["message_definition"]})
         raw = (header["type"], data, header["md5sum"], kind)
         with self._disk():
@@ -75,7 +75,7 @@ class BagFile:
             self._bag.write(self._notes, String(text), max(time, FIRST))
 
     def flush(self) -> None:
-        """Flush all that was written, so that it survives this process."""
+        """Flush all messages, so that they survive this process."""
         with self._disk():
             self._flush()
             self._flushes += 1
@@ -89,8 +89,8 @@ class BagFile:
         self._size = os.fstat(self._file.fileno()).st_size
 
     def resume(self, text: str, time: genpy.Time) -> None:
-        """Go on behind what was flushed last, with a note; raises BagError as long as there is no room for more."""
-        with suppress(OSError):  # of what it still holds
+        """Continue after the last flush, with a note; raises BagError while the disk is full."""
+        with suppress(OSError):  # from buffered data
             self._file.close()
         with self._disk():
             with active(self.path).open("r+b") as file:
@@ -103,14 +103,14 @@ class BagFile:
             self._flush()
 
     def close(self) -> None:
-        """End the bag: index it and give it its name."""
+        """Index the bag and give it its final name."""
         with self._disk("closed"):
             self._bag.close()
             os.replace(active(self.path), self.path)
 
 
 def _reindexed(file: Any) -> rosbag.Bag:
-    """Return a bag whose writer did not close it, indexed and ready for more."""
+    """Reindex a bag whose writer did not close it, and return it, ready for writing."""
     bag = rosbag.Bag(file, "a", chunk_threshold=CHUNK, allow_unindexed=True)
     for _ in bag.reindex():
         pass
@@ -118,9 +118,9 @@ def _reindexed(file: Any) -> rosbag.Bag:
 
 
 def mend(path: Path, to: Path, notes: str) -> None:
-    """Make the bag ``to`` of what a killed writer has left of the bag ``path``, with a note that says so.
+    """Repair the unfinished bag ``path`` of a killed writer as the bag ``to``, with a note about the gap.
 
-    Raises BagError where nothing of a bag is left.
+    Raises BagError if nothing can be repaired.
     """
     left = active(path)
     try:
@@ -128,9 +128,8 @@ def mend(path: Path, to: Path, notes: str) -> None:
         with rosbag.Bag(str(left)) as bag:
             end = genpy.Time.from_sec(bag.get_end_time()) if bag.get_message_count() else FIRST
         with rosbag.Bag(str(left), "a") as bag:
-            bag.write(
-                notes, String(f"mended: who wrote this was killed; lacks what came after {end.to_sec():.3f} s"), end
-            )
+            note = f"repaired: the recorder was killed; messages after {end.to_sec():.3f} s are missing"
+            bag.write(notes, String(note), end)
         os.replace(left, to)
     except (OSError, rosbag.ROSBagException) as error:
-        raise BagError(f"{left} holds no bag that can be mended: {error}") from error
+        raise BagError(f"{left} cannot be repaired: {error}") from error

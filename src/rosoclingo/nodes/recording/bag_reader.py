@@ -1,4 +1,4 @@
-"""Events of recorded runs out of bags, without a master and without built messages."""
+"""Reads the events of recorded runs from bags, without a master and without built messages."""
 
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +13,7 @@ from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollect
 
 __all__ = ["bag_runs", "core_in", "opened", "read_bag"]
 
-#: The topics of a replay, named as :func:`full_name` takes them.
+#: The topics of a replay, with names for :func:`full_name`.
 REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
 
 #: Bytes of a std_msgs/Header before its frame's name: number and time, which differ in each message.
@@ -22,12 +22,12 @@ STAMP = 12
 #: Topics that several robots can share at the root.
 SHARED = ("map", "packages")
 
-#: Topics whose messages begin with a header and are sent again and again unchanged.
+#: Topics whose messages begin with a header and repeat unchanged.
 REPEATED = ("rosoclingo/status", "packages", *PATHS)
 
 
 def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
-    """Return the runs in a bag, those of ``core`` where there are several; raises RecordingError."""
+    """Return the runs of the core in a bag, of ``core`` if the bag has several; raises RecordingError."""
     collector = RunCollector()
     read_bag(path, core, collector, REPLAYED)
     try:
@@ -37,9 +37,10 @@ def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
 
 
 def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[Collection[str]] = None) -> None:
-    """Give ``events`` the events of a core's runs in a bag; raises RecordingError.
+    """Pass the events of a core's runs in a bag to ``events``; raises RecordingError.
 
-    ``core`` names it where there are several, ``only`` the topics that are read, by default all of a run.
+    ``core`` is required if the bag has several cores. ``only`` limits the topics; by default all topics of a run are
+    read.
     """
     with opened(path) as bag:
         topics = set(bag.get_type_and_topic_info().topics)
@@ -59,47 +60,45 @@ def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[
 
 
 def _found(name: str, topic: str, topics: Set[str]) -> str:
-    """Return a topic as a bag has it: a shared one can lie at the root."""
+    """Return the name of a topic in a bag: a shared topic can be at the root."""
     return f"/{name}" if name in SHARED and topic not in topics else topic
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[rosbag.Bag]:
-    """A bag that is read; what is wrong with it, found here or while it is read, is a RecordingError."""
+    """Open a bag for reading; its faults, also during reading, raise RecordingError."""
     try:
         with rosbag.Bag(str(path)) as bag:
             yield bag
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from None
     except rosbag.ROSBagUnindexedException:
-        mend = f"rosbag reindex {path} mends it"
-        raise RecordingError(
-            f"{path} has no index: who wrote it was killed, or still writes; if nobody does, {mend}"
-        ) from None
+        mend = f"if not, run: rosbag reindex {path}"
+        raise RecordingError(f"{path} has no index: its recorder was killed, or is still writing; {mend}") from None
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # noqa: BLE001 rosbag can raise anything at a damaged file
+    except Exception as error:  # noqa: BLE001 rosbag can raise anything for a damaged file
         what = f"{type(error).__name__}: {error}"
-        mend = "rosbag reindex may save what is whole, or take another copy"
+        mend = "try rosbag reindex, or another copy"
         raise RecordingError(f"{path} is no bag, or damaged ({what}); {mend}") from None
 
 
 def core_in(topics: Set[str], wanted: Optional[str] = None) -> str:
-    """Return the name of the core whose run it is; raises RecordingError."""
+    """Return the name of the core in a bag with these topics; raises RecordingError."""
     if not topics:
-        raise RecordingError("the bag is empty: the recorder heard of nothing; record a run with record:=true")
+        raise RecordingError("the bag is empty: record a run with record:=true")
     found = sorted(topic[: -len("/updates")] for topic in topics if topic.endswith("/updates"))
     cores = [name for name in found if f"{name}/task_plan" in topics]
     if wanted is not None:
         cores = [name for name in found if name.strip("/") == wanted.strip("/")]
         if not cores:
-            raise RecordingError(f"the core {wanted} is not in it, but {', '.join(found) or 'none'}")
+            raise RecordingError(f"the bag has no core {wanted}; its cores: {', '.join(found) or 'none'}")
     if not found:
         raise RecordingError(
-            "no stream updates of a core (rosoclingo/updates) are in it: record with record:=true, or these topics too"
+            "the bag has no stream updates of a core (rosoclingo/updates): record with record:=true, or add this topic"
         )
     if not cores:
-        raise RecordingError(f"it lacks {found[0]}/task_plan, which tells what was decided: record that topic too")
+        raise RecordingError(f"the bag lacks the decisions ({found[0]}/task_plan): record that topic too")
     if len(cores) > 1:
-        raise RecordingError(f"the runs of {len(cores)} cores are in it: name one of {', '.join(cores)} by --core")
+        raise RecordingError(f"the bag has runs of {len(cores)} cores: choose one of {', '.join(cores)} by --core")
     return cores[0]

@@ -1,4 +1,4 @@
-"""Recording a run to its last message."""
+"""The recorder: records a run up to its last message."""
 
 import os
 import threading
@@ -21,13 +21,13 @@ from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
 
 __all__ = ["RECORDED", "TOPICS", "RecorderNode", "is_recording"]
 
-PERIOD = 0.1  # s of wall time between two writings
-FLUSH = 1.0  # s of wall time between two flushes: so much is lost with a recorder that is killed
-NOTES = "~notes"  # the topic of what a bag says about itself
-RETRY = 2.0  # s of wall time after which a bag that could not be written is tried again
-LINGER = 0.5  # s of wall time for what is on its way when the recorder alone is ended
+PERIOD = 0.1  # s of wall time between two writes
+FLUSH = 1.0  # s of wall time between two flushes, the loss if the recorder is killed
+NOTES = "~notes"  # the topic of notes about the bag
+RETRY = 2.0  # s of wall time between a failed write and the next attempt
+LINGER = 0.5  # s of wall time for messages in transit when only the recorder is shut down
 
-#: What every node says, those of others too: nobody's end is waited for because of it.
+#: Topics of all nodes, also of other systems: the recorder does not wait for their publishers to end.
 OF_ALL = ("/rosout",)
 
 #: The topics that are recorded by default.
@@ -55,26 +55,26 @@ RECORDED = (
 
 
 class RecorderNode:
-    """Records topics into a bag that holds everything up to the end of the run.
+    """Records topics into a bag up to the end of the run.
 
-    Of a launch that ends, the recorder ends last: it goes on until all whose topics it records have ended, and has
-    then read what they had sent; ``/rosout`` apart, which every node has. A second signal ends it at once. A recorder
-    that is killed leaves ``FILE.active``,
-    which holds all but the last second; the next one lays it aside, mended. Where the disk is full or fails, it goes on
-    as soon as there is room. Where simulated time goes back, the bag's own time goes on, so that its messages stay in
-    their order. What the bag says about itself, as what it lacks, is in the topic ``~notes`` of the bag.
+    When a launch ends, the recorder shuts down last: it waits until all publishers of its topics have ended (except
+    those of ``/rosout``, which every node publishes), and records their last messages. A second signal ends it
+    immediately. A killed recorder leaves ``FILE.active``, which lacks only the last second; the next recorder repairs
+    it under another name. After a disk failure, recording resumes as soon as the disk has space. If simulated time goes
+    back, the bag's time continues forward, which preserves the order of messages. The topic ``~notes`` of the bag
+    reports gaps.
 
     Parameters
     ----------
-        ~topics (list of str, optional): topics to record. Default: those that ``watch``, ``replay`` and ``report`` read
-            of a core called rosoclingo, and those of the shipped robots: /rosout, /diagnostics, clock, tf, tf_static,
-            map, amcl_pose, odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages, rosoclingo/
-            with goal, cancel, status, feedback, result, task_plan, updates, program, state and goals, move_base/ with
-            the plans of its planners, goal, cancel, status and result, pickup/ and deliver/ with goal, cancel and
-            result.
+        ~topics (list of str, optional): topics to record. Default: the topics that ``watch``, ``replay`` and ``report``
+            read of a core called rosoclingo, and the topics of the shipped robots: /rosout, /diagnostics, clock, tf,
+            tf_static, map, amcl_pose, odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages;
+            goal, cancel, status, feedback, result, task_plan, updates, program, state and goals of rosoclingo/; the
+            plans of its planners, goal, cancel, status and result of move_base/; goal, cancel and result of pickup/ and
+            deliver/.
         ~bag (str, default ""): the bag's file; empty: rosoclingo_DATE.bag in the working directory, which is ~/.ros
             for roslaunch.
-        ~patience (float, default 10.0): seconds of wall time to wait for the others' end; roslaunch kills after 15.
+        ~patience (float, default 10.0): seconds of wall time to wait for other nodes to end; roslaunch kills after 15.
     Subscribes:
         TOPIC: each of ~topics, of any type.
     Publishes:
@@ -97,7 +97,7 @@ class RecorderNode:
         self._flushed = time.monotonic()
         self._fault = ""  # why the bag cannot be written
         self._retry_at, self._gaps = 0.0, 0
-        self._kept_until = self._clock.now()  # all that came before is in the bag
+        self._kept_until = self._clock.now()  # all messages before this time are in the bag
         self._bag = _open_bag(path, rospy.resolve_name(NOTES))
         self._diagnostics = Diagnostics("rosoclingo: recorder", self._describe)
         self._subscribers = [self._subscribe(rospy.resolve_name(topic)) for topic in topics]
@@ -105,23 +105,23 @@ class RecorderNode:
 
     def _subscribe(self, topic: str) -> rospy.Subscriber:
         subscriber = rospy.Subscriber(topic, rospy.AnyMsg, partial(self._take, topic), tcp_nodelay=True)
-        subscriber.impl.set_queue_size(None)  # rospy's own of /clock, which is shared, takes the newest only
+        subscriber.impl.set_queue_size(None)  # rospy's own subscription to /clock, which is shared, drops messages
         return subscriber
 
     def _take(self, topic: str, message: Any) -> None:
         self._come.append((topic, message, self._clock.now()))
 
     def _linger(self) -> None:
-        if not self._signals:  # rosnode kill: rospy closes all connections behind this
+        if not self._signals:  # rosnode kill: rospy closes all connections after this
             time.sleep(LINGER)
 
     def end(self, *_signal: Any) -> None:
-        """End when the others have ended; called once more, at once."""
+        """Stop when the publishers have ended; on the second call, stop immediately."""
         self._signals += 1
         self._ending.set()
 
     def run(self) -> None:
-        """Record until the end; raises BagError."""
+        """Record until the end of the run; raises BagError."""
         try:
             while not (self._ending.is_set() or rospy.is_shutdown()):
                 self._turn()
@@ -156,15 +156,15 @@ class RecorderNode:
 
     def _fail(self, error: BagError) -> None:
         if not self._fault:
-            rospy.logerr("%s: recording goes on when that can be done again", error)
+            rospy.logerr("%s: recording resumes when the disk can be written again", error)
         self._fault, self._retry_at = str(error), time.monotonic() + RETRY
         self._come.clear()
 
     def _resume(self) -> None:
         self._come.clear()
         since, now = self._kept_until.to_sec(), self._clock.now()
-        self._bag.resume(f"lacks what came from {since:.3f} s to {now.to_sec():.3f} s: {self._fault}", now)
-        rospy.logwarn("recording goes on; the bag lacks what came from %.3f s to %.3f s", since, now.to_sec())
+        self._bag.resume(f"messages from {since:.3f} s to {now.to_sec():.3f} s are missing: {self._fault}", now)
+        rospy.logwarn("recording resumes; messages from %.3f s to %.3f s are missing", since, now.to_sec())
         self._fault, self._kept_until, self._gaps = "", now, self._gaps + 1
 
     def _describe(self) -> Findings:
@@ -172,7 +172,7 @@ class RecorderNode:
         return level, self._fault or "recording", {"bag": self._bag.path}
 
     def _open_topics(self) -> List[str]:
-        """The topics that somebody who has not ended publishes; of all others everything has been taken."""
+        """Return the topics with a running publisher; all messages of other topics have been received."""
         me, own = rospy.get_name(), (one for one in self._subscribers if one.resolved_name not in OF_ALL)
         return [one.resolved_name for one in own if any(other.callerid_pub != me for other in one.impl.connections)]
 
@@ -181,21 +181,21 @@ class RecorderNode:
         if self._fault:
             self._resume()
         self._write()
-        whole = "lacks what is said before" if self._gaps else "nothing is lacking"
-        lacks = f"lacks what came later on {' '.join(going_on)}" if going_on else f"with the run: {whole}"
+        whole = "with the gaps noted before" if self._gaps else "complete"
+        lacks = f"later messages are missing on {' '.join(going_on)}" if going_on else f"with the run: {whole}"
         self._bag.note(f"ends, {lacks}", self._clock.now())
         self._bag.close()
 
 
 class _OnwardClock:
-    """ROS time, for all threads; what it goes back by is added to what comes."""
+    """ROS time that never goes back, for all threads: each step back is added to later times."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._last, self._ahead = rospy.Time(), rospy.Duration()
 
     def now(self) -> genpy.Time:
-        """Return a time that is no earlier than the one before."""
+        """Return a time that is not earlier than the previous time."""
         with self._lock:
             now = rospy.Time.now()
             if now < self._last:
@@ -205,7 +205,7 @@ class _OnwardClock:
 
 
 def is_recording(topics: Iterable[str]) -> bool:
-    """Whether the node ``/record`` is there, and all that is published on some topics (full names) comes to it."""
+    """Return whether the node ``/record`` is up, and all messages on some topics (absolute names) arrive at it."""
     return readers("/record") is not None and all(comes_to("/record", topic) for topic in topics)
 
 
@@ -223,7 +223,7 @@ def _path(name: str) -> Path:
 
 
 def _open_bag(path: Path, notes: str) -> BagFile:
-    """A new bag; what a killed recorder has left of one in the same place gets a name of its own."""
+    """Create a bag; an unfinished bag of a killed recorder at the same path is repaired under another name."""
     if active(path).exists():
         other = _free_name(path)
         try:
@@ -231,7 +231,7 @@ def _open_bag(path: Path, notes: str) -> BagFile:
         except BagError as error:
             rospy.logwarn("%s; it is overwritten", error)
         else:
-            rospy.logwarn("an earlier recorder of %s was killed; what it has left is %s now", path, other)
+            rospy.logwarn("an earlier recorder of %s was killed; its repaired bag is %s", path, other)
     bag = BagFile(path, notes)
     bag.note("begins", rospy.Time.now())
     return bag

@@ -1,4 +1,4 @@
-"""The command ``replay``: a recorded run solved again, without a master."""
+"""The command ``replay``: solves a recorded run again, without a master."""
 
 import argparse
 import shutil
@@ -18,13 +18,13 @@ from rosoclingo.runs.replay import AGREEING, CycleReport, CycleVerdict, Replay, 
 Say = Callable[[str], None]
 
 _DESCRIPTION = """\
-Solve a recorded run again: for each cycle, whether the decisions agree, or how they differ and why. Another plan as
-short is no difference; a longer one is reported. No ROS master is needed."""
+Solve a recorded run again, and report for each cycle whether the decisions agree, or how they differ and why. Another
+plan of equal length is no difference; a longer plan is reported. No ROS master is needed."""
 
 _EPILOG = """\
-Exit code: 0, 1 where a difference is not explained, 2 for a wrong command line or a recording that cannot be replayed.
-A bag is made by the launch files' record:=true. JOURNAL is the folder of a core's ~journal or
-a file of it, which goes back some hundred cycles at most."""
+Exit code: 0, 1 for a difference without an explanation, 2 for a wrong command line or a recording that cannot be
+replayed. Launch files record a bag with record:=true. JOURNAL is the folder of a core's ~journal or a file in it, which
+has at most some hundred cycles."""
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -39,33 +39,33 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--stream",
         metavar="FILE",
-        help="write the online progression, for `oclingo --shortest --stream FILE` (-: standard output), and end",
+        help="write the online progression, for `oclingo --shortest --stream FILE` (-: standard output), and exit",
     )
     parser.add_argument(
         "--program-to",
         type=Path,
         metavar="FOLDER",
-        help="write the program's files into FOLDER, and say how to run them",
+        help="write the program's files into FOLDER, and print the command that runs them",
     )
     parser.add_argument(
         "--program",
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="the program's files, for a recording that has none, or to see what another program would have done",
+        help="the program's files, for a recording without them, or to replay with another program",
     )
     parser.add_argument(
         "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="with --program: a constant's value"
     )
-    parser.add_argument("--core", metavar="NAME", help="the core's name, where the recording has several")
-    parser.add_argument("--run", type=positive, metavar="N", help="which run, where a core was started several times")
+    parser.add_argument("--core", metavar="NAME", help="the core's name, if the recording has several")
+    parser.add_argument("--run", type=positive, metavar="N", help="the run, if the core was started several times")
     parser.add_argument(
         "--plan-time",
         type=duration,
         metavar="SECONDS",
-        help="processor time for a shorter plan than the first one (default: the run's; no limit for ~plan: shortest)",
+        help="processor time to search for a shorter plan (default: as in the run; no limit for ~plan: shortest)",
     )
-    parser.add_argument("--all", action="store_true", help="a line for each cycle, also for those that agree")
+    parser.add_argument("--all", action="store_true", help="print a line for each cycle, also if the decisions agree")
     return parser
 
 
@@ -101,13 +101,13 @@ def _fail(text: str) -> int:
 
 
 def _chosen(runs: List[RecordedRun], options: argparse.Namespace) -> List[RecordedRun]:
-    """Return the runs that are meant: one where one is asked for, or needed."""
+    """Return the run of ``--run``, else all runs; raises RecordingError if the options need a single run."""
     if options.run is not None:
         if options.run > len(runs):
-            raise RecordingError(f"{options.recording} holds {len(runs)} runs of the core, --run {options.run} is none")
+            raise RecordingError(f"no run {options.run}: {options.recording} has {len(runs)} runs of the core")
         return [runs[options.run - 1]]
     if len(runs) > 1 and (options.to or options.stream or options.program_to):
-        raise RecordingError(f"{options.recording} holds {len(runs)} runs of the core: choose one by --run N")
+        raise RecordingError(f"{options.recording} has {len(runs)} runs of the core: choose one by --run N")
     return runs
 
 
@@ -126,21 +126,20 @@ def _write(run: RecordedRun, options: argparse.Namespace, say: Say) -> None:
 def _program_of(run: RecordedRun) -> RunProgram:
     if run.program is None:
         raise RecordingError(
-            "the recording lacks the program (topic rosoclingo/program), as those of earlier versions do: "
-            "name the program's files by --program FILE ..."
+            "the recording lacks the program (topic rosoclingo/program): give the program's files by --program FILE ..."
         )
     return run.program
 
 
 def _load(run: RecordedRun, options: argparse.Namespace, say: Say) -> Tuple[ReactiveProgram, Optional[float], float]:
-    """Return the program, and the time for plans and for searches."""
+    """Return the program, and the time limits for plans and for searches."""
     if options.program is None:
         program = _program_of(run).load()
     else:
         constants = dict(word.partition("=")[::2] for word in options.const)
         program = ReactiveProgram.from_files(options.program, constants)
         if run.program is not None and program.fingerprint != run.program.fingerprint:
-            say("this is another program than the run's: differences may come from that")
+            say("this is not the program of the run, which can cause differences")
     if run.program is None:
         return program, 1.0 if options.plan_time is None else options.plan_time, 10.0
     plan_time = run.program.plan_time if options.plan_time is None else options.plan_time
@@ -148,13 +147,13 @@ def _load(run: RecordedRun, options: argparse.Namespace, say: Say) -> Tuple[Reac
 
 
 def _replay(run: RecordedRun, options: argparse.Namespace, say: Say) -> int:
-    """Replay a run and tell of it; return the exit code."""
+    """Replay a run and print the results; return the exit code."""
     program, plan_time, search_time = _load(run, options, say)
     first, last = run.cycles[0].cycle, run.cycles[-1].cycle
     if options.to is not None and options.to > last:
-        raise RecordingError(f"the run has {last} cycles, --to {options.to} is beyond them")
+        raise RecordingError(f"--to {options.to} is after the last cycle of the run, {last}")
     if options.to is not None and options.to < first:
-        raise RecordingError(f"the recording begins with cycle {first}, --to {options.to} is before it")
+        raise RecordingError(f"--to {options.to} is before the first cycle of the recording, {first}")
     reports: List[CycleReport] = []
     for report in Replay(run, program, plan_time, search_time).reports():
         reports.append(report)
@@ -169,10 +168,10 @@ def _replay(run: RecordedRun, options: argparse.Namespace, say: Say) -> int:
 
 
 def _show(report: CycleReport, say: Say) -> None:
-    """Show a cycle's answer, and the one found now where it is another."""
+    """Print a cycle's recorded answer, and the new answer if it differs."""
     if report.verdict not in (CycleVerdict.SAME, CycleVerdict.NONE):
-        _table("as it was published", report.published, say)
-        _table("as it is found now", report.found, say)
+        _table("as recorded", report.published, say)
+        _table("of the replay", report.found, say)
     else:
         _table("", report.found or report.published, say)
 

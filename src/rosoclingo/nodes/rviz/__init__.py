@@ -1,1 +1,1 @@
-"""What rviz shows: labels, things, ways, plan and goals."""
+"""Markers for rviz: labels, things, ways, plan and goals."""

@@ -1,4 +1,4 @@
-"""Which part of a map to show, and how large: rviz's view and the texts in it. Lengths in m."""
+"""The view of a map in rviz: its centre and scale, and the size of texts. Lengths in m."""
 
 import math
 from typing import Any, Dict, NamedTuple, Tuple
@@ -9,17 +9,17 @@ from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
 
 __all__ = ["MapView", "bounds_of", "known", "text_factor", "view_of", "with_view"]
 
-USUAL = WIDTH  # m across that the usual sizes of texts and arrows are made for
-PROPORTION = 1.4  # of a window's width to its height
-NEAR = 1.0  # m between the bounds of what is known and those of the map, in usual sizes
+USUAL = WIDTH  # width of a map for which texts and arrows have their default size
+PROPORTION = 1.4  # a window's width divided by its height
+NEAR = 1.0  # distance below which the bounds of the map replace those of its known part, at the default size
 MARGIN = 0.03  # of the picture, on each side
-FRAME = (32, 92)  # pixels of width and height that rviz takes for menu, tools and status
+FRAME = (32, 92)  # pixels of width and height for rviz's menu, tools and status
 
-Bounds = Tuple[float, float, float, float]  # least x, least y, greatest x, greatest y
+Bounds = Tuple[float, float, float, float]  # minimum x, minimum y, maximum x, maximum y
 
 
 class MapView(NamedTuple):
-    """rviz's view from above: the middle (m), and how many pixels a metre takes."""
+    """rviz's view from above: its centre (m) and its scale (pixels per metre)."""
 
     x: float
     y: float
@@ -27,7 +27,7 @@ class MapView(NamedTuple):
 
 
 def known(cells: np.ndarray, resolution: float, origin: Tuple[float, float, float]) -> Bounds:
-    """Bounds of what a map (int8, -1 unknown) knows, else of all of it; ``origin``: x and y (m), yaw (rad)."""
+    """Return the bounds of a map's known cells (int8, -1 unknown), else of the map; ``origin``: x, y (m), yaw (rad)."""
     rows, columns = np.nonzero(cells >= 0)
     if not len(rows):
         rows, columns = np.array([0, cells.shape[0] - 1]), np.array([0, cells.shape[1] - 1])
@@ -39,7 +39,7 @@ def known(cells: np.ndarray, resolution: float, origin: Tuple[float, float, floa
 
 
 def bounds_of(message: Any) -> Bounds:
-    """Bounds of what a nav_msgs/OccupancyGrid knows, or its own where they are so near that words would lie on both."""
+    """Return the bounds of a nav_msgs/OccupancyGrid's known cells; edges near the map's edge move to that edge."""
     info = message.info
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
     turn, corner = info.origin.orientation, info.origin.position
@@ -52,12 +52,12 @@ def bounds_of(message: Any) -> Bounds:
 
 
 def text_factor(bounds: Bounds) -> float:
-    """By how much texts and arrows have to be larger than usual to be read when the whole map is seen."""
+    """Return the factor by which texts and arrows have to grow to be readable in a view of the whole map."""
     return max(0.25, max(bounds[2] - bounds[0], PROPORTION * (bounds[3] - bounds[1])) / USUAL)
 
 
 def view_of(bounds: Bounds, size: Tuple[int, int]) -> MapView:
-    """The view of a map and the words below it in a window of width and height in pixels."""
+    """Return the view of a map and the texts below it, in a window of width and height in pixels."""
     x0, y0, x1, y1 = bounds
     y0 -= HEIGHT * text_factor(bounds)
     room = 1.0 - 2.0 * MARGIN
@@ -67,7 +67,7 @@ def view_of(bounds: Bounds, size: Tuple[int, int]) -> MapView:
 
 
 def with_view(config: Dict[str, Any], view: MapView, size: Tuple[int, int]) -> Dict[str, Any]:
-    """An rviz configuration with another view from above and another size of the window."""
+    """Return an rviz configuration with another view from above and another window size."""
     manager = config["Visualization Manager"]
     views = {**manager["Views"], "Current": {**manager["Views"]["Current"], "X": view.x, "Y": view.y}}
     views["Current"]["Scale"] = view.scale

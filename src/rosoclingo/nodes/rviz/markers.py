@@ -1,4 +1,4 @@
-"""The node that shows labels, packages, robot, plan, goals and what the program has drawn in rviz."""
+"""The node that shows labels, packages, robot, plan, goals and the program's drawings in rviz."""
 
 import functools
 from typing import Any, Dict, List, Optional, Tuple
@@ -32,7 +32,7 @@ from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 
 HEIGHT = 0.3  # m above the floor
-NOWHERE = (0.0, -2.0, HEIGHT)  # while there is no map
+NOWHERE = (0.0, -2.0, HEIGHT)  # place of the panel before the map arrives
 _KINDS = {
     "cylinder": Marker.CYLINDER,
     "cube": Marker.CUBE,
@@ -47,30 +47,28 @@ TOPICS = {"packages": PackageStates, PROGRAM: String, STATE: State, PLAN: TaskPl
 
 
 class MarkersNode:
-    """Draws what the reasoner knows into the map.
+    """Draws the state of the core into the map.
 
     Parameters
     ----------
         ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
-        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): tf frames between which the robot is
-            looked up.
-        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old to be believed.
+        ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): the tf frames of the map and the robot.
+        ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old.
         ~robot_radius (float, default 0.18): metres.
-        ~panel (list, default []): x and y in metres of the upper edge's middle of title, plan and goals; empty: below
-            the map.
-        ~title (str, default ""): words above plan and goals.
-        ~size (float, default 0.0): by how much texts and arrows are larger than for a map of 16 m; 0: by the size of
-            the map.
+        ~panel (list, default []): x and y in metres of the centre of the upper edge of title, plan and goals; empty:
+            below the map.
+        ~title (str, default ""): the title above plan and goals.
+        ~size (float, default 0.0): scale of texts and arrows, 1 for a map of 16 m; 0: by the size of the map.
     Subscribes:
-        map (nav_msgs/OccupancyGrid): for panel and size, where one of them is not given.
-        packages (rosoclingo/PackageStates): where the packages are.
+        map (nav_msgs/OccupancyGrid): for panel and size, unless both are given.
+        packages (rosoclingo/PackageStates): the places of the packages.
         rosoclingo/task_plan (rosoclingo/TaskPlan): the current plan.
         rosoclingo/goals (rosoclingo/GoalStates): the goals, with their reasons.
-        rosoclingo/program (std_msgs/String), rosoclingo/state (rosoclingo/State): what the program wants to have drawn,
-            ways that are blocked above all.
+        rosoclingo/program (std_msgs/String), rosoclingo/state (rosoclingo/State): the program's drawings, for example
+            blocked ways.
         /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
-        ~markers (visualization_msgs/MarkerArray, latched): all of them after each change.
+        ~markers (visualization_msgs/MarkerArray, latched): all markers, after each change.
 
     """
 
@@ -87,7 +85,7 @@ class MarkersNode:
         self._fixed = [*robot_shapes(self._pose.base_frame, radius), *label_shapes(self._labels)]
         self._latest: Dict[str, Any] = {}  # messages by topic
         self._bounds: Optional[Bounds] = None  # of the map
-        self._start: Optional[Tuple[float, float]] = None  # the robot's place at the latest plan
+        self._start: Optional[Tuple[float, float]] = None  # the robot's position at the latest plan
         self._drawings = Drawings()
         self._changed = True
         self._shown: Optional[List[Shape]] = None
@@ -131,7 +129,7 @@ class MarkersNode:
             self._publisher.publish(MarkerArray(markers=markers))
 
     def _panel(self) -> Panel:
-        """Return the panel below the map, with words that can be read when all of the map is seen."""
+        """Return the panel below the map, with texts that are readable in a view of the whole map."""
         below, factor = NOWHERE, 1.0
         if self._bounds is not None:
             below, factor = (
@@ -141,7 +139,7 @@ class MarkersNode:
         return Panel(self._top or below, self._pose.map_frame, self._size or factor)
 
     def _shapes(self, panel: Panel) -> List[Shape]:
-        """Return all shapes; things that the program has drawn only without the topic of packages."""
+        """Return all shapes; things drawn by the program are shown only without the topic of packages."""
         state, plan, goals = (self._latest.get(name) for name in (STATE, PLAN, GOALS))
         drawn = self._drawings.of(state.atoms if state is not None else (), frozenset(self._labels.names))
         things, packages = things_in(drawn), self._latest.get("packages")

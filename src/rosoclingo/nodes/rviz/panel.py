@@ -1,4 +1,4 @@
-"""The words below the map in rviz: a title, and side by side the plan and the goals with their reasons."""
+"""The panel below the map in rviz: a title, and side by side the plan and the goals with their reasons."""
 
 import textwrap
 from typing import List, NamedTuple, Sequence, Tuple
@@ -13,40 +13,40 @@ TITLE_SIZE = 0.5
 WORDS_SIZE = 0.28
 GAP = 0.15  # below the map, and below the title
 
-#: Lines of plan and goals, each below a heading; letters of a line.
+#: Limits of lines of plan and goals, below their headings, and of characters of a line.
 LINES, LETTERS = 8, 44
 
-#: What the panel takes, in m for a map of 16 m.
+#: Size of the panel in m, for a map of 16 m.
 WIDTH = 16.0
 HEIGHT = 2 * GAP + LINE_HEIGHT * (TITLE_SIZE + (LINES + 1) * WORDS_SIZE)
 
-#: A goal as the core tells of it: request, status as in actionlib_msgs/GoalStatus, and its reason.
+#: A goal as reported by the core: request, status as in actionlib_msgs/GoalStatus, and reason.
 GoalRow = Tuple[str, int, str]
 
 
 class Panel(NamedTuple):
-    """Where the words are: the middle of their upper edge (m), and by how much they are larger than for 16 m."""
+    """The layout of the panel: the centre of its upper edge (m), and its scale, 1 for a map of 16 m."""
 
     top: Point
     frame: str
     factor: float = 1.0
 
     def title(self, text: str) -> List[Shape]:
-        """The title, in the middle, as large as there is room for."""
+        """Return the title, centred, as large as fits."""
         if not text:
             return []
         return [self._words("title", text, 0.0, GAP, min(TITLE_SIZE, WIDTH / text_width(text, 1.0)))]
 
     def plan(self, text: str) -> Shape:
-        """The plan, on the left."""
+        """Return the plan, on the left."""
         return self._words("plan", text, -0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
 
     def goals(self, text: str) -> Shape:
-        """The goals, on the right."""
+        """Return the goals, on the right."""
         return self._words("goals", text, 0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
 
     def _words(self, group: str, text: str, right: float, down: float, size: float) -> Shape:
-        """A text with its upper edge there; rviz puts the middle of a text at its position."""
+        """Return a text with its upper edge at a place; rviz centres a text at its position."""
         x, y, z = self.top
         half = 0.5 * (text.count("\n") + 1) * LINE_HEIGHT * size
         place = (x + self.factor * right, y - self.factor * down - half, z)
@@ -54,7 +54,7 @@ class Panel(NamedTuple):
 
 
 def plan_text(actions: Sequence[Action], cycle: int) -> str:
-    """The plan in words, a line for each action, the current one marked; what is far off is left out."""
+    """Return the plan in words, a line for each action, with the current action marked and distant actions omitted."""
     lines = [_line(action, cycle) for action in actions]
     first = max(0, min(sum(action.cycle < cycle for action in actions) - 1, len(lines) - LINES))
     shown = lines[first : first + LINES]
@@ -70,7 +70,7 @@ def _line(action: Action, cycle: int) -> str:
 
 
 def goals_text(goals: Sequence[GoalRow]) -> str:
-    """The goals in words, with why they wait or have failed: those that are open, then the latest that have ended."""
+    """Return the goals in words, with the reasons why they wait or failed: open goals first, then the latest ended."""
     known = [(request, STATUS_WORDS[number], reason) for request, number, reason in goals if number < len(STATUS_WORDS)]
     still = [one for one in known if one[1] not in ENDED]
     ended = [one for one in known if one[1] in ENDED][::-1]
@@ -87,7 +87,7 @@ def goals_text(goals: Sequence[GoalRow]) -> str:
 
 
 def _goal(request: str, word: str, message: str) -> List[str]:
-    """A goal in lines, at most half of LINES."""
+    """Return the lines of a goal, at most half of LINES."""
     reason = reason_of(request, message)
     said = "waits" if word == "pending" and reason else word
     needed = said in ("waits", "aborted", "rejected", "lost")

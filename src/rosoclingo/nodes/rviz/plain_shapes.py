@@ -1,7 +1,7 @@
-"""Plain shapes that rviz is to show, without ROS.
+"""Plain shapes for rviz, without ROS.
 
-Lengths in metres; positions in the shape's frame; colours are red, green, blue, opacity from 0 to 1. Sizes are those
-for a map of 16 m; :func:`larger` makes them fit another one.
+Lengths in metres; positions in the shape's frame; colours are red, green, blue, opacity from 0 to 1. Sizes are for a
+map of 16 m; :func:`larger` adapts them to another map.
 """
 
 from typing import List, NamedTuple, Optional, Tuple
@@ -28,14 +28,14 @@ INK: Colour = (0.10, 0.14, 0.22, 1.0)
 PAPER: Colour = (1.0, 1.0, 1.0, 1.0)
 
 TEXT_SIZE = 0.32
-LINE_HEIGHT = 1.04  # of a text as rviz draws it, in sizes
+LINE_HEIGHT = 1.04  # of a text in rviz, relative to its size
 
-#: The group of plates. How far one reaches beyond its text, in sizes; how far below it is, which is far enough for rviz
-#: to see, and how thick, in m.
+#: The group of plates; their margin around the text, relative to its size; their distance below the text, which is
+#: large enough for rviz's depth test, and their thickness, in m.
 PLATES = "plates"
 EDGE, BELOW, THICK = 0.2, 0.12, 0.01
 
-#: Widths of letters as rviz draws them, in sizes.
+#: Widths of letters in rviz, relative to the text's size.
 _NARROW, _WIDE = frozenset("fijlrt.,:;!'|()[]-/"), frozenset("mwMW@%")
 _WIDTHS = {" ": 0.6}
 
@@ -43,7 +43,7 @@ _WIDTHS = {" ": 0.6}
 class Shape(NamedTuple):
     """One marker: ``kind`` is cylinder, cube, arrow (from the first point to the second), line or text.
 
-    A ``plate`` of some colour keeps a text readable on any ground; shapes on the robot turn (``turns``).
+    A ``plate`` of some colour keeps a text readable on any background; shapes on the robot turn (``turns``).
     """
 
     group: str
@@ -61,12 +61,12 @@ class Shape(NamedTuple):
 def text_shape(
     group: str, frame: str, text: str, position: Point, colour: Colour = INK, size: float = TEXT_SIZE
 ) -> Shape:
-    """A text that faces the viewer; ``size`` is about the height of a letter with its ascender and descender."""
+    """Return a text that faces the viewer; ``size`` is the approximate height of its letters."""
     return Shape(group, "text", frame, colour, position, (size, size, size), text)
 
 
 def text_width(text: str, size: float) -> float:
-    """About how wide a text is: its longest line."""
+    """Return the approximate width of a text's longest line."""
     return size * max(sum(map(_letter, line)) for line in text.split("\n"))
 
 
@@ -75,9 +75,9 @@ def _letter(letter: str) -> float:
 
 
 def plated(shape: Shape) -> List[Shape]:
-    """A shape behind its plate, where it has one, which is as wide as its text.
+    """Return a shape, and its plate if it has one, as wide as the text.
 
-    On what turns with the robot it is a disc: rviz turns no text.
+    For a shape that turns with the robot, the plate is a disc, as rviz turns no text.
     """
     if shape.plate is None:
         return [shape]
@@ -92,7 +92,7 @@ def plated(shape: Shape) -> List[Shape]:
 
 
 def larger(shape: Shape, factor: float) -> Shape:
-    """A shape to be seen on a large map: texts, their upper edges where they were, arrows of plans and lines."""
+    """Return a shape scaled for a large map: texts, at the same upper edge, arrows of plans, and lines."""
     if shape.kind == "text":
         half = 0.5 * (shape.text.count("\n") + 1) * LINE_HEIGHT * shape.scale[2]
         x, y, z = shape.position

@@ -1,4 +1,4 @@
-"""What rviz is to show on the map: labels, packages, the plan's way, and what the program wants to have drawn."""
+"""Shapes on the map for rviz: labels, packages, the plan's way, and the program's drawings."""
 
 import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
@@ -17,23 +17,23 @@ LATER: Colour = (0.13, 0.55, 0.33, 0.8)
 SHUT: Colour = (0.75, 0.21, 0.17, 0.95)
 GRAY: Colour = (0.35, 0.40, 0.47, 0.5)
 
-#: How ways are drawn: colour, and width in m.
+#: Colours of ways, and their widths in m.
 WAYS = {DrawingKind.WAY: (GRAY, 0.04), DrawingKind.OPEN: (LATER, 0.08), DrawingKind.BLOCKED: (SHUT, 0.08)}
-BAR = 0.6  # m across a blocked way
+BAR = 0.6  # length in m of the bar across a blocked way
 
 PACKAGE_SIZE = 0.24
 LANE = 0.2
 
 
 class PlanStep(NamedTuple):
-    """One action of the plan, and the label at which the robot is after it (None if not known)."""
+    """An action of the plan, and the robot's label after it (None if unknown)."""
 
     action: Action
     place: Optional[Label]
 
 
 def robot_shapes(frame: str, radius: float) -> List[Shape]:
-    """The robot as a cylinder with an arrow for its nose."""
+    """Return the robot as a cylinder with an arrow for its heading."""
     height = 1.2 * radius
     nose = ((0.0, 0.0, height + 0.03), (1.5 * radius, 0.0, height + 0.03))
     return [
@@ -43,7 +43,7 @@ def robot_shapes(frame: str, radius: float) -> List[Shape]:
 
 
 def label_shapes(labels: LabelTable) -> List[Shape]:
-    """A disc and a name for each label."""
+    """Return a disc and a name for each label."""
     shapes = []
     for label in labels:
         shapes.append(Shape("labels", "cylinder", label.frame, BLUE, (label.x, label.y, 0.01), (0.6, 0.6, 0.02)))
@@ -52,7 +52,7 @@ def label_shapes(labels: LabelTable) -> List[Shape]:
 
 
 def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str) -> List[Shape]:
-    """A cube with its name for each package (identifier, label, carried): at its label, or on the robot."""
+    """Return a cube with its name for each package (identifier, label, carried), at its label or on the robot."""
     shapes: List[Shape] = []
     there: Dict[str, int] = {}
     for package, location, carried in places:
@@ -62,7 +62,7 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
         if carried:
             frame, position = robot_frame, (0.0, 0.0, 0.35 + number * 1.1 * PACKAGE_SIZE)
         else:
-            frame, position = labels[location].frame, _beside(labels[location], number)
+            frame, position = labels[location].frame, _package_place(labels[location], number)
         x, y, z = position
         size = (PACKAGE_SIZE, PACKAGE_SIZE, PACKAGE_SIZE)
         shapes.append(Shape("packages", "cube", frame, BROWN, position, size))
@@ -72,7 +72,7 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
 
 
 def things_in(drawings: Iterable[Drawing]) -> List[Tuple[str, str, bool]]:
-    """The things among what the program has drawn, as :func:`package_shapes` takes them."""
+    """Return the things in drawings of the program, in the form of :func:`package_shapes`."""
     return [
         (one.text, one.labels[0] if one.labels else "", one.kind is DrawingKind.CARRIED)
         for one in drawings
@@ -81,7 +81,7 @@ def things_in(drawings: Iterable[Drawing]) -> List[Tuple[str, str, bool]]:
 
 
 def drawn_shapes(drawings: Sequence[Drawing], labels: LabelTable) -> List[Shape]:
-    """Ways between labels, with what is blocked, and words at labels, as the program has them drawn."""
+    """Return the program's drawings: ways between labels, also blocked, and texts at labels."""
     shapes: List[Shape] = []
     ways = sorted((one for one in drawings if one.kind in WAYS), key=lambda one: list(WAYS).index(one.kind))
     for height, one in enumerate(ways):
@@ -96,7 +96,7 @@ def drawn_shapes(drawings: Sequence[Drawing], labels: LabelTable) -> List[Shape]
 
 
 def _way(one: Drawing, start: Label, end: Label, height: float) -> List[Shape]:
-    """A line between two labels, a bar across it if it is blocked, and its words."""
+    """Return a line between two labels, a bar across it if it is blocked, and its text."""
     colour, width = WAYS[one.kind]
     x, y = (start.x + end.x) / 2, (start.y + end.y) / 2
     shapes = [_line(start.frame, colour, width, (start.x, start.y, height), (end.x, end.y, height))]
@@ -110,7 +110,7 @@ def _way(one: Drawing, start: Label, end: Label, height: float) -> List[Shape]:
 
 
 def _tag(group: str, frame: str, text: str, place: Tuple[float, float], colour: Colour = INK) -> Shape:
-    """Words that can be read on walls and furniture, above arrows."""
+    """Return a text that is readable on walls and furniture, above arrows."""
     return text_shape(group, frame, text, (*place, 0.4), colour)._replace(plate=PAPER)
 
 
@@ -119,7 +119,7 @@ def _line(frame: str, colour: Colour, width: float, start: Point, end: Point) ->
 
 
 def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
-    """The actions with their places: an action whose parameter is a label leads there, others happen on the spot."""
+    """Return the actions with their places: an action whose parameter is a label leads there, others do not move."""
     steps: List[PlanStep] = []
     place: Optional[Label] = None
     for action in actions:
@@ -130,7 +130,7 @@ def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
 
 
 def plan_shapes(steps: Sequence[PlanStep], cycle: int, start: Optional[Tuple[float, float]]) -> List[Shape]:
-    """The way of the plan from cycle `cycle` on as arrows from `start` (where the robot is)."""
+    """Return the plan's way from cycle `cycle` on as arrows from `start` (the robot's position)."""
     ahead = [step for step in steps if step.action.cycle >= cycle]
     before = next((step.place for step in reversed(steps) if step.action.cycle < cycle and step.place), None)
     here = start if start is not None else (before.x, before.y) if before is not None else None
@@ -148,15 +148,15 @@ def plan_shapes(steps: Sequence[PlanStep], cycle: int, start: Optional[Tuple[flo
 
 
 def _lane(start: Tuple[float, float], end: Tuple[float, float], z: float) -> Tuple[Point, Point]:
-    """Both ends a little to the right of the way, so that both directions can be seen."""
+    """Return both ends, moved a little to the right, so that ways in both directions are visible."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.hypot(dx, dy)
     right, down = LANE * dy / length, -LANE * dx / length
     return ((start[0] + right, start[1] + down, z), (end[0] + right, end[1] + down, z))
 
 
-def _beside(label: Label, number: int) -> Point:
-    """The place of a label's package: a row before the label, to the left and right in turn."""
+def _package_place(label: Label, number: int) -> Point:
+    """Return the place of a label's package, in a row before the label, alternating left and right."""
     side = (number + 1) // 2 * (1 if number % 2 else -1) * 1.6 * PACKAGE_SIZE
     ahead = 0.65
     cos, sin = math.cos(label.yaw), math.sin(label.yaw)

@@ -1,1 +1,1 @@
-"""Scenarios played with real goals."""
+"""Playing scenarios with real goals."""

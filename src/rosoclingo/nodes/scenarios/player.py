@@ -1,4 +1,4 @@
-"""Plays a scenario: real goals by actionlib, cancels, facts; waits for the end of all goals."""
+"""Plays a scenario: sends goals by actionlib, cancels and facts, and waits until all goals have ended."""
 
 import threading
 import time
@@ -18,19 +18,19 @@ from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.goals import GoalError, read_goal
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
 
-#: Seconds of wall time between two looks at the clock.
+#: Seconds of wall time between two checks of the clock.
 _TURN = 0.02
 
-#: Seconds of wall time for which ROS time may stand still.
+#: Limit in seconds of wall time for a standstill of ROS time.
 STILL = 60.0
 
 
-#: Seconds, of wall time and of ROS time, to wait for a plan of a further cycle once all goals have ended.
+#: Limit in seconds, of wall time and of ROS time, for a further cycle once all goals have ended.
 QUIET = 30.0
 
 
 class PlayError(RuntimeError):
-    """A scenario that could not be played to its end; the text says why."""
+    """A scenario that could not be played to its end; the text has the reason."""
 
 
 class ScenarioPlayer:
@@ -41,14 +41,14 @@ class ScenarioPlayer:
 
     Subscribes:
         rosoclingo/task_plan (rosoclingo/TaskPlan), rosoclingo/updates (std_msgs/String): the cycles of events.
-        NAME/status (actionlib_msgs/GoalStatusArray): of the action servers that have to be there, ``wait_for``.
+        NAME/status (actionlib_msgs/GoalStatusArray): of each required action server in ``wait_for``.
     Publishes:
         in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
     Services called:
-        office/put_package (rosoclingo/PutPackage): when the scenario puts packages.
-        SERVICE: those that the scenario names.
+        office/put_package (rosoclingo/PutPackage): for packages of the scenario.
+        SERVICE: each service of the scenario.
     Actions called:
-        rosoclingo (rosoclingo/ROSoClingoAction): with a client of its own for each client of the scenario.
+        rosoclingo (rosoclingo/ROSoClingoAction): with one client for each client of the scenario.
 
     """
 
@@ -59,7 +59,7 @@ class ScenarioPlayer:
         say: Callable[[str], None],
         check: Callable[[], None] = lambda: None,
     ) -> None:
-        """Connect. ``check`` is called now and then and may raise when there is nothing to wait for any more."""
+        """Connect; ``check`` is called regularly, and can raise an exception to end all waiting."""
         self._scenario = scenario
         self._say = say
         self._check = check
@@ -68,7 +68,7 @@ class ScenarioPlayer:
         self._start: Optional[float] = None
         self.before: Optional[int] = None  # until an update has arrived
         self._plans = 0  # received so far
-        self._core = ""  # its node's name, by its plans
+        self._core = ""  # the name of the core's node, from its plans
         self._missing = set(wait_for)
         self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
         self._facts = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
@@ -100,7 +100,7 @@ class ScenarioPlayer:
         self._put_packages(timeout)
 
     def play(self) -> None:
-        """Let everything happen and wait until every goal has ended; raises PlayError when that takes too long."""
+        """Play all events and wait until each goal has ended; raises PlayError after the scenario's timeout."""
         waiting = list(self._scenario.events)
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
@@ -127,22 +127,22 @@ class ScenarioPlayer:
 
     @property
     def _reached(self) -> int:
-        """The cycle of the scenario."""
+        """The latest cycle, counted in the scenario."""
         return max(self._elapsed_cycles(), default=1)
 
     def _awaits_a_cycle(self, waiting: List[ScenarioEvent]) -> bool:
-        """Whether no goal is open, and all events wait for later cycles."""
+        """Return whether no goal is open, and all remaining events wait for later cycles."""
         later = all(one.cycle is not None and one.cycle > self._reached for one in waiting)
         return bool(waiting) and later and all(goal.ended for goal in self.goals)
 
     @property
     def sent(self) -> List[str]:
-        """Actionlib's ids of the goals that were sent; an earlier scenario's can end in the same account."""
+        """actionlib's ids of the goals of this scenario: goals of an earlier scenario can end in the same account."""
         return [goal.identifier for goal in self.goals]
 
     @property
     def cycle(self) -> int:
-        """The core's latest known cycle, 0 before the first one."""
+        """The core's latest known cycle, 0 before the first."""
         return max(dict(self._begun), default=0)
 
     def _turn(self) -> None:
@@ -162,7 +162,8 @@ class ScenarioPlayer:
         return ", ".join([*map(str, waiting), *goals])
 
     def _do(self, event: ScenarioEvent) -> None:
-        {"request": self._request, "cancel": self._cancel, "facts": self._tell, "call": self._call}[event.verb](event)
+        actions = {"request": self._request, "cancel": self._cancel, "facts": self._publish, "call": self._call}
+        actions[event.verb](event)
 
     def _request(self, event: ScenarioEvent) -> None:
         self.goals.append(self._clients[event.client].send(event.value))
@@ -174,7 +175,7 @@ class ScenarioPlayer:
         else:
             raise PlayError(f"{event}: no goal {event.value} was sent before")
 
-    def _tell(self, event: ScenarioEvent) -> None:
+    def _publish(self, event: ScenarioEvent) -> None:
         self._facts.publish(InterfaceIO(event.origin, [str(fact) for fact in event.value]))
 
     def _call(self, event: ScenarioEvent) -> None:
@@ -186,7 +187,7 @@ class ScenarioPlayer:
             call_service("office/put_package", {"package": package, "location": label}, timeout)
 
     def wait_until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
-        """Wait for a condition, at most ``timeout`` seconds of wall time; raises PlayError with what is ``missing``."""
+        """Wait for a condition, at most ``timeout`` s of wall time; raises PlayError with the text of ``missing``."""
         end = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > end or rospy.is_shutdown():
@@ -209,7 +210,7 @@ class ScenarioPlayer:
 
 
 def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) -> None:
-    """Call a service that is there within ``timeout`` seconds; raises PlayError where it is not, refuses or fails."""
+    """Call a service; raises PlayError if it is not up within ``timeout`` seconds, refuses or fails."""
     try:
         rospy.wait_for_service(name, timeout)
         kind = rosservice.get_service_class_by_name(rospy.resolve_name(name))
@@ -240,7 +241,7 @@ class _Unchanged:
         self._since = _Seconds(0.0, 0.0)
 
     def lasts(self, value: object) -> _Seconds:
-        """Return the seconds since this value was first seen, 0 for another value than before."""
+        """Return the seconds since this value was first seen, 0 for a new value."""
         now = _Seconds(rospy.get_time(), time.monotonic())
         if value != self._value:
             self._value, self._since = value, now

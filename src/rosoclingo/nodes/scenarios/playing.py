@@ -1,4 +1,4 @@
-"""Reads a scenario, plays it with an account of the run, and compares the end with what it expects."""
+"""Reads a scenario, plays it with an account of the run, and compares the end with its expectations."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -11,24 +11,24 @@ from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
 from rosoclingo.runs.account import Summary
 from rosoclingo.runs.scenario import Scenario, ScenarioError
 
-#: Seconds of wall time for which other topics may tell of the end later than the goals' status does.
+#: Limit in seconds of wall time by which other topics can be later than the goals' status.
 LATE_NEWS = 5.0
 
 
 class ScenarioOutcome(NamedTuple):
-    """How a scenario ended: ``faults`` is empty when it was played to its end and ended as expected."""
+    """The end of a scenario: ``faults`` is empty if it was played to its end and ended as expected."""
 
     summary: Summary
     faults: List[str]
 
 
 def scenarios() -> Path:
-    """The folder of the scenarios that this package ships."""
+    """Return the folder of the scenarios in this package."""
     return Path(rospkg.RosPack().get_path("rosoclingo")) / "config" / "scenarios"
 
 
 def find_scenario(name: str) -> Scenario:
-    """The scenario of a file, or the shipped one of that name; raises ScenarioError, which names those there are."""
+    """Return the scenario in a file, or the shipped scenario ``name``; raises ScenarioError, which lists those."""
     shipped = scenarios() / (name + ".yaml")
     path = shipped if shipped.is_file() else Path(name)
     if not path.exists():
@@ -45,10 +45,10 @@ def run_scenario(
     check: Callable[[], None] = lambda: None,
     recording: Callable[[], bool] = lambda: True,
 ) -> ScenarioOutcome:
-    """Play a scenario and tell the account line by line.
+    """Play a scenario and print the account line by line.
 
-    ``wait_for`` names the action servers that have to be there within ``timeout`` seconds of wall time. ``check`` is
-    called now and then and can raise to end the scenario; the first event waits until ``recording`` holds.
+    ``wait_for`` names the action servers that have to be up within ``timeout`` seconds of wall time. ``check`` is
+    called regularly and can raise an exception to end the scenario; the first event waits until ``recording`` holds.
     """
     player = ScenarioPlayer(scenario, wait_for, say, check)
     faults: List[str] = []
@@ -59,7 +59,7 @@ def run_scenario(
         player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
-        # the account hears of an end by the status topic, which may come later than the result
+        # the account learns of an end from the status topic, which can be later than the result
         player.wait_until(lambda: account.ended(player.sent), timeout, lambda: "no status of every goal")
         wait_for_news(player, account, scenario.expect)
     except PlayError as error:
@@ -69,7 +69,7 @@ def run_scenario(
 
 
 def wait_for_news(player: ScenarioPlayer, account: TopicAccount, expect: Mapping[str, Any]) -> None:
-    """Wait, at most LATE_NEWS seconds, until the account has what is expected: each topic comes at its own time."""
+    """Wait, at most LATE_NEWS seconds, until the account has the expected end: topics arrive independently."""
     with suppress(PlayError):  # then the run did not end as expected
         player.wait_until(
             lambda: not account.differences(expect, player.before or 0, player.sent),
