@@ -1,4 +1,4 @@
-"""A core without ROS for benchmarks: its solver works in processes as the node's does, and a bench plays the world."""
+"""A core without ROS for benches: its solver runs in worker processes, as in the node, and a bench plays the world."""
 
 import time
 from pathlib import Path
@@ -16,26 +16,26 @@ from rosoclingo.reasoning.stream_planner import Halt, unwatched
 ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 
 MOST_IDLE = 600
-"""Limit of seconds without an action: the core defers what its solver could not accept."""
+"""Limit of seconds without an action: the core defers updates that its solver could not accept."""
 
 
 def mailbot_program(floor):
-    """The mailbot's program with a floor of deliveries.py."""
+    """Return the mailbot's program with a floor from deliveries.py."""
     return ReactiveProgram([Source.from_file(ENCODINGS / "mailbot.lp"), Source(floor.name, floor.instance)])
 
 
 def processor_clock(pid):
-    """The clock of a process's processor time, as clock_getcpuclockid(3) makes it on Linux."""
+    """Return the clock of the processor time of a process, like clock_getcpuclockid(3) on Linux."""
     return (~pid << 3) | 2
 
 
 def returned(action, value=None):
-    """The return of an action, by default its success."""
+    """Return the text of an action's return, by default its success."""
     return f"_return({action.interface},{value or action.parameter},{action.cycle})"
 
 
 class PooledCore:
-    """A pure core whose solver works in processes of its own."""
+    """A core whose solver runs in worker processes."""
 
     def __init__(self, program, plan_time=0.0, settings=None, standby=True):
         self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=standby)
@@ -55,20 +55,20 @@ class PooledCore:
         self.process.close()
 
     def advance(self, now=0.0):
-        """Let the core go on until actions are out, or there is nothing to do."""
+        """Advance the core until it has sent actions or has nothing to do."""
         while self.core.advance(now):
             pass
 
     def note(self, event):
-        """Hear of an event of the core."""
+        """Receive an event of the core."""
 
     def watch_joining(self):
-        """As in the node, goals join later if a plan with them takes longer than a moment."""
+        """Stop planning for new goals after a moment, as in the node; they are admitted later."""
         begin = time.monotonic()
-        return lambda: Halt("they join later") if time.monotonic() - begin >= JOINING else None
+        return lambda: Halt("the goals are admitted later") if time.monotonic() - begin >= JOINING else None
 
     def watch(self):
-        """Watch over a search, which goes on as long as it takes."""
+        """Return the stop function of a search without a time limit."""
         return unwatched()
 
 
@@ -80,9 +80,9 @@ class ActingCore(PooledCore):
     """A core whose actions a world executes; all of them succeed.
 
     Attributes:
-        longest: the most processor time, in seconds, until the next action goes out.
+        longest: the longest processor time, in seconds, until the next action is sent.
         still: the longest wall time, in seconds, between a return and the next action of a plan in force.
-        waited: the largest number of goals that the program did not know of while an action was under way.
+        waited: the largest number of queued goals while an action was running.
 
     """
 
@@ -101,16 +101,16 @@ class ActingCore(PooledCore):
 
     @property
     def used(self):
-        """Seconds of processor time that the solver has worked."""
+        """Seconds of processor time that the solver has used."""
         return self.process.cpu_time
 
     @property
     def unknown(self):
-        """The number of goals that the program does not know of yet."""
+        """The number of queued goals, which are not admitted yet."""
         return sum(not goal.fed for goal in self.core.live_goals)
 
     def plan(self):
-        """Let the core go on until actions are out, or there is nothing to do; return the steps that are left."""
+        """Advance the core until it has sent actions or has nothing to do; return the remaining steps of the plan."""
         begin = self.used
         self.advance(self.now)
         self.longest = max(self.longest, self.used - begin)
@@ -118,15 +118,15 @@ class ActingCore(PooledCore):
         return self.steps()
 
     def plan_until_action(self):
-        """Plan until actions are out, and return true, or all goals have ended.
+        """Plan until the core sends actions or all goals have ended; return whether actions were sent.
 
-        This takes seconds of idleness if the solver could not accept an update.
+        If the solver could not accept an update, the core retries it after some idle seconds.
         """
         self.plan()
         while self.core.live_goals and not self.core.awaited:
             self._idle += 1
             if self._idle > MOST_IDLE:
-                raise SystemExit(f"no action goes out, though {len(self.core.live_goals)} goals are open")
+                raise SystemExit(f"no action in {MOST_IDLE} s, although {len(self.core.live_goals)} goals are open")
             self.now += 1.0
             if self._returned is not None:
                 self._returned -= 1.0
@@ -135,18 +135,18 @@ class ActingCore(PooledCore):
         return bool(self.core.awaited)
 
     def improve(self, seconds):
-        """Improve the plan while an action runs; yield with each better plan."""
+        """Improve the plan while an action runs; yield the used seconds with each better plan."""
         begin = self.used
 
         def over():
             return self.used - begin >= seconds
 
-        while self.core.improve(over) and not over():  # after a stop, it is not known whether anything is left to try
+        while self.core.improve(over) and not over():  # a stopped search does not show whether it is exhausted
             yield self.used - begin
         self.improving += self.used - begin
 
     def prepare(self, seconds):
-        """Let the standby worker plan for goals that wait, as long as an action takes."""
+        """Let the standby worker plan for queued goals while an action of ``seconds`` runs."""
         if self.unknown:
             self.core.prepare()
         if not self.process.is_prefetching:
@@ -157,7 +157,7 @@ class ActingCore(PooledCore):
             time.sleep(0.01)
 
     def act(self, seconds):
-        """Execute the actions that are out, and return them after so many seconds; raises RuleError."""
+        """Execute the awaited actions and return them after ``seconds``; raises RuleError."""
         self.now += seconds
         actions, in_force = self.core.awaited, self.core.plan.after(self.core.cycle)
         self.execute(actions)
@@ -166,7 +166,7 @@ class ActingCore(PooledCore):
             self.core.receive("bench", [returned(action)])
 
     def watch(self):
-        """As in the node, but by processor time: a search that takes too long is ended, and goals wait."""
+        """Return the stop function of a search: as in the node, but with a limit of processor time."""
         begin, queue = self.used, self.core.queue
         limit = self._limit * queue.patience
 
@@ -179,8 +179,8 @@ class ActingCore(PooledCore):
         return look
 
     def note(self, event):
-        """Measure how long the robot stands still, and check that what can be met is met."""
+        """Measure how long the robot stands still, and check that no feasible goal fails."""
         if isinstance(event, ActionsDispatched) and self._returned is not None:
             self.still, self._returned = max(self.still, time.perf_counter() - self._returned), None
         if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
-            raise SystemExit(f"goal {event.key} can be met, but ended as {event.outcome.name}: {event.message}")
+            raise SystemExit(f"goal {event.key} is feasible, but ended as {event.outcome.name}: {event.message}")

@@ -1,4 +1,4 @@
-"""What makes a tour livelier: people who walk about, and a robot that is carried away and told where it is."""
+"""Disturbances for tours: people who walk around, and a robot that is moved to another pose."""
 
 import math
 import subprocess
@@ -9,8 +9,8 @@ import numpy as np
 
 __all__ = ["PREFIX", "Walker", "carry", "launch_text", "walk"]
 
-PREFIX = "robot_0/"  # of the toured robot's topics and frames, where there are others
-STEPS = (1.5, 6.0)  # s for which somebody walks in one direction
+PREFIX = "robot_0/"  # prefix of topics and frames of the robot on tour if there are several robots
+STEPS = (1.5, 6.0)  # range of seconds for which a person walks in one direction
 PACE, TURN = 0.5, 1.5  # m/s, rad/s
 FACING = 0.2  # rad
 
@@ -43,14 +43,14 @@ def launch_text(**words: str) -> str:
 
 
 class Walker:
-    """Somebody who walks straight for a while, then in another direction: as a disc that turns on the spot."""
+    """A person, a disc that walks straight for a while and then turns on the spot to another direction."""
 
     def __init__(self, random: np.random.Generator) -> None:
         self._random = random
         self._yaw, self._until = 0.0, -math.inf
 
     def command(self, now: float, yaw: float) -> Tuple[float, float]:
-        """Return what to do (m/s, rad/s) at a time (s), looking in a direction (rad)."""
+        """Return the velocities (m/s, rad/s) at the time ``now`` (s) and the present ``yaw`` (rad)."""
         if now >= self._until or now < self._until - STEPS[1]:
             self._yaw, self._until = self._random.uniform(-math.pi, math.pi), now + self._random.uniform(*STEPS)
         error = math.remainder(self._yaw - yaw, 2.0 * math.pi)
@@ -59,7 +59,7 @@ class Walker:
 
 
 def walk(count: int, seed: int) -> list:
-    """Have the robots after the first one walk about; return the subscribers that do it."""
+    """Let all robots except the first walk around; return the subscribers that control them."""
     import rospy
     from geometry_msgs.msg import Twist
     from nav_msgs.msg import Odometry
@@ -81,7 +81,7 @@ def walk(count: int, seed: int) -> list:
 
 
 def carry(sim: str, prefix: str, pose) -> None:
-    """Carry the robot to a pose (m, rad), with Stage to where it started, and tell its localisation by initialpose."""
+    """Move the robot to a pose (m, rad), in Stage to its start, and publish the pose on initialpose."""
     import rospy
     from geometry_msgs.msg import PoseWithCovarianceStamped
     from nav_msgs.msg import Odometry
@@ -90,21 +90,21 @@ def carry(sim: str, prefix: str, pose) -> None:
     if sim == "stage":
         rospy.ServiceProxy("reset_positions", Empty)()
     else:
-        # In a process of its own, as this one has the sources on its path, not what is generated.
+        # A separate process, because this one has the sources on its path and not the generated messages.
         request = "{{robot: robot, x: {}, y: {}, yaw: {}}}".format(*pose)
         command = ["rosservice", "call", "simulator/set_pose", request]
         answer = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout.decode()
         if "success: True" not in answer:
             raise RuntimeError(answer)
-    for _ in range(3):  # the second one is surely of afterwards
+    for _ in range(3):  # the first message can be older than the move
         truth = rospy.wait_for_message(prefix + "base_pose_ground_truth", Odometry, 30.0)
-    told = PoseWithCovarianceStamped()
-    told.header.frame_id, told.header.stamp, told.pose.pose = "map", truth.header.stamp, truth.pose.pose
-    told.pose.covariance[0] = told.pose.covariance[7] = 0.04
-    told.pose.covariance[35] = 0.03
+    initial = PoseWithCovarianceStamped()
+    initial.header.frame_id, initial.header.stamp, initial.pose.pose = "map", truth.header.stamp, truth.pose.pose
+    initial.pose.covariance[0] = initial.pose.covariance[7] = 0.04
+    initial.pose.covariance[35] = 0.03
     publisher = rospy.Publisher(prefix + "initialpose", PoseWithCovarianceStamped, queue_size=1)
     end = time.monotonic() + 20.0
     while not publisher.get_num_connections() and time.monotonic() < end:
         time.sleep(0.05)
-    publisher.publish(told)
+    publisher.publish(initial)
     rospy.sleep(1.0)

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Times the core's cycles without ROS: from the last return of a cycle to the actions of the next.
+"""Measures the core's cycles without ROS: from the last return of a cycle to the actions of the next.
 
-The pure core and its solver in a process of its own carry out requests on a row of offices. Each action succeeds after
-some seconds, in which the core improves its plan as in the node. Processor time is the cost of a cycle, wall time the
-wait of the robot. With --fail some actions fail after the core has prefetched the answer to that; these cycles have
-figures of their own. Run it in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
+The core executes requests on a row of offices; its solver runs in a worker process. Each action succeeds after some
+seconds, in which the core improves its plan as in the node. Processor time is the cost of a cycle; wall time is how
+long the robot waits. With --fail, some actions fail after the core has prefetched the answer to the failure. These
+cycles have separate figures.
+
+Run it in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
 """
 
 import argparse
@@ -27,7 +29,7 @@ class Run(PooledCore):
         self._prefetches = prefetches
 
     def clocks(self):
-        """Seconds of wall time, and of processor time of the core and of its solver."""
+        """Return the wall time and the processor times of the core and of its solver, in seconds."""
         return time.perf_counter(), time.process_time(), time.clock_gettime(processor_clock(self.process.pid))
 
     def prefetch(self):
@@ -38,7 +40,7 @@ class Run(PooledCore):
             self.core.prepare()
 
     def act(self, seconds, value=None):
-        """Execute the actions for some seconds and return them, with their parameters or a value."""
+        """Execute the actions for some seconds; return their parameters, or ``value``."""
         end = time.perf_counter() + seconds
         if value is not None and self._prefetches:
             self.prefetch()
@@ -49,7 +51,7 @@ class Run(PooledCore):
             self.core.receive("bench", [returned(action, value)])
 
     def cycle(self):
-        """Go on to the next actions; return the milliseconds of each clock."""
+        """Advance to the next actions; return the milliseconds of each clock."""
         pids = [self.process.pid, self.process.standby_pid]
         before, standby = self.clocks(), self.process.standby_pid and time.clock_gettime(processor_clock(pids[1]))
         self.advance()
@@ -59,7 +61,7 @@ class Run(PooledCore):
 
 
 def play(options):
-    """Carry out all requests; return the first plan's cycle, the others, and those after failures."""
+    """Execute all requests; return the figures of the first cycle, of the others, and of those after failures."""
     paper = options.program == "paper"
     program = ReactiveProgram.from_files([ENCODINGS / "paper.lp"]) if paper else mailbot_program(row(options.offices))
     source, places = random.Random(options.seed), range(1, 5 if paper else options.offices + 1)
@@ -97,14 +99,14 @@ def report(first, cycles, failed):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", choices=["mailbot", "paper"], default="mailbot")
-    parser.add_argument("--offices", type=int, default=20, help="of the mailbot (default: %(default)s)")
-    parser.add_argument("--requests", type=int, default=10, help="sent at once (default: %(default)s)")
-    parser.add_argument("--cycles", type=int, default=200, help="at most (default: %(default)s)")
+    parser.add_argument("--offices", type=int, default=20, help="offices of the mailbot (default: %(default)s)")
+    parser.add_argument("--requests", type=int, default=10, help="requests sent at once (default: %(default)s)")
+    parser.add_argument("--cycles", type=int, default=200, help="limit of cycles (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=0.2, help="duration of an action (default: %(default)s)")
-    parser.add_argument("--plan-time", type=float, default=1.0, help="(default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--fail", type=int, metavar="N", default=0, help="each N-th action fails (default: none)")
-    parser.add_argument("--unprepared", action="store_true", help="prefetch no answers to failures")
+    parser.add_argument("--plan-time", type=float, default=1.0, help="~plan_time of the core (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the requests (default: %(default)s)")
+    parser.add_argument("--fail", type=int, metavar="N", default=0, help="every N-th action fails (default: none)")
+    parser.add_argument("--unprepared", action="store_true", help="do not prefetch answers to failures")
     parser.add_argument("--verbose", action="store_true", help="print each cycle")
     options = parse(parser, requests=5, seconds=0.1)
     write(options.json, report(*play(options)))

@@ -1,7 +1,7 @@
-"""Deliveries for benches: floors, random requests, and the rules in plain Python.
+"""Deliveries for benches: floors, random requests, and the rules of the task in plain Python.
 
-The rules are those of the documents, written without a look at the encodings: a `World` takes one action after another
-and refuses what is against them, whoever plans. All here is pure: no solver, no ROS.
+The rules are written from the documents, independently of the encodings. A `World` executes actions one by one and
+refuses an action that breaks a rule, so it checks the plans of any planner. No solver, no ROS.
 """
 
 import copy
@@ -13,17 +13,17 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Sequence, Tuple
 from pddl import Action, Operator, Pddl, task_of
 
 CAPACITY = 3
-"""Packages that the robot can carry."""
+"""Number of packages that the robot can carry."""
 
 Corridor = Tuple[int, int]
 
 
 class RuleError(Exception):
-    """An action is against the rules; the message says which one and why."""
+    """An action breaks a rule; the message contains the action and the rule."""
 
 
 class Request(NamedTuple):
-    """Bring package ``number`` from office ``start`` to office ``end``."""
+    """The request to bring package ``number`` from office ``start`` to office ``end``."""
 
     number: int
     start: int
@@ -31,12 +31,12 @@ class Request(NamedTuple):
 
     @property
     def goal(self) -> str:
-        """As the mailbot's program has it."""
+        """The goal term for the mailbot's program."""
         return f"goal(office{self.start},office{self.end},{self.number})"
 
 
 class Floor(NamedTuple):
-    """Offices 1 to ``offices``, and the corridors between two of them; the robot begins at office 1."""
+    """Offices 1 to ``offices`` and the corridors between them; the robot starts at office 1."""
 
     name: str
     offices: int
@@ -44,17 +44,17 @@ class Floor(NamedTuple):
 
     @property
     def instance(self) -> str:
-        """The floor as the mailbot's program takes it."""
+        """The facts of the floor for the mailbot's program."""
         facts = [f"office(office{number})." for number in range(1, self.offices + 1)]
         facts += [f"corridor(office{a},office{b})." for a, b in sorted(self.corridors)]
         return "\n".join(["#program base.", "start(office1).", *facts, ""])
 
     def neighbours(self, office: int) -> List[int]:
-        """The offices that a corridor leads to."""
+        """Return the offices that a corridor joins to ``office``."""
         return sorted({a + b - office for a, b in self.corridors if office in (a, b)})
 
     def distances(self) -> Dict[Corridor, int]:
-        """The fewest moves from each office to each that can be reached."""
+        """Return the least number of moves for each pair of offices; unreachable pairs are left out."""
         return {
             (start, office): moves
             for start in range(1, self.offices + 1)
@@ -62,7 +62,7 @@ class Floor(NamedTuple):
         }
 
     def way(self, start: int, end: int) -> List[int]:
-        """The offices on a shortest way, without the first; raises KeyError where there is none."""
+        """Return the offices on a shortest path, without ``start``; raises KeyError if there is no path."""
         left, way = self._distances_from(end), []
         while start != end:
             start = min(self.neighbours(start), key=lambda office: left[office])
@@ -81,7 +81,7 @@ class Floor(NamedTuple):
 
 
 def row(offices: int) -> Floor:
-    """Offices in a row."""
+    """Return a floor of offices in a row."""
     return Floor(str(offices), offices, frozenset((one, one + 1) for one in range(1, offices)))
 
 
@@ -91,29 +91,29 @@ def _loop(first: int, length: int) -> List[Corridor]:
 
 
 def loops() -> Floor:
-    """Twenty offices: two loops of eight, joined by way of office 17, and rooms off them."""
+    """Return a floor of twenty offices: two loops of eight, joined by office 17, and three rooms at their sides."""
     rooms = [(5, 17), (17, 9), (3, 18), (12, 19), (19, 20)]
     return Floor("loops", 20, frozenset([*_loop(1, 8), *_loop(9, 8), *rooms]))
 
 
 def floor_named(name: str) -> Floor:
-    """``loops``, or a row of so many offices; raises ValueError."""
+    """Return the floor ``loops``, or a row of offices for a number; raises ValueError."""
     if name == "loops":
         return loops()
     if not name.isdecimal() or int(name) < 2:
-        raise ValueError(f"a floor is a number of offices in a row, two at least, or loops; not {name}")
+        raise ValueError(f"a floor is a number of offices in a row (at least 2) or loops, not {name}")
     return row(int(name))
 
 
 def random_requests(floor: Floor, count: int, seed: int) -> List[Request]:
-    """Requests between two different offices each, the same for the same arguments."""
+    """Return random requests, each between two different offices; they are the same for the same arguments."""
     source = random.Random(1000 * seed + count)
     offices = range(1, floor.offices + 1)
     return [Request(number, *source.sample(offices, 2)) for number in range(1, count + 1)]
 
 
 def pddl_of(floor: Floor, requests: Sequence[Request]) -> Pddl:
-    """Requests on a floor, for other planners."""
+    """Return the task of requests on a floor in PDDL, for other planners."""
     numbers, offices = [one.number for one in requests], range(1, floor.offices + 1)
     init = ["at office1", "load l0", *(f"less l{load} l{load + 1}" for load in range(CAPACITY))]
     init += [f"corridor office{a} office{b}" for pair in sorted(floor.corridors) for a, b in (pair, pair[::-1])]
@@ -136,10 +136,10 @@ class World:
     """The floor with the robot and the packages.
 
     Attributes:
-        office: where the robot is.
-        waiting: the requests whose packages wait to be picked up.
-        carried: those whose packages are on the robot.
-        actions: how many actions were done.
+        office: the office of the robot.
+        waiting: number -> request, for packages to be picked up.
+        carried: number -> request, for packages on the robot.
+        actions: the number of executed actions.
 
     """
 
@@ -151,17 +151,17 @@ class World:
 
     @property
     def open(self) -> int:
-        """How many requests are not met yet."""
+        """The number of open requests."""
         return len(self.waiting) + len(self.carried)
 
     def copy(self) -> "World":
-        """Another world that is as this one is now."""
+        """Return a copy of this world."""
         other = copy.copy(self)
         other.waiting, other.carried = dict(self.waiting), dict(self.carried)
         return other
 
     def ask(self, requests: Iterable[Request]) -> None:
-        """Let packages wait where they are to be picked up."""
+        """Add requests; their packages wait at the start."""
         self.waiting.update((request.number, request) for request in requests)
 
     def move(self, office: int) -> None:
@@ -172,17 +172,17 @@ class World:
         self.actions += 1
 
     def pick_up(self, number: int) -> None:
-        """Take a package that waits here on the robot; raises RuleError."""
+        """Pick up a package that waits here; raises RuleError."""
         request = self.waiting.get(number)
         if request is None or request.start != self.office:
             raise RuleError(f"package {number} does not wait at office {self.office}")
         if len(self.carried) >= CAPACITY:
-            raise RuleError(f"package {number} is one too many for the robot")
+            raise RuleError(f"the robot cannot carry package {number}: it is full")
         self.carried[number] = self.waiting.pop(number)
         self.actions += 1
 
     def deliver(self, number: int) -> None:
-        """Put a package down where it belongs; raises RuleError."""
+        """Put a package down at the end of its request; raises RuleError."""
         request = self.carried.get(number)
         if request is None or request.end != self.office:
             raise RuleError(f"package {number} is not on the robot, or does not belong to office {self.office}")
@@ -190,7 +190,7 @@ class World:
         self.actions += 1
 
     def do(self, interface: str, parameter: str) -> None:
-        """Do an action as the mailbot's program names it; raises RuleError."""
+        """Execute an action of the mailbot's program; raises RuleError."""
         if interface == "move_base":
             self.move(int(parameter.replace("office", "")))
         elif interface == "pickup":
@@ -202,7 +202,7 @@ class World:
 
 
 def actions_of_route(floor: Floor, office: int, visits: Sequence[Tuple[str, Request]]) -> List[Tuple[str, str]]:
-    """The actions, as `World.do` takes them, that go from ``office`` to one visit after another.
+    """Return the actions, as arguments of `World.do`, of a route from ``office`` along ``visits``.
 
     A visit is ("pickup", request) or ("deliver", request).
     """

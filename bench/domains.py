@@ -1,23 +1,25 @@
 #!/usr/bin/env python3
-"""Plans in domains that nobody has tuned: how soon there is one, and how long it is, beside other planners.
+"""Compares the planner with other planners on domains without advice: time to the first plan, and plan length.
 
-All goals of a task (bench/planning_domains) are known at once. Each plan, whoever made it, is checked by rules in plain
-Python. Seconds are of processor time.
+All goals of a task (bench/planning_domains) are known at the start. Rules in plain Python check the plans of all
+planners. Seconds are processor time.
 
-A row of the table:
+Columns of the table:
   first       the first plan with --plan-time 0: seconds and steps
-  out         the plan that goes out with --plan-time: seconds and steps
-  5 s         steps of that plan after so many seconds more in which it is improved (--seconds)
-  executed    steps that are executed if the plan is improved while an action runs, for --action-time seconds
-  incmode     plain clingo with the same program, one step more at a time: seconds and steps of a shortest plan
+  out         the plan that the core executes with --plan-time: seconds and steps
+  5 s         steps of that plan after further --seconds of improvement
+  executed    executed steps if the plan is improved for --action-time seconds during each action
+  incmode     plain clingo with the same program, which adds one step at a time: seconds and steps of a shortest plan
   lama-first  Fast Downward on the same task in PDDL, translation included: seconds and steps of the first plan
-  lama        steps of the best plan of its seq-sat-lama-2011 after --lama-seconds
-  best        the fewest steps of all these
-  time        first over lama-first, in seconds
-  steps       executed over best
+  lama        steps of the best plan of seq-sat-lama-2011 after --lama-seconds
+  best        the fewest steps in this row
+  time        ratio of seconds, first to lama-first
+  steps       ratio of steps, executed to best
 
-A cell is - if there is no plan within --limit seconds, if Fast Downward is not there, or if PDDL has no such task.
-To be run in the built workspace: ./dev exec python3 bench/domains.py; ./dev bench domains installs Fast Downward.
+A cell is - if there is no plan within --limit seconds, if Fast Downward is not installed, or if PDDL lacks the task.
+
+Run it in the built workspace: ./dev exec python3 bench/domains.py
+./dev bench domains installs Fast Downward.
 """
 
 import argparse
@@ -45,7 +47,7 @@ OURS = COLUMNS[:6]
 
 
 class Robot(ActingCore):
-    """A core with the program of a task, and the world in which it acts."""
+    """A core with the program of a task, and the world that executes its actions."""
 
     def __init__(self, task, plan_time, search_timeout=0.0, all_seconds=0.0):
         super().__init__(task.program, plan_time, search_timeout, all_seconds)
@@ -58,7 +60,7 @@ class Robot(ActingCore):
         self.executed += 1
 
     def steps(self):
-        self._tell_world()
+        self._update_world()
         plan = {}
         for action in sorted(self.core.plan.after(self.core.cycle - 1), key=lambda action: action.cycle):
             plan.setdefault(action.cycle, []).append((action.interface_name, str(action.parameter)))
@@ -66,8 +68,8 @@ class Robot(ActingCore):
             check(self.world, list(plan.values()))
         return len(plan)
 
-    def _tell_world(self):
-        """Let the world know of the goals that the program knows of: while others wait, a plan is for these."""
+    def _update_world(self):
+        """Give the world the goals that the program knows: a plan does not serve queued goals."""
         fed = {int(goal.key): goal.fed for goal in self.core.live_goals}
         for number, goal in enumerate(self.task.goals, 1):
             if fed.get(number) and number not in self._known:
@@ -78,11 +80,11 @@ class Robot(ActingCore):
                 self._known.discard(number)
 
 
-# ---- What is measured ------------------------------------------------------------------------------------------------
+# ---- Measurements ----------------------------------------------------------------------------------------------------
 
 
 def first_plan(task, options):
-    """Seconds until there is any plan, and its steps."""
+    """Return the seconds until the first plan, and its steps."""
     with suppress(TooLongError), Robot(task, plan_time=0.0, all_seconds=options.limit) as robot:
         begin = robot.used
         steps = robot.plan()
@@ -91,7 +93,7 @@ def first_plan(task, options):
 
 
 def improved_plan(task, options):
-    """Seconds until a plan goes out, its steps, and those after some seconds more."""
+    """Return the seconds until the core executes a plan, its steps, and the steps after further improvement."""
     with suppress(TooLongError), Robot(task, options.plan_time, all_seconds=options.limit) as robot:
         begin = robot.used
         steps = robot.plan()
@@ -103,7 +105,7 @@ def improved_plan(task, options):
 
 
 def executed(task, options):
-    """Steps that are executed until all goals are met."""
+    """Return the number of steps executed until all goals are met."""
     limits = options.search_timeout, options.limit
     with suppress(TooLongError), Robot(task, options.plan_time, *limits) as robot:
         while robot.plan_until_action():
@@ -111,13 +113,13 @@ def executed(task, options):
                 robot.steps()
             robot.prepare(options.action_time)
             robot.act(options.action_time)
-        require(robot.world.at_rest, "the executed actions do not meet all goals")
+        require(robot.world.at_rest, "the executed actions have not met all goals")
         return {"executed": robot.executed}
     return {}
 
 
 def incremental_mode(task, options):
-    """Seconds and steps of plain clingo."""
+    """Return seconds and steps of plain clingo."""
     begin = time.process_time()
     plan = incmode.shortest_plan([source.text for source in task.sources], task.goals, options.limit)
     if plan is None:
@@ -127,7 +129,7 @@ def incremental_mode(task, options):
 
 
 def fast_downward_plans(task, options):
-    """Seconds and steps of Fast Downward's first plan, and steps of its best one."""
+    """Return seconds and steps of Fast Downward's first plan, and the steps of its best plan."""
     if task.pddl is None or fast_downward.driver() is None:
         return {}
     return fast_downward.measure(
@@ -139,7 +141,7 @@ def fast_downward_plans(task, options):
 
 
 def measure(domain, size, seed, options):
-    """One row for one seed: column to figure, None where there is none."""
+    """Return the row for one seed: column -> figure, None for no figure."""
     task = DOMAINS[domain].make(*DOMAINS[domain].sizes[size], seed=seed)
     found = dict.fromkeys(COLUMNS)
     for part in (first_plan, improved_plan, executed, incremental_mode, fast_downward_plans):
@@ -156,16 +158,16 @@ def _ratio(ours, other):
     return None if ours is None or other is None else ours / other
 
 
-# ---- What is told ----------------------------------------------------------------------------------------------------
+# ---- The table -------------------------------------------------------------------------------------------------------
 
 
 def averaged(runs):
-    """The mean of some rows; None in a column in which one has no figure."""
+    """Return the mean of some rows; None in a column if a row has no figure."""
     return {name: None if None in (values := [run[name] for run in runs]) else mean(values) for name in COLUMNS}
 
 
 def line(domain, size, cells):
-    """A line of the table; a cell is text, a figure or None."""
+    """Return a line of the table; a cell is text, a figure or None."""
     shown = []
     for name in COLUMNS:
         value = cells[name]
@@ -196,20 +198,37 @@ PARTS = tuple(one.__name__ for one in (first_plan, improved_plan, executed, incr
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--domains", nargs="+", choices=list(DOMAINS), default=list(DOMAINS), help="only these")
-    parser.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="only these")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1], help="a row is their mean (default: %(default)s)")
+    parser.add_argument("--domains", nargs="+", choices=list(DOMAINS), default=list(DOMAINS), help="(default: all)")
+    parser.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="(default: all)")
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", default=[1], help="a row is the mean of these seeds (default: %(default)s)"
+    )
     parser.add_argument("--without", nargs="+", choices=PARTS, default=[], help="parts of a row to leave out")
-    parser.add_argument("--plan-time", type=float, default=CoreParameters.plan_time, help="(default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=5.0, help="to improve a plan (default: %(default)s)")
     parser.add_argument(
-        "--action-time", type=float, default=0.5, help="seconds to improve the plan in an action (default: %(default)s)"
+        "--plan-time",
+        type=float,
+        default=CoreParameters.plan_time,
+        help="~plan_time of the core (default: %(default)s)",
     )
     parser.add_argument(
-        "--search-timeout", type=float, default=CoreSettings.search_timeout, help="(default: %(default)s)"
+        "--seconds", type=float, default=5.0, help="seconds to improve the first plan (default: %(default)s)"
     )
-    parser.add_argument("--limit", type=float, default=60.0, help="seconds of a search (default: %(default)s)")
-    parser.add_argument("--lama-seconds", type=float, default=10.0, help="(default: %(default)s)")
+    parser.add_argument(
+        "--action-time",
+        type=float,
+        default=0.5,
+        help="seconds to improve the plan during an action (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--search-timeout",
+        type=float,
+        default=CoreSettings.search_timeout,
+        help="~search_timeout of the core (default: %(default)s)",
+    )
+    parser.add_argument("--limit", type=float, default=60.0, help="time limit of a search (default: %(default)s)")
+    parser.add_argument(
+        "--lama-seconds", type=float, default=10.0, help="time limit of seq-sat-lama-2011 (default: %(default)s)"
+    )
     short = {"domains": ["blocks", "elevator", "keys", "crates"], "sizes": ["small"], "action_time": 0.05}
     options = parse(parser, **short, seconds=0.5, limit=10.0, lama_seconds=1.0)
     if "fast_downward_plans" not in options.without and fast_downward.driver() is None:

@@ -1,6 +1,6 @@
-"""Fast Downward (https://www.fast-downward.org, GPL): a program that benches run, if it is there, as a peer.
+"""Runs the planner Fast Downward (https://www.fast-downward.org, GPL) for comparison, if it is installed.
 
-It comes with the package up-fast-downward of PyPI (the group bench of pyproject.toml); nothing of it is imported.
+The package up-fast-downward of PyPI provides it (the group bench of pyproject.toml). No module of it is imported.
 """
 
 import re
@@ -14,17 +14,17 @@ from typing import Callable, Dict, List, NamedTuple, Optional
 from pddl import Action, Pddl
 from routing import bench_python
 
-HOW = "Fast Downward is not there: ./dev bench domains many_goals installs it (once); its columns are left out"
+HOW = "Fast Downward is not installed, so its columns are left out; ./dev bench domains many_goals installs it"
 
 FIRST = "lama-first"
 """The alias that stops at the first plan."""
 
 BEST = "seq-sat-lama-2011"
-"""The alias that goes on to shorter plans."""
+"""The alias that continues with shorter plans."""
 
 
 class Found(NamedTuple):
-    """The seconds of processor time that a run took, translation included, and the operators of its best plan."""
+    """Processor time of a run in seconds, translation included, and the operators of its best plan."""
 
     seconds: float
     plan: Optional[List[List[str]]]
@@ -32,7 +32,7 @@ class Found(NamedTuple):
 
 @lru_cache(maxsize=None)
 def driver() -> Optional[Path]:
-    """Return the path of Fast Downward's driver; None if it is not there."""
+    """Return the path of Fast Downward's driver; None if it is not installed."""
     code = "import importlib.util as u; print(u.find_spec('up_fast_downward').submodule_search_locations[0])"
     try:
         found = subprocess.run([bench_python(), "-c", code], capture_output=True, text=True, check=False)
@@ -43,9 +43,9 @@ def driver() -> Optional[Path]:
 
 
 def measure(task: Pddl, check: Callable[[List[Action]], None], limit: float, seconds: float) -> Dict[str, float]:
-    """Return seconds and steps of the first plan, found within a ``limit``, and steps of the best after ``seconds``.
+    """Return seconds and steps of the first plan, found within ``limit``, and of the best plan after ``seconds``.
 
-    ``check`` raises an error unless actions are a plan. There is no entry without a plan.
+    ``check`` raises an error if actions are not a plan. Without a plan there is no entry.
     """
     found = {}
     for name, alias, end in (("lama-first", FIRST, limit), ("lama", BEST, seconds)):
@@ -58,7 +58,7 @@ def measure(task: Pddl, check: Callable[[List[Action]], None], limit: float, sec
 
 
 def _solve(task: Pddl, alias: str, seconds: float) -> Found:
-    """Run Fast Downward, its search for at most so many ``seconds`` of processor time, and at least one."""
+    """Run Fast Downward; its search is limited to ``seconds`` of processor time, at least one."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "domain.pddl").write_text(task.domain)

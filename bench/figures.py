@@ -1,6 +1,7 @@
-"""What a bench has measured: handed on to programs, and set beside what another version has.
+"""Figures of benches: their file format, and the table that compares two versions.
 
-A bench takes ``--short`` and ``--json FILE``; the file has one JSON object a line, with the fields of `Figure`.
+Each bench has the options ``--short`` and ``--json FILE``. The file has one JSON object a line, with the fields of
+`Figure`.
 """
 
 import json
@@ -8,11 +9,11 @@ import statistics
 from pathlib import Path
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-TENTH = 0.1  # a ratio that is further from 1 is marked
+TENTH = 0.1  # larger differences of a ratio from 1 are marked
 
 
 class FigureError(ValueError):
-    """A file is not what a bench writes; the message names the file and the line."""
+    """A file does not contain figures; the message contains the file and the line."""
 
 
 class Figure(NamedTuple):
@@ -25,7 +26,7 @@ class Figure(NamedTuple):
 
 
 class Row(NamedTuple):
-    """One figure in all runs: what this checkout and the other commit had, both empty where there was none."""
+    """The values of one figure in all runs of this checkout and of the other commit; empty if it was not measured."""
 
     bench: str
     name: str
@@ -35,12 +36,12 @@ class Row(NamedTuple):
     there: Tuple[float, ...]
 
     def best(self, values: Sequence[float]) -> float:
-        """The best of some runs: what else the machine does only makes it worse."""
+        """Return the best of some values: other load on the machine can only make a run worse."""
         return min(values) if self.better == "lower" else max(values)
 
     @property
     def ratio(self) -> Optional[float]:
-        """This checkout's best over the other commit's; None where a side has none."""
+        """The ratio of the best values, this checkout to the other commit; None if either has no value."""
         if not (self.here and self.there):
             return None
         here, there = self.best(self.here), self.best(self.there)
@@ -50,7 +51,7 @@ class Row(NamedTuple):
 
     @property
     def mark(self) -> str:
-        """ "better" or "worse" where the two differ by more than a tenth, else nothing; "?" follows if runs overlap."""
+        """The mark "better" or "worse" for a difference of more than a tenth, else empty; with "?" if runs overlap."""
         if self.ratio is None or abs(self.ratio - 1.0) <= TENTH:
             return ""
         apart = max(self.here) < min(self.there) or min(self.here) > max(self.there)
@@ -59,45 +60,45 @@ class Row(NamedTuple):
 
 
 def parse(parser, **short):
-    """Parse a bench's command line; with ``--short`` the values in ``short`` take the place of the defaults."""
+    """Parse the command line of a bench; with ``--short`` the values in ``short`` replace the defaults."""
     parser.add_argument(
-        "--short", action="store_true", help="the short form, at most two minutes; other options still count"
+        "--short", action="store_true", help="run the short form, at most two minutes; other options override it"
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON lines, too")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures as JSON lines to FILE")
     if parser.parse_known_args()[0].short:
         parser.set_defaults(**short)
     return parser.parse_args()
 
 
 def write(path: Optional[Path], figures: Sequence[Figure]) -> None:
-    """Write figures to a file; nothing where there is no path."""
+    """Write figures to a file if there is a ``path``."""
     if path is not None:
         lines = [json.dumps({**figure._asdict(), "value": float(figure.value)}) for figure in figures]
         path.write_text("".join(line + "\n" for line in lines))
 
 
 def read(path: Path) -> List[Figure]:
-    """Read what `write` has written; raises FigureError."""
+    """Read the figures from a file of `write`; raises FigureError."""
     figures = []
     for number, line in enumerate(path.read_text().splitlines(), 1):
         try:
             figure = Figure(**json.loads(line))
         except (TypeError, ValueError):
-            raise FigureError(f"{path}:{number}: this is no figure: {line}") from None
+            raise FigureError(f"{path}:{number}: not a figure: {line}") from None
         if not isinstance(figure.value, (int, float)) or figure.better not in ("lower", "higher"):
-            raise FigureError(f"{path}:{number}: a figure has a number as value, and lower or higher is better: {line}")
+            raise FigureError(f"{path}:{number}: value must be a number, better must be lower or higher: {line}")
         figures.append(figure)
     return figures
 
 
 def turns(sides: Sequence[str], rounds: int) -> Iterator[str]:
-    """Yield whose turn it is: the sides take turns, so that whatever else the machine does hits all alike."""
+    """Yield the sides in turns, so that other load on the machine affects them equally."""
     for _ in range(rounds):
         yield from sides
 
 
 def rows(bench: str, here: Sequence[Sequence[Figure]], there: Sequence[Sequence[Figure]] = ()) -> List[Row]:
-    """Gather a bench's figures of all runs of both sides by their names, in the order in which they came."""
+    """Group the figures of a bench in all runs of both sides by name, in the order of first occurrence."""
     first = {}
     for figure in (figure for run in (*here, *there) for figure in run):
         first.setdefault(figure.name, figure)
@@ -112,12 +113,12 @@ def rows(bench: str, here: Sequence[Sequence[Figure]], there: Sequence[Sequence[
 
 
 def number(value: float) -> str:
-    """Return a value with three digits, or all of a whole part that has more."""
+    """Return a value with three significant digits, or all digits of its integer part."""
     return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
 def table(found: Sequence[Row], other: Optional[str] = None) -> str:
-    """Return the figures as text: best and median of each side, and where there are two the ratio of the bests."""
+    """Return the table of figures: best and median of each side, and the ratio if there are two sides."""
     head = ["bench", "figure", "unit", "best", "median"]
     lines = [head if other is None else [*head, f"{other}: best", "median", "ratio", ""]]
     for row in found:

@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""Times the search for plans with control knowledge, written in Golog, and without it.
+"""Measures the search for shortest plans with control knowledge, written in Golog, and without it.
 
-Blocks lie in random towers and are to be built up to other random towers, one move of a block in each step. ``alone``
-is the domain by itself, with a choice of any move in each step; ``free`` the control program that may do anything until
-the towers stand; ``control`` a program that moves a block to its place for good as soon as that is ready, the first one
-first, and only else puts down on the table what is in the way: at least one of the shortest plans is left. All plans
-are shortest, and checked. With other names for the same blocks clasp takes half or twice the time, so each task is
-solved with several sets of names, and the figures are medians.
-To be run in the built workspace: ./dev exec python3 bench/golog.py --blocks 18
+Random towers of blocks are to be rearranged into other random towers, one move of a block in each step. There are
+three kinds of programs:
+  alone    the domain alone, with a choice of any move in each step
+  free     a control program that allows any move until the towers stand
+  control  a control program that moves blocks to their final places as soon as these are ready, in the order of their
+           names. It moves a block to the table only if no final place is ready. At least one shortest plan remains.
+
+All plans are shortest plans and are checked. With other names for the same blocks, clasp takes half or twice the time.
+So each task is solved with several sets of names, and the figures are medians.
+
+Run it in the built workspace: ./dev exec python3 bench/golog.py --blocks 18
 """
 
 import argparse
@@ -81,7 +85,7 @@ KINDS = {"alone": "tower", "free": "run(free,1)", "control": "run(control,1)"}
 
 
 def towers(blocks, dice, tall=0.6):
-    """Random towers: what each block stands on, another block with the chance ``tall``."""
+    """Return random towers as block -> block or table below it; ``tall`` is the probability of a block."""
     order, found = dice.sample(range(1, blocks + 1), blocks), {}
     for number, block in enumerate(order):
         found[block] = order[number - 1] if number and dice.random() < tall else "table"
@@ -89,13 +93,13 @@ def towers(blocks, dice, tall=0.6):
 
 
 def renamed(first, last, dice):
-    """The same towers with the blocks' names shuffled."""
+    """Return the same towers with shuffled names of the blocks."""
     names = dict(zip(sorted(first), dice.sample(sorted(first), len(first))), table="table")
     return tuple({names[one]: names[below] for one, below in those.items()} for those in (first, last))
 
 
 def program_of(kind, first, last):
-    """The program of a task: towers at first, and at last."""
+    """Return the program of a task, which rearranges the towers ``first`` into ``last``."""
     facts = [f"block({one})." for one in first]
     facts += [f"first({one},{below})." for one, below in first.items()]
     facts += [f"last({one},{below})." for one, below in last.items()]
@@ -106,39 +110,47 @@ def program_of(kind, first, last):
 
 
 def plan_of(kind, program, limit):
-    """Return the moves of the plan and the processor time of the search in seconds, no moves where that is too long."""
+    """Return the moves of the plan, None after ``limit`` seconds, and the processor time of the search in seconds."""
     solver = PlanSolver(program)
     solver.solve()
     update = parse_update(f"#step 1 : 100. _request({KINDS[kind]},2). #endstep.")
     begin = time.process_time()
     result = solver.update(update, lambda: time.process_time() - begin > limit)
-    taken = time.process_time() - begin
+    seconds = time.process_time() - begin
     if result.outcome is not SolveOutcome.SATISFIABLE:
-        return None, taken
+        return None, seconds
     moves = {one.arguments[2].number: one.arguments[:2] for one in result.answers[0] if one.name == "_action_lib"}
-    return [tuple(map(str, moves[step])) for step in sorted(moves)], taken
+    return [tuple(map(str, moves[step])) for step in sorted(moves)], seconds
 
 
 def check(moves, first, last):
-    """Play the moves; raises AssertionError where one is not possible, or they do not lead to the end."""
+    """Play the moves; raises AssertionError if a move is impossible or the towers are not as in ``last`` at the end."""
     below = {str(one): str(under) for one, under in first.items()}
     for block, under in moves:
         assert block not in below.values(), f"{block} is not free"
         assert under == "table" or under not in below.values(), f"{under} is not free"
         below[block] = under
-    assert below == {str(one): str(under) for one, under in last.items()}, "that is not what was wanted"
+    assert below == {str(one): str(under) for one, under in last.items()}, "the plan does not lead to the goal"
 
 
 def main():
-    """Solves the tasks in each way, prints the times."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--blocks", type=int, default=18)
-    parser.add_argument("--tall", type=float, default=0.6, metavar="P", help="chance that a block stands on another")
-    parser.add_argument("--tasks", type=int, default=3)
+    """Solve the tasks with each kind of program and print the times."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--blocks", type=int, default=18, help="number of blocks (default: %(default)s)")
+    parser.add_argument(
+        "--tall",
+        type=float,
+        default=0.6,
+        metavar="P",
+        help="probability that a block stands on another (default: %(default)s)",
+    )
+    parser.add_argument("--tasks", type=int, default=3, help="number of tasks (default: %(default)s)")
     parser.add_argument("--names", type=int, default=5, help="sets of names for each task (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), help="only these")
-    parser.add_argument("--limit", type=float, default=300.0, metavar="S", help="processor time of one search in s")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the tasks (default: %(default)s)")
+    parser.add_argument("--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), help="(default: all)")
+    parser.add_argument(
+        "--limit", type=float, default=300.0, metavar="S", help="processor time of one search (default: %(default)s s)"
+    )
     options = parse(parser, tasks=1, blocks=15, limit=30.0)
     dice, times = random.Random(options.seed), {kind: [] for kind in options.kinds}
     for task in range(1, options.tasks + 1):
@@ -146,17 +158,17 @@ def main():
         for number in range(options.names):
             first, last = renamed(*given, random.Random(number)) if number else given
             for kind in options.kinds:
-                moves, taken = plan_of(kind, program_of(kind, first, last), options.limit)
-                times[kind].append(taken)
+                moves, seconds = plan_of(kind, program_of(kind, first, last), options.limit)
+                times[kind].append(seconds)
                 if moves is not None:
                     check(moves, first, last)
                 length = "no plan in time" if moves is None else f"{len(moves)} moves"
-                print(f"task {task}: {kind:8} {taken:8.2f} s, {length}", flush=True)
+                print(f"task {task}: {kind:8} {seconds:8.2f} s, {length}", flush=True)
     found = [Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s") for kind in options.kinds]
     if {"alone", "control"} <= set(options.kinds):
         ratio = [one / other for one, other in zip(times["alone"], times["control"])]
         median, least = statistics.median(ratio), min(ratio)
-        print(f"without control knowledge {median:.1f} times as long (median; {least:.1f} at least)")
+        print(f"time without over with control knowledge: median {median:.1f}, least {least:.1f}")
         found.append(Figure("alone over control", statistics.median(ratio), "times", "higher"))
     write(options.json, found)
 

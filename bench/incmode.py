@@ -1,7 +1,7 @@
-"""Plain clingo on a reactive program: the loop of its example incmode, one step more at a time until there is a plan.
+"""Solves a reactive program with plain clingo: the loop of its example incmode adds steps until there is a plan.
 
-Nothing of rosoclingo takes part. The program's text is used as it is; its constraints of the volatile part hold at the
-last step only, by an external atom ``query(t)``, and all requests are facts of the first step.
+The search uses nothing of rosoclingo. The text of the program is unchanged, except that constraints of the volatile
+part get an external atom ``query(t)`` and so hold at the last step only. All requests are facts of the first step.
 """
 
 import re
@@ -13,15 +13,15 @@ import clingo
 from clingo import ast
 
 _SIGNATURE = re.compile(r"#external\s+\w+/\d+\s*\.")
-"""A declaration of rosoclingo, which clingo has no need of."""
+"""A declaration of a signature, which rosoclingo requires and clingo rejects."""
 
 
 def shortest_plan(
     texts: Sequence[str], goals: Sequence[str], seconds: float = float("inf")
 ) -> Optional[List[List[Tuple[str, str]]]]:
-    """Return a plan with the fewest steps, each of some interfaces and parameters; None after so much processor time.
+    """Return a plan with the fewest steps; None after ``seconds`` of processor time.
 
-    ``goals`` are terms.
+    ``goals`` are terms. A step of the plan is a list of interfaces and parameters.
     """
     end = time.process_time() + seconds
     control = clingo.Control(["--warn=none"])
@@ -46,7 +46,7 @@ def shortest_plan(
 
 
 def _load(control: clingo.Control, texts: Sequence[str]) -> None:
-    """Add programs, with ``query(t)`` in the constraints of the volatile part."""
+    """Add programs to ``control``, with ``query(t)`` in the constraints of the volatile part."""
     queries: List[ast.AST] = []
     ast.parse_string(":- query(t).", lambda one: queries.extend(one.body if one.ast_type is ast.ASTType.Rule else ()))
     control.add("volatile", ["t"], "#external query(t).")

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Measures the core's journal when a run has got long: its size, the time to resume from it and the time to write it.
+"""Measures the journal of a long run: its size, the time to resume from it and the time to write it.
 
-The pure core with the program of a row of offices or of a house, its solver in the same process; each action is
-answered at once, with success or, now and then, a failure. Every so many goals a second core is made of the file as if
-the first one had been killed, and is given one more goal; beside it stands what a core that begins anew takes for that
-goal. To be run in the built workspace: ./dev exec python3 bench/journal.py
+The core runs without ROS, with the program of a row of offices or of a house and its solver in the same process. Each
+action returns at once, with success or sometimes a failure. At intervals, a second core resumes from the file, as if
+the first one had been killed, and plans for one more goal. The time that a fresh core needs for this goal is printed
+for comparison.
+
+Run it in the built workspace: ./dev exec python3 bench/journal.py
 """
 
 import argparse
@@ -25,7 +27,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 
 class Run:
-    """A core that is given goals and writes a journal, if it has one; it may go on from a ``record``."""
+    """A core that executes goals; it can write a journal and resume from a ``record``."""
 
     def __init__(self, program, journal=None, record=None):
         self._writing = journal and Timed(journal)
@@ -41,24 +43,24 @@ class Run:
 
     @property
     def written(self):
-        """Seconds of processor time and of wall time in the journal, and how often it was asked to write."""
+        """Seconds of processor time and of wall time spent on the journal, and the number of writes."""
         return self._writing.spent, self._writing.passed, self._writing.count
 
     def goal(self, key, text):
-        """A client's goal comes, and its first actions go out."""
+        """Add the goal of a client and plan until its first actions are sent."""
         self.keeper.add(key, ClientGoal(text, (0, 0)))
         self.keeper.keep()
         self.core.add_goal(key, text)
         self.advance()
 
     def advance(self):
-        """Go on until something is awaited."""
+        """Advance the core until it awaits returns."""
         while self.core.advance(0.0):
             self.keeper.send()
         self.keeper.send()
 
     def finish(self, answer):
-        """Answer all actions until all goals have ended."""
+        """Return all actions by ``answer`` until all goals have ended."""
         while self.core.live_goals:
             for action in self.core.awaited:
                 self.core.receive("bench", [answer(action)])
@@ -66,7 +68,7 @@ class Run:
 
 
 class Timed:
-    """A journal that tells what it has cost."""
+    """A journal that measures the time of its writes."""
 
     def __init__(self, journal):
         self._journal, self.spent, self.passed, self.count, self.fault = journal, 0.0, 0.0, 0, ""
@@ -84,7 +86,7 @@ class Timed:
 
 
 def first_answer(program, path, number, text):
-    """Seconds of processor time from a journal's path, None for none, to the first actions of one more goal."""
+    """Return the processor time (s) until the first actions of one more goal; ``path`` is a journal or None."""
     start = time.process_time()
     record = None if path is None else read(path).state
     Run(program, record=record).goal(f"extra {number}", text)
@@ -92,7 +94,7 @@ def first_answer(program, path, number, text):
 
 
 def play(program, goal, options, path):
-    """Play all goals and print how the journal stands on the way; return the figures of the end."""
+    """Play all goals and print the state of the journal at intervals; return the figures at the end."""
     run = Run(program, Journal(path, Header("bench", program.fingerprint)))
     file, source, largest = file_of(path), random.Random(1), 0
     mark, times = 0, (0.0, 0.0)
@@ -110,25 +112,25 @@ def play(program, goal, options, path):
             print(
                 f"goal {number:6d}, cycle {run.core.cycle:6d}: {size / 1000:6.1f} kB, "
                 f"largest {largest / 1000:6.1f} kB, to the first answer {times[0]:.3f} s, "
-                f"anew {times[1]:.3f} s, {1000 * spent / count:.2f} ms of processor and {1000 * passed / count:.2f} ms "
-                f"for each of {count} writes",
+                f"fresh {times[1]:.3f} s, {count} writes of {1000 * spent / count:.2f} ms of processor "
+                f"and {1000 * passed / count:.2f} ms",
                 flush=True,
             )
     spent, passed, count = run.written
     return [
         Figure("largest files", largest / 1000, "kB"),
         Figure("resumed, to the first answer", times[0], "s of processor"),
-        Figure("begun anew, to the first answer", times[1], "s of processor"),
+        Figure("fresh core, to the first answer", times[1], "s of processor"),
         Figure("writing", 1000 * spent / count, "ms of processor"),
-        Figure("writing, until the disk has it", 1000 * passed / count, "ms"),
+        Figure("writing, until durable", 1000 * passed / count, "ms"),
     ]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add_run(parser, failures=0.05)
-    parser.add_argument("--goals", type=int, default=10000, help="goals (default: %(default)s)")
-    parser.add_argument("--every", type=int, default=500, help="goals between two looks (default: %(default)s)")
+    parser.add_argument("--goals", type=int, default=10000, help="number of goals (default: %(default)s)")
+    parser.add_argument("--every", type=int, default=500, help="goals between two measurements (default: %(default)s)")
     options = parse(parser, goals=100, every=50)
     program, goal = load(options.program)
     with tempfile.TemporaryDirectory() as name:

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Measures the cost of a goal in a long run: processor time of the core and its solver.
 
-The pure core with the program of a house or a row of offices, its solver in a process of its own. Each action is
-returned at once, as a success or sometimes a failure; events of plan and goals are written as the node publishes them.
-At the end a long run and a short one continue in turns.
+The core runs without ROS, with the program of a house or a row of offices and its solver in a worker process. Each
+action returns at once, with success or sometimes a failure. Plan and goal events are converted to text, as the node
+publishes them. At the end, a long run and a short one continue in turns.
+
 Run it in the built workspace: ./dev exec python3 bench/long_run.py
 """
 
@@ -24,13 +25,13 @@ THINGS = ["cup", "tray", "book", "newspaper", "towel"]
 
 
 def office_goal(source, number):
-    """A goal for the row of offices."""
+    """Return a goal for the row of offices."""
     start, end = source.sample(OFFICES, 2)
     return f"goal({start},{end},{number})"
 
 
 def house_goal(source, number):
-    """A goal for the house, for another thing than the goals before."""
+    """Return a goal for the house; goals in a row are about different things."""
     return f"bring({source.choice(ROOMS)},{THINGS[number % len(THINGS)]})"
 
 
@@ -38,18 +39,18 @@ PROGRAMS = {"mailbot": (["mailbot.lp", "office.lp"], office_goal), "house": (["h
 
 
 def load(name):
-    """The program of a name, and a function that makes goals for it."""
+    """Return the program ``name``, and a function that generates goals for it."""
     names, goal = PROGRAMS[name]
     return ReactiveProgram.from_files([ENCODINGS / one for one in names]), goal
 
 
 def answer(action, source, failures):
-    """The return of an action; a share of the actions fails."""
+    """Return the text of an action's return; the fraction ``failures`` of the actions fails."""
     return returned(action, "failed" if source.random() < failures else None)
 
 
 class Run(PooledCore):
-    """A core whose actions are returned at once; ``bytes`` counts the text that the node would publish."""
+    """A core whose actions return at once; ``bytes`` counts the text that the node would publish."""
 
     def __init__(self, program, goal, failures):
         super().__init__(program, standby=False)
@@ -57,12 +58,12 @@ class Run(PooledCore):
         self._source, self._number, self.bytes = random.Random(1), 0, 0
 
     def note(self, event):
-        """Write the actions of a plan."""
+        """Count the text of the actions in a plan."""
         if isinstance(event, (PlanMade, GoalProgress)):
             self.bytes += sum(len(str(action.atom)) for action in event.actions)
 
     def goals(self, count):
-        """Send goals and return actions until all have ended; return seconds of processor time and bytes for each."""
+        """Execute ``count`` goals; return the processor time in seconds and the published bytes per goal."""
         seconds, size = time.process_time() + self.process.cpu_time, self.bytes
         for _ in range(count):
             self._number += 1
@@ -76,7 +77,7 @@ class Run(PooledCore):
 
 
 def grow(run, cycles, batch, step=500):
-    """Continue a run up to a cycle, and print the cost of a goal on the way."""
+    """Continue a run up to a cycle, and print the cost of a goal at intervals."""
     mark, sample = run.core.cycle + step, []
     while run.core.cycle < cycles:
         sample.append(run.goals(batch))
@@ -86,7 +87,7 @@ def grow(run, cycles, batch, step=500):
 
 
 def compare(long, short, cycles, batch):
-    """Continue two runs for some cycles in turns, so that other programs slow both; return the figures."""
+    """Continue two runs in turns, so that other programs slow down both; return the figures."""
     samples = {long: [], short: []}
     ends = {run: run.core.cycle + cycles for run in samples}
     while any(run.core.cycle < end for run, end in ends.items()):
@@ -98,21 +99,22 @@ def compare(long, short, cycles, batch):
     print(f"a goal of the long run costs {seconds[0] / seconds[1]:.2f} times one of the short run")
     costs = [Figure(f"a goal of the {name} run", 1000 * one, "ms") for name, one in zip(("long", "short"), seconds)]
     size = statistics.mean(size for _, size in samples[long])
-    return [*costs, Figure("long over short", seconds[0] / seconds[1], ""), Figure("told of a goal", size / 1000, "kB")]
+    ratio = Figure("long over short", seconds[0] / seconds[1], "")
+    return [*costs, ratio, Figure("published for a goal", size / 1000, "kB")]
 
 
 def describe(sample):
-    """The means of a sample, in words."""
+    """Return the means of a sample as text."""
     seconds, size = map(statistics.mean, zip(*sample))
     return f"{1000 * seconds:6.1f} ms a goal, {size / 1000:5.1f} kB published"
 
 
 def add_run(parser, failures):
-    """Add the options of a run: its program, how many goals come at once, and the share of actions that fail."""
+    """Add the options of a run to ``parser``."""
     parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
-    parser.add_argument("--batch", type=int, default=2, help="goals at once (default: %(default)s)")
+    parser.add_argument("--batch", type=int, default=2, help="goals sent at once (default: %(default)s)")
     parser.add_argument(
-        "--failures", type=float, default=failures, help="share of actions that fail (default: %(default)s)"
+        "--failures", type=float, default=failures, help="fraction of actions that fail (default: %(default)s)"
     )
 
 
@@ -120,13 +122,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add_run(parser, failures=0.0)
     parser.add_argument("--cycles", type=int, default=10000, help="cycles of the long run (default: %(default)s)")
-    parser.add_argument("--beside", type=int, default=100, help="cycles of the short run (default: %(default)s)")
-    parser.add_argument("--window", type=int, default=400, help="cycles to compare them for (default: %(default)s)")
-    options = parse(parser, cycles=300, beside=30, window=60)
+    parser.add_argument("--short-cycles", type=int, default=100, help="cycles of the short run (default: %(default)s)")
+    parser.add_argument("--window", type=int, default=400, help="cycles of the comparison (default: %(default)s)")
+    options = parse(parser, cycles=300, short_cycles=30, window=60)
     program, goal = load(options.program)
     with Run(program, goal, options.failures) as long, Run(program, goal, options.failures) as short:
         grow(long, options.cycles, options.batch)
-        grow(short, options.beside, options.batch)
+        grow(short, options.short_cycles, options.batch)
         write(options.json, compare(long, short, options.window, options.batch))
 
 

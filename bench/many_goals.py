@@ -1,34 +1,34 @@
 #!/usr/bin/env python3
-"""Many requests, at once or in a stream: how soon there is a plan, how good it is, and what is driven in the end.
+"""Measures planning for many requests: time to the first plan, plan lengths, and the steps executed in the end.
 
-The pure core with the mailbot's program, plans made soon and improved while actions run, its solver in a process of its
-own, as the node has it. A robot in plain Python answers each action, and refuses what is against the rules. Beside it
-OR-Tools' routing solver has the same requests and the same seconds, Fast Downward the same task in PDDL. Seconds are of
-processor time, except "first" and "still": what each would get on a machine of its own, whatever else this one does.
+The core runs without ROS, with the mailbot's program and its solver in worker processes. As in the node, it improves
+plans while actions run. A robot in plain Python executes the actions and refuses an action that breaks a rule. The
+routing solver of OR-Tools gets the same requests and the same time, Fast Downward the same task in PDDL. Seconds are
+processor time except in "first" and "still", so the figures do not depend on other load of the machine.
 
-A row of the table:
-  floor     offices in a row, or loops: twenty offices with two loops
-  how       once: all requests are known at the start; stream: one more every --gap actions, sooner if none is left
-  first     the first plan, with --plan-time 0: seconds by the clock, of processor time, its steps, and how many
-            requests it is not for, as they wait until there is room for them
-  all       the same for a plan for all requests, as the core makes it without a limit for a search: seconds of
-            processor time and steps; given up after --all-seconds
-  1 s ...   steps of such a plan after so many seconds, with nothing done yet: ours and OR-Tools'
-  driven    steps that are really done. While an action runs, for --action-time seconds, the plan is improved, unless
-            nothing is left to try, or another process makes one with requests that wait, for a later action. OR-Tools
-            drives its plan of --or-seconds; in a stream it plans again with each request, for --or-stream-seconds. The
-            ratio is of ours to its.
-  lama-first, lama   of requests known at once, Fast Downward's first plan: seconds, translation included, and steps;
-            and steps of the best plan of its seq-sat-lama-2011 after --lama-seconds
-  still     seconds by the clock, at most, between a return and the next action of a plan in force; on a quiet machine
-  out       seconds of processor time until the first action goes out, with a plan for those that do not wait
-  longest   seconds of processor time until the next action goes out, at most
-  ms        of processor time for an action, improvement and what the other process prepares aside
-  waited    requests that waited at most while an action was under way, as the program had not been told of them
+Columns of the table:
+  floor     number of offices in a row, or loops: twenty offices with two loops
+  how       once: all requests are known at the start; stream: one more every --gap actions, earlier if none is open
+  first     the first plan, with --plan-time 0: wall time (first [s]), processor time (cpu [s]), steps, and the number
+            of requests that are queued and not served by it (wait)
+  all       a plan for all requests, without a limit for the search: seconds and steps; - after --all-seconds
+  1 s ...   steps of such a plan after this time, before any action: for the core and (or) for OR-Tools
+  driven    executed steps. During each action, --action-time seconds are spent to improve the plan, or the standby
+            worker plans for queued requests. OR-Tools executes its plan of --or-seconds; in a stream it plans again for
+            --or-stream-seconds with each request.
+  ratio     executed steps, core to OR-Tools
+  lama-first, lama   Fast Downward for requests known at once: seconds, translation included, and steps of its first
+            plan; steps of the best plan of seq-sat-lama-2011 after --lama-seconds
+  out       seconds until the first action is sent; its plan serves the requests that are not queued
+  longest   longest time until the next action is sent, in seconds
+  still     longest wall time between a return and the next action of a plan in force; needs a quiet machine
+  ms        processor time for an action, without improvement and prefetching
+  waited    largest number of queued requests while an action was running
 
-The first plan and what is driven are with --search-timeout, with which the core lets requests wait.
+With --search-timeout, which applies to the first plan and to the execution, the core queues requests.
 
-To be run in the built workspace: ./dev exec python3 bench/many_goals.py; ./dev bench many_goals installs the peers.
+Run it in the built workspace: ./dev exec python3 bench/many_goals.py
+./dev bench many_goals installs the other planners.
 """
 
 import argparse
@@ -51,14 +51,14 @@ HOWS = ("once", "stream")
 
 
 class Robot(ActingCore):
-    """A core with the mailbot's program, and the floor on which it acts."""
+    """A core with the mailbot's program, and the floor that executes its actions."""
 
     def __init__(self, floor, plan_time, search_timeout=0.0, all_seconds=0.0):
         super().__init__(mailbot_program(floor), plan_time, search_timeout, all_seconds)
         self.world = World(floor)
 
     def ask(self, requests):
-        """Send goals; their packages wait from now on."""
+        """Send goals; their packages wait on the floor."""
         self.world.ask(requests)
         for request in requests:
             self.core.add_goal(str(request.number), request.goal)
@@ -78,7 +78,7 @@ class Robot(ActingCore):
 
 
 class Arrivals:
-    """Requests in the order in which they become known: all at once, or one every ``gap`` actions."""
+    """Requests in the order of their arrival: all at once, or one every ``gap`` actions."""
 
     def __init__(self, requests, gap):
         self._left, self._gap, self._count = deque(requests), gap, 0
@@ -87,7 +87,7 @@ class Arrivals:
         return bool(self._left)
 
     def due(self, world):
-        """Take those that are known by now; one at least where nothing else is to do."""
+        """Return the requests that arrive now; at least one if no request is open."""
         found = []
         while self._left and (self._gap * self._count <= world.actions or not (found or world.open)):
             found.append(self._left.popleft())
@@ -95,11 +95,11 @@ class Arrivals:
         return found
 
 
-# ---- What is measured ------------------------------------------------------------------------------------------------
+# ---- Measurements ----------------------------------------------------------------------------------------------------
 
 
 def first_plan(floor, requests, options):
-    """Seconds by the clock and of processor time until there is a plan, its steps, and how many requests wait."""
+    """Return wall time and processor time (s) until the first plan, its steps, and the number of queued requests."""
     with Robot(floor, plan_time=0.0, search_timeout=options.search_timeout) as robot:
         begin, used = time.perf_counter(), robot.used
         robot.ask(requests)
@@ -109,7 +109,7 @@ def first_plan(floor, requests, options):
 
 
 def plan_for_all(floor, requests, options):
-    """Seconds of processor time until there is a plan for all requests, and its steps; None where it takes too long."""
+    """Return the processor time (s) until a plan for all requests, and its steps; None if it takes too long."""
     with Robot(floor, plan_time=0.0, all_seconds=options.all_seconds) as robot:
         begin = robot.used
         robot.ask(requests)
@@ -121,7 +121,7 @@ def plan_for_all(floor, requests, options):
 
 
 def plans_after(floor, requests, seconds, plan_time):
-    """Steps of the plan that is known after each of some seconds; None where there was none yet."""
+    """Return the steps of the best plan after each time in ``seconds``; None before the first plan."""
     with Robot(floor, plan_time, all_seconds=max(seconds)) as robot:
         begin, found = robot.used, []
         robot.ask(requests)
@@ -134,7 +134,7 @@ def plans_after(floor, requests, seconds, plan_time):
 
 
 def driven(floor, arrivals, options):
-    """What is done in the end, and what it costs."""
+    """Execute all requests; return the number of steps and the costs."""
     with Robot(floor, options.plan_time, options.search_timeout) as robot:
         begin, own, out = robot.used, time.process_time(), 0.0
         while arrivals or robot.world.open:
@@ -152,7 +152,7 @@ def driven(floor, arrivals, options):
 
 
 def routes_after(floor, requests, options):
-    """Steps of OR-Tools' plans after each of some seconds, and of the one that it drives."""
+    """Return the steps of OR-Tools' plans after each time limit, and of the plan that it executes."""
     world = World(floor)
     world.ask(requests)
     limits = [*options.seconds, options.or_seconds]
@@ -165,7 +165,7 @@ def routes_after(floor, requests, options):
 
 
 def routes_driven(floor, arrivals, options):
-    """Steps that are done where OR-Tools plans again with each request."""
+    """Return the number of executed steps if OR-Tools plans again with each request."""
     world, actions = World(floor), deque()
     while arrivals or world.open:
         fresh = arrivals.due(world)
@@ -178,7 +178,7 @@ def routes_driven(floor, arrivals, options):
 
 
 def plans_of_fast_downward(floor, requests, options):
-    """Seconds and steps of Fast Downward's first plan, and steps of its best one."""
+    """Return seconds and steps of Fast Downward's first plan, and the steps of its best plan."""
 
     def check(actions):
         world = World(floor)
@@ -190,7 +190,7 @@ def plans_of_fast_downward(floor, requests, options):
 
 
 def follow(world, actions):
-    """Do all the actions; raises RuleError."""
+    """Execute all actions in ``world``; raises RuleError."""
     for action in actions:
         world.do(*action)
     if world.open:
@@ -198,7 +198,7 @@ def follow(world, actions):
 
 
 def measure(name, count, how, seed, options):
-    """One row for one seed: column to figure."""
+    """Return the row for one seed: column -> figure."""
     floor = floor_named(name)
     requests = random_requests(floor, count, seed)
     gap = options.gap if how == "stream" else 0
@@ -217,7 +217,7 @@ def measure(name, count, how, seed, options):
     return found
 
 
-# ---- What is told ----------------------------------------------------------------------------------------------------
+# ---- The table -------------------------------------------------------------------------------------------------------
 
 LAMA = ("lama-first [s]", "lama-first", "lama")
 
@@ -227,7 +227,7 @@ UNITS.update({"still [s]": "s", "wait": "requests", "waited": "requests"})
 
 
 def columns(options):
-    """The columns of the table, as options ask for them."""
+    """Return the columns of the table."""
     seconds = [f"{one:g} s" for one in options.seconds]
     theirs = [] if options.without_or_tools else [*(f"or {one}" for one in seconds), "or driven", "ratio"]
     theirs += [] if options.without_fast_downward else LAMA
@@ -236,7 +236,7 @@ def columns(options):
 
 
 def line(head, cells, names):
-    """A line of the table; a cell is text, a figure or None."""
+    """Return a line of the table; a cell is text, a figure or None."""
     shown = []
     for name in names:
         value = cells.get(name)
@@ -251,28 +251,47 @@ def main():
     parser.add_argument("--floors", nargs="+", default=["4", "20", "50", "loops"], help="(default: %(default)s)")
     parser.add_argument("--requests", type=int, nargs="+", default=[3, 10, 20, 50, 100], help="(default: %(default)s)")
     parser.add_argument("--how", nargs="+", choices=HOWS, default=list(HOWS), help="(default: %(default)s)")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1], help="a row is their mean (default: %(default)s)")
-    parser.add_argument("--seconds", type=float, nargs="+", default=[1, 5, 20], help="(default: %(default)s)")
-    parser.add_argument("--plan-time", type=float, default=CoreParameters.plan_time, help="(default: %(default)s)")
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", default=[1], help="a row is the mean of these seeds (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--seconds", type=float, nargs="+", default=[1, 5, 20], help="times to compare plans at (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--plan-time",
+        type=float,
+        default=CoreParameters.plan_time,
+        help="~plan_time of the core (default: %(default)s)",
+    )
     parser.add_argument(
         "--action-time",
         type=float,
         default=0.5,
-        help="seconds to improve the plan while an action runs; robots take longer (default: %(default)s)",
+        help="seconds to improve the plan during an action; real actions take longer (default: %(default)s)",
     )
     parser.add_argument(
-        "--search-timeout", type=float, default=CoreSettings.search_timeout, help="(default: %(default)s)"
+        "--search-timeout",
+        type=float,
+        default=CoreSettings.search_timeout,
+        help="~search_timeout of the core (default: %(default)s)",
     )
     parser.add_argument(
         "--all-seconds",
         type=float,
         default=60,
-        help="give up looking for a plan for all requests after so many seconds (default: %(default)s)",
+        help="time limit of a plan for all requests (default: %(default)s)",
     )
     parser.add_argument("--gap", type=int, default=4, help="actions between two requests (default: %(default)s)")
-    parser.add_argument("--or-seconds", type=float, default=5, help="of the plan it drives (default: %(default)s)")
-    parser.add_argument("--or-stream-seconds", type=float, default=1, help="of each (default: %(default)s)")
-    parser.add_argument("--lama-seconds", type=float, default=10, help="of Fast Downward (default: %(default)s)")
+    parser.add_argument("--or-seconds", type=float, default=5, help="OR-Tools' time for a plan (default: %(default)s)")
+    parser.add_argument(
+        "--or-stream-seconds",
+        type=float,
+        default=1,
+        help="OR-Tools' time for each plan in a stream (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--lama-seconds", type=float, default=10, help="time limit of seq-sat-lama-2011 (default: %(default)s)"
+    )
     parser.add_argument("--without-or-tools", action="store_true", help="leave OR-Tools out")
     parser.add_argument("--without-fast-downward", action="store_true", help="leave Fast Downward out")
     short = {
@@ -298,7 +317,7 @@ def main():
 
 
 def averaged(runs):
-    """The mean of some rows, without what some have no figure for."""
+    """Return the mean of some rows, without the columns in which a row has no figure."""
     return {name: mean(run[name] for run in runs) for name in runs[0] if all(run[name] is not None for run in runs)}
 
 

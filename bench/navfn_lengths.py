@@ -1,12 +1,12 @@
-"""Measures ways by navfn's class NavFn, without a master, on the shipped maps beside those of this package.
+"""Compares path lengths of this package with those of navfn's class NavFn on the shipped maps, without a master.
 
-Needs g++ and a catkin workspace in which the navigation stack is built; only its library is called. With --write the
-lengths become what test/unit/robot/navigation/test_navfn_lengths.py holds the planner to.
+Needs g++ and a catkin workspace in which the navigation stack is built; only its library is called. With --write, the
+lengths become the reference for test/unit/robot/navigation/test_navfn_lengths.py.
 
     ./dev exec python3 bench/navfn_lengths.py WORKSPACE/devel [--write]
 
-Each map is looked at with only what a robot cannot enter, where navfn's way is the shortest that it knows, and with the
-costs that inflation gives to cells near walls, for which navfn makes detours.
+Each map is used without inflation, where navfn returns the shortest path that it knows, and with inflation, which adds
+costs to cells near walls, so that navfn makes detours.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
 ROOT = Path(__file__).resolve().parents[1]
 LENGTHS = ROOT / "test" / "data" / "navfn_lengths.json"
-INFLATIONS = ((0.0, 10.0), (0.55, 10.0), (0.8, 3.0))  # m, 1/m: only what cannot be entered, the default, a wide one
+INFLATIONS = ((0.0, 10.0), (0.55, 10.0), (0.8, 3.0))  # m, 1/m: no inflation, the default, a wide one
 PAIRS = 60
 CALLER = """
 #include <navfn/navfn.h>
@@ -58,10 +58,10 @@ int main(int, char** names) {
 
 
 def compiled(devel: Path, folder: Path) -> Path:
-    """Build what calls navfn's library."""
+    """Compile a program that calls navfn's library; return its path."""
     source, caller = folder / "caller.cpp", folder / "caller"
     source.write_text(CALLER)
-    packages = [one.resolve() for one in devel.parent.glob("src/*")]  # links are followed, unlike by "**"
+    packages = [one.resolve() for one in devel.parent.glob("src/*")]  # "**" does not follow links
     headers = [one for package in packages for one in package.glob("**/navfn/include")]
     where = [f"-I{one}" for one in (devel / "include", *headers)]
     library = [f"-L{devel / 'lib'}", "-lnavfn", f"-Wl,-rpath,{devel / 'lib'}"]
@@ -70,15 +70,15 @@ def compiled(devel: Path, folder: Path) -> Path:
 
 
 def costs_of(costmap: Costmap) -> np.ndarray:
-    """Return the costs as costmap_2d holds them (uint8; 254 lethal, 253 inscribed, 255 unknown), by its own rule."""
+    """Return the costs by the rule of costmap_2d (uint8; 254 lethal, 253 inscribed, 255 unknown)."""
     shown, limits = costmap.costs(), costmap.limits
     height, width = shown.shape
     span = int(np.ceil(max(limits.inflation_radius, limits.robot_radius) / costmap.resolution))
-    taken = np.pad(shown == 100, span)
-    gaps = np.full(shown.shape, np.inf)  # from the middle of each cell to that of the nearest lethal one
+    lethal = np.pad(shown == 100, span)
+    gaps = np.full(shown.shape, np.inf)  # from the centre of each cell to the centre of the nearest lethal cell
     for row in range(-span, span + 1):
         for column in range(-span, span + 1):
-            there = taken[span + row : span + row + height, span + column : span + column + width]
+            there = lethal[span + row : span + row + height, span + column : span + column + width]
             gaps[there] = np.minimum(gaps[there], np.hypot(row, column) * costmap.resolution)
     near = 252 * np.exp(-limits.cost_scaling_factor * (gaps - limits.robot_radius))
     costs = np.where(gaps <= limits.inflation_radius, near, 0)
@@ -87,29 +87,29 @@ def costs_of(costmap: Costmap) -> np.ndarray:
 
 
 class Way(NamedTuple):
-    """Two cells (column, row, column, row), and the lengths (m) of this package's planner and of places."""
+    """Two cells (column, row, column, row), and the lengths (m) by this package's planner and by the command places."""
 
     cells: List[int]
     planned: float
-    told: float
+    estimated: float
 
 
 def ways_of(costmap: Costmap, costs: np.ndarray) -> List[Way]:
-    """Return ways between cells at random."""
+    """Return paths between random cells."""
     random, planner, found = np.random.default_rng(1), GridPlanner(), []
     free = np.argwhere(costs < 253)
     while len(found) < PAIRS:
         ends = free[random.integers(len(free), size=2)]
         poses = [Pose2D(*costmap.grid.centre(*map(int, one)), 0.0) for one in ends]
         plan = planner.plan(costmap, *poses, 0.0)
-        told = navfn_lengths(costmap, poses[0], poses[1:])[0]
-        if plan.outcome is PlanOutcome.FOUND and plan.length > 2.0 and told is not None:
-            found.append(Way([int(number) for one in ends for number in one[::-1]], plan.length, told))
+        estimated = navfn_lengths(costmap, poses[0], poses[1:])[0]
+        if plan.outcome is PlanOutcome.FOUND and plan.length > 2.0 and estimated is not None:
+            found.append(Way([int(number) for one in ends for number in one[::-1]], plan.length, estimated))
     return found
 
 
 def lengths_of(caller: Path, costs: np.ndarray, ways: List[Way], resolution: float, file: Path) -> List[float]:
-    """Return the lengths (m) of the same ways by navfn."""
+    """Return navfn's lengths (m) for the same paths."""
     numbers = [[*costs.shape[::-1], len(ways)], *(one.cells for one in ways)]
     parts = [np.array(row, dtype=np.int32).tobytes() for row in numbers]
     file.write_bytes(b"".join([parts[0], costs.tobytes(), *parts[1:]]))
@@ -117,18 +117,18 @@ def lengths_of(caller: Path, costs: np.ndarray, ways: List[Way], resolution: flo
     return [float(line) * resolution for line in out.split() if line[0].isdigit()]
 
 
-def tell(what: str, ours: Iterable[float], theirs: List[float]) -> None:
-    """Print how two rows of lengths compare."""
+def report(what: str, ours: Iterable[float], theirs: List[float]) -> None:
+    """Print the ratios of two lists of lengths."""
     ratios = [mine / its for mine, its in zip(ours, theirs)]
     near = sum(abs(ratio - 1.0) <= 0.03 for ratio in ratios)
     print(
-        f"{what} over navfn's, {len(ratios)} ways: {min(ratios):.3f} to {max(ratios):.3f}, "
+        f"{what} over navfn's, {len(ratios)} paths: {min(ratios):.3f} to {max(ratios):.3f}, "
         f"median {statistics.median(ratios):.3f}; {near} within 3 %"
     )
 
 
 def main() -> None:
-    """Measure and print, and write where that is asked for."""
+    """Measure and print the lengths, and write them with ``--write``."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("devel", type=Path, help="the devel space of a workspace with the navigation stack")
     parser.add_argument("--write", action="store_true", help=f"write {LENGTHS.relative_to(ROOT)}")
@@ -143,11 +143,10 @@ def main() -> None:
             ways = ways_of(costmap, costs)
             theirs = lengths_of(caller, costs, ways, costmap.resolution, Path(folder) / "map.bin")
             where = f"{name}, inflation_radius {inflation[0]}, cost_scaling_factor {inflation[1]}:"
-            tell(f"{where} lengths of places", (one.told for one in ways), theirs)
-            tell(f"{where} of move_base's planner", (one.planned for one in ways), theirs)
-            if (
-                inflation is not INFLATIONS[-1]
-            ):  # in which two ways are sometimes nearly alike in cost, though not in length
+            report(f"{where} lengths of places", (one.estimated for one in ways), theirs)
+            report(f"{where} lengths of move_base's planner", (one.planned for one in ways), theirs)
+            # With wide inflation, two paths can cost nearly the same and differ in length.
+            if inflation is not INFLATIONS[-1]:
                 kept += [[name, *inflation, *one.cells, round(its, 3)] for one, its in zip(ways, theirs)]
     if options.write:
         rows = ",\n".join(json.dumps(row) for row in kept)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Times the solver on the mailbot's program: offices in a row, random requests, 60 cycles each.
+"""Measures the solver on the mailbot's program: offices in a row, random requests, 60 cycles each.
 
-Prints for each number of offices and requests the seconds of the first plan and, in milliseconds, the median update,
+For each number of offices and requests, the table shows the time of the first plan (s) and of updates (ms): the median,
 the slowest update with new requests (a search) and without, and the medians of the first and the last ten cycles. Each
-cycle commits and returns the action of the cycle before; new requests arrive when the last ones are done.
+cycle commits and returns the action of the previous cycle. New requests arrive when all earlier ones are met.
 """
 
 import argparse
@@ -21,11 +21,11 @@ from rosoclingo.oclingo.progression.updates import Closed, Over
 from rosoclingo.planning.solver import PlanSolver
 
 BOUND = 200
-"""Horizon bound, in steps beyond the present cycle."""
+"""Horizon bound, in steps after the present cycle."""
 
 
 class Robot:
-    """Plays the core and a robot that never fails: one update a cycle."""
+    """A core and a robot that never fails, with one update a cycle."""
 
     def __init__(self, offices: int, requests: int, seed: int) -> None:
         self.solver = PlanSolver(mailbot_program(row(offices)))
@@ -45,7 +45,7 @@ class Robot:
         return items
 
     def step(self) -> Tuple[float, bool]:
-        """Do one cycle; return the seconds of its update, and whether it had new requests."""
+        """Play one cycle; return the seconds of its update, and whether it had new requests."""
         before = self.plan.get(self.cycle)
         self.cycle += 1
         items = []
@@ -69,7 +69,7 @@ class Robot:
 
 
 def run(offices: int, requests: int, cycles: int, seed: int) -> list:
-    """Print a line of the table; return its figures."""
+    """Print one line of the table; return its figures."""
     robot = Robot(offices, requests, seed)
     times = [robot.step() for _ in range(cycles)]
     later = [1000 * one for one, _ in times[1:]]

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""What the live page costs the core: its response and processor time with a page and its viewers, and without.
+"""Measures the cost of the web page: the core's response and processor time with a page and viewers, and without.
 
-A real master and two real core nodes with the mailbot program, in turns, as bench/response.py has them. One of them has
-a page (rosrun rosoclingo web), at which viewers look on, over WebSockets as browsers do, in a process of their own
-that gives way to all others, as viewers are on other machines. Each has to have heard of all goals in the end. To be
-run in the built workspace: ./dev exec python3 bench/page.py
+As in bench/response.py, a master and two core nodes with the mailbot's program run in turns. One core has a page
+(rosrun rosoclingo web) with viewers, which connect over WebSockets like browsers. The viewers run in a separate process
+with the lowest priority, since real viewers run on other machines. In the end, each viewer must have received all
+goals.
+
+Run it in the built workspace: ./dev exec python3 bench/page.py
 """
 
 import argparse
@@ -28,19 +30,19 @@ PATIENCE = 60.0  # s
 
 
 async def look_on(address, count):
-    """Be so many viewers: a line on standard output once all are told the run, and another for each goal that ends."""
+    """Act as ``count`` viewers; print a line when all have received the run, and another for each ended goal."""
     tables = await asyncio.gather(*(_join(address) for _ in range(count)))
     print("joined", flush=True)
     ended = [set() for _ in range(count)]
-    told = 0
+    printed = 0
 
     def note(number, changes):
-        nonlocal told
+        nonlocal printed
         ended[number].update(key for key, goal in changes.get("goals", ()) if goal["ended"] is not None)
         known = len(set.intersection(*ended))
-        if known > told:
-            told = known
-            print(told, flush=True)
+        if known > printed:
+            printed = known
+            print(printed, flush=True)
 
     async def look(number, socket, first):
         note(number, first)
@@ -61,7 +63,7 @@ async def _join(address):
 
 
 class Viewers:
-    """The viewers' process, and what it tells."""
+    """The process of the viewers, and the lines that it prints."""
 
     def __init__(self, process):
         self._changed = threading.Condition()
@@ -76,17 +78,17 @@ class Viewers:
                 self._changed.notify_all()
 
     def wait(self, condition, what):
-        """Wait until they have been told something."""
+        """Wait until ``condition`` holds; exit if the viewers have not received ``what`` in time."""
         with self._changed:
             if not self._changed.wait_for(condition, PATIENCE):
-                raise SystemExit(f"the viewers were not told {what}")
+                raise SystemExit(f"the viewers have not received {what} within {PATIENCE:g} s")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--batches", type=int, default=20, help="batches of requests (default: %(default)s)")
     parser.add_argument("--requests", type=int, default=3, help="requests in a batch (default: %(default)s)")
-    parser.add_argument("--viewers", type=int, default=10, help="viewers of the page (default: %(default)s)")
+    parser.add_argument("--viewers", type=int, default=10, help="number of viewers (default: %(default)s)")
     parser.add_argument("--look-on", metavar="ADDRESS", help=argparse.SUPPRESS)
     options = parse(parser, batches=5)
     if options.look_on:
@@ -111,24 +113,24 @@ def main():
 
 
 def measure(responders, options, viewers):
-    """Let both cores work; print and return the figures."""
+    """Run both cores; print and return the figures."""
     before = processor_time("/with/web")
     cycles = play(responders, options.batches, options.requests)
-    viewers.wait(lambda: viewers.ended >= options.batches * options.requests, "of all goals")
+    viewers.wait(lambda: viewers.ended >= options.batches * options.requests, "all goals")
     page = 1000 * (processor_time("/with/web") - before) / len(responders[1].responses)
     words = f" with a page and {options.viewers} viewers"
     found = [*report(responders[0], cycles[0]), *report(responders[1], cycles[1], words)]
     medians = [statistics.median(one.responses.values()) for one in responders]
     print(
-        f"with against without: response {medians[1] / medians[0]:.2f}, "
-        f"processor time of the core {cycles[1] / cycles[0]:.2f}; the page's node takes {page:.1f} ms of it a cycle"
+        f"ratio, with page to without: response {medians[1] / medians[0]:.2f}, "
+        f"processor time of the core {cycles[1] / cycles[0]:.2f}; the page's node uses {page:.1f} ms of it a cycle"
     )
     return [*found, Figure("the page's node, a cycle", page, "ms of processor")]
 
 
 @contextlib.contextmanager
 def looking_on(address, count):
-    """Viewers of the page."""
+    """Run the process of the viewers."""
     command = [sys.executable, __file__, "--look-on", address, "--viewers", str(count)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:

@@ -1,4 +1,4 @@
-"""Tasks in PDDL, for planners that benches compare with."""
+"""Tasks in PDDL for the other planners of a bench."""
 
 from pathlib import Path
 from typing import Callable, Dict, Iterable, List, NamedTuple, Sequence, Tuple
@@ -16,7 +16,7 @@ class Pddl(NamedTuple):
     Attributes:
         domain: the text of the domain.
         problem: the text of the problem.
-        actions_of: returns the actions that the operators of a plan stand for.
+        actions_of: converts the operators of a plan to actions.
 
     """
 
@@ -26,7 +26,7 @@ class Pddl(NamedTuple):
 
 
 def last_arguments(plan: Sequence[Operator]) -> List[Action]:
-    """Return actions with the operators' names and last arguments."""
+    """Return an action for each operator: its name and its last argument."""
     return [(operator[0], operator[-1]) for operator in plan]
 
 
@@ -37,9 +37,9 @@ def task_of(
     goal: Iterable[str],
     actions_of: Callable[[Sequence[Operator]], List[Action]] = last_arguments,
 ) -> Pddl:
-    """Return a task of the domain in a file, with ``objects`` by type, and atoms without their parentheses."""
+    """Return a task of the ``domain`` file; ``objects`` are sorted by type, atoms have no parentheses."""
     typed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
-    initial, wanted = (" ".join(f"({atom})" for atom in atoms) for atoms in (init, goal))
+    initial, final = (" ".join(f"({atom})" for atom in atoms) for atoms in (init, goal))
     head = f"(define (problem task) (:domain {domain.stem})\n"
-    problem = f"{head}(:objects {typed})\n(:init {initial})\n(:goal (and {wanted})))\n"
+    problem = f"{head}(:objects {typed})\n(:init {initial})\n(:goal (and {final})))\n"
     return Pddl(domain.read_text(), problem, actions_of)

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Times planning on office-like maps of growing size: median and worst ms of reachable pairs, by map and length.
+"""Measures path planning on office-like maps of growing size: median and worst ms, by map and path length.
 
-At the end the same as a service: move_base with a map of 540 x 587 cells, make_plan over 60 to 80 m, 20 calls each.
+At the end, it measures the same as a service: make_plan of move_base over 60 to 80 m, on a map of 540 x 587 cells, with
+20 calls for each pair of poses.
+
 Run it in the built workspace: ./dev exec python3 bench/planner.py
 """
 
@@ -25,7 +27,7 @@ MAPS = ((150, 150), (300, 300), (587, 540), (1000, 1000))  # cells
 
 
 def office(height: int, width: int, seed: int, room: int = 60) -> OccupancyGrid:
-    """Return a floor of rooms (6 m) with doors of 1.1 m and furniture, at 0.1 m a cell."""
+    """Return a floor of rooms (6 m) with doors (1.1 m) and furniture, at 0.1 m a cell."""
     random = np.random.default_rng(seed)
     cells = np.zeros((height, width), dtype=np.int8)
     cells[:2] = cells[-2:] = 100
@@ -44,7 +46,7 @@ def office(height: int, width: int, seed: int, room: int = 60) -> OccupancyGrid:
 
 
 def far_apart(grid: OccupancyGrid, seed: int, low: float = 60.0, high: float = 80.0):
-    """Yield pairs of poses that a path of ``low`` to ``high`` m joins."""
+    """Yield pairs of poses with a path of ``low`` to ``high`` m between them."""
     costmap, planner, random = Costmap(grid, CostmapLimits()), GridPlanner(), np.random.default_rng(seed)
     free = np.argwhere(costmap.clearance > 3.0)
     while True:
@@ -54,7 +56,7 @@ def far_apart(grid: OccupancyGrid, seed: int, low: float = 60.0, high: float = 8
 
 
 def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> list:
-    """Print what make_plan takes, with the call, in a running system (simulator, map_server, move_base); return it."""
+    """Print the duration of make_plan, with the call, in a running system; return the figures."""
     import rospy
     from nav_msgs.srv import GetPlan, GetPlanRequest
 
@@ -70,7 +72,7 @@ def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> list:
         deadline = time.monotonic() + 60.0
         while not make_plan(request).plan.poses:  # until there is a map
             if time.monotonic() > deadline:
-                sys.exit("make_plan finds no way")
+                sys.exit("make_plan found no path within 60 s")
             time.sleep(0.2)
         times = []
         for _ in range(20):
@@ -85,7 +87,7 @@ def call_service(grid: OccupancyGrid, seed: int, pairs: int) -> list:
 
 
 def serve(seed: int, pairs: int) -> list:
-    """Start a system of its own and call its service; return the figures."""
+    """Start simulator, map server and move_base, and call make_plan; return the figures."""
     grid = office(587, 540, seed)
     with tempfile.TemporaryDirectory() as name:
         folder, system = Path(name), System()
@@ -101,7 +103,7 @@ def serve(seed: int, pairs: int) -> list:
 
 
 def measure(height: int, width: int, seed: int, plans: int) -> list:
-    """Print what planning on one map takes, by the length of the way; return the figures."""
+    """Print the duration of planning on one map, by path length; return the figures."""
     planner, grid = GridPlanner(), office(height, width, seed)
     Costmap(grid, CostmapLimits())
     start = time.perf_counter()
@@ -128,11 +130,15 @@ def measure(height: int, width: int, seed: int, plans: int) -> list:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--maps", type=int, default=len(MAPS), help="so many maps, the smallest first")
-    parser.add_argument("--plans", type=int, default=60, help="plans a map")
-    parser.add_argument("--seed", type=int, default=3)
-    parser.add_argument("--pairs", type=int, default=3, help="pairs for make_plan as a service, 0: without ROS")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "--maps", type=int, default=len(MAPS), help="number of maps, the smallest first (default: %(default)s)"
+    )
+    parser.add_argument("--plans", type=int, default=60, help="plans on each map (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=3, help="seed of maps and pairs (default: %(default)s)")
+    parser.add_argument(
+        "--pairs", type=int, default=3, help="pairs for make_plan; 0 needs no ROS (default: %(default)s)"
+    )
     arguments = parse(parser, maps=3, plans=30, pairs=1)
     print("cells      costmap ms   length m  plans  median ms  worst ms")
     found = [one for size in MAPS[: arguments.maps] for one in measure(*size, arguments.seed, arguments.plans)]

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Times the core's response: from the last return on in_rosoclingo to the next action on out_rosoclingo.
+"""Measures the core's response: from the last return on in_rosoclingo to the next action on out_rosoclingo.
 
-A real master and two real core nodes with the mailbot program, one of them with a journal, in turns; this process is
-the client and the interface layer, which answers each action at once or after some seconds, so that the figures are the
-cores' and ROS's own.
-The disk is that of the folder for temporary files (TMPDIR). To be run in the built workspace:
-./dev exec python3 bench/response.py
+A master and two core nodes with the mailbot's program, one of them with a journal, run in turns. This process is the
+client and the interface layer: it returns each action at once, or after some seconds. So the figures contain only the
+core and ROS. The journal is in the folder for temporary files (TMPDIR).
+
+Run it in the built workspace: ./dev exec python3 bench/response.py
 """
 
 import argparse
@@ -31,11 +31,11 @@ from rosoclingo.reasoning.keywords import CORE
 
 
 class Responder:
-    """Answers each action of the core in a namespace at once and notes when the next one comes."""
+    """Returns each action of the core in one namespace, and records the time until the next action."""
 
     def __init__(self, space, seconds=0.0):
         self.space, self.answered, self._seconds = space, None, seconds
-        self.responses, self.clingo = {}, {}  # cycle -> seconds; the plan is told after its actions
+        self.responses, self.clingo = {}, {}  # cycle -> seconds; the core publishes a plan after its actions
         self.messages = queue.Queue()
         self.out = rospy.Publisher(f"/{space}/in_rosoclingo", InterfaceIO, queue_size=10)
         rospy.Subscriber(f"/{space}/out_rosoclingo", InterfaceIO, self.on_action, tcp_nodelay=True)
@@ -51,7 +51,7 @@ class Responder:
         self.clingo[message.cycle] = message.ground_time + message.solve_time
 
     def wait(self):
-        """Wait for the core."""
+        """Wait until the core is ready."""
         if not self.client.wait_for_server(rospy.Duration(60)):
             raise SystemExit("the core did not start")
         while self.out.get_num_connections() == 0:
@@ -59,11 +59,11 @@ class Responder:
 
     @property
     def processor_time(self):
-        """Seconds of processor time of the core's process, without its solver's."""
+        """Seconds of processor time of the core's process, without its solver."""
         return processor_time(f"/{self.space}/rosoclingo")
 
     def batch(self, count):
-        """Send goals at once and answer until they have ended."""
+        """Send ``count`` goals at once and return actions until the goals have ended."""
         goals = []
         for _ in range(count):
             self._goals += 1
@@ -73,7 +73,7 @@ class Responder:
         self.run(lambda: all(goal.get_comm_state() == actionlib.CommState.DONE for goal in goals))
 
     def run(self, done):
-        """Answer until ``done`` says so."""
+        """Return actions until ``done`` returns true."""
         while not done():
             try:
                 received, message = self.messages.get(timeout=0.05)
@@ -94,7 +94,7 @@ def _cycle(message):
 
 
 def processor_time(node):
-    """Seconds of processor time of a node's process."""
+    """Return the seconds of processor time of a node's process."""
     master = rosgraph.Master(rospy.get_name())
     pid = rosgraph.Master(rospy.get_name(), master.lookupNode(node)).getPid()
     with open(f"/proc/{pid}/stat") as file:
@@ -102,7 +102,7 @@ def processor_time(node):
 
 
 def begin(responders, count):
-    """Let each core do its first work, which loads libraries."""
+    """Play a first batch with each core, which loads libraries; it is not measured."""
     for responder in responders:
         responder.wait()
         responder.batch(count)
@@ -110,7 +110,7 @@ def begin(responders, count):
 
 
 def play(responders, batches, count):
-    """Let the cores work in turns; return the processor time of a cycle of each, in ms."""
+    """Run the cores in turns; return the processor time per cycle of each, in ms."""
     before = [responder.processor_time for responder in responders]
     for _ in range(batches):
         for responder in responders:
@@ -120,7 +120,7 @@ def play(responders, batches, count):
 
 
 def report(responder, cycle, words=""):
-    """Print the figures of a core and return them."""
+    """Print and return the figures of one core."""
     times = sorted(1000 * one for one in responder.responses.values())
     share = sum(responder.clingo.get(one, 0.0) for one in responder.responses) / sum(responder.responses.values())
     p99 = times[min(len(times) - 1, int(0.99 * len(times)))]
@@ -140,8 +140,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--batches", type=int, default=20, help="batches of requests (default: %(default)s)")
     parser.add_argument("--requests", type=int, default=3, help="requests in a batch (default: %(default)s)")
-    parser.add_argument("--programs", nargs="+", help="the core's program in place of the mailbot's: files")
-    parser.add_argument("--seconds", type=float, default=0.0, help="that an action takes (default: %(default)s)")
+    parser.add_argument("--programs", nargs="+", metavar="FILE", help="files of another program than the mailbot's")
+    parser.add_argument("--seconds", type=float, default=0.0, help="duration of an action (default: %(default)s)")
     options = parse(parser, batches=5)
     port = own_master()
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
@@ -159,7 +159,7 @@ def main():
 
 
 def own_master():
-    """Have a master of its own in the environment; return its port."""
+    """Set the environment to a master on a free port; return the port."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -169,7 +169,7 @@ def own_master():
 
 @contextlib.contextmanager
 def launched(command, environment):
-    """A launch file, or another command, that runs."""
+    """Run a command, such as roslaunch, and interrupt it at the end."""
     launch = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield

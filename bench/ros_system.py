@@ -1,4 +1,4 @@
-"""What the benchmarks that run nodes share: a master of their own, launch files, a map on disk, move_base's client."""
+"""Helpers for benches that run nodes: a separate master, launch files, a map on disk, a client of move_base."""
 
 import os
 import signal
@@ -16,7 +16,7 @@ PATIENCE = 60.0  # s of wall time for a node to appear
 
 
 class System:
-    """A master on a port of its own and what is started on it; to be stopped at the end."""
+    """A master on a free port and the processes started on it; :meth:`stop` ends them."""
 
     def __init__(self) -> None:
         with socket.socket() as free:
@@ -33,7 +33,7 @@ class System:
         self.processes.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
     def launch(self, name: str, *arguments: str) -> None:
-        """Start one of this package's launch files."""
+        """Start a launch file of this package."""
         self.start("roslaunch", "rosoclingo", name, *arguments, "--wait")
 
     def stop(self) -> None:
@@ -44,7 +44,7 @@ class System:
 
 
 def write_map(folder: Path, grid) -> Path:
-    """Write an OccupancyGrid as a map of map_server; return its YAML file."""
+    """Write an OccupancyGrid as a map for map_server; return the YAML file."""
     grey = np.select([grid.cells == 100, grid.cells < 0], [0, 205], 254).astype(np.uint8)
     Image.fromarray(grey[::-1]).save(folder / "map.pgm")
     keys = f"image: map.pgm\nresolution: {grid.resolution}\norigin: [0, 0, 0]\nnegate: 0\n"
@@ -54,7 +54,7 @@ def write_map(folder: Path, grid) -> Path:
 
 
 def move_base_client(kind, prefix: str = ""):
-    """Return an action client (a class of actionlib) of move_base, once that is there; exits where it is not."""
+    """Return an action client of the class ``kind`` for move_base; exit if move_base does not appear."""
     import rospy
     from move_base_msgs.msg import MoveBaseAction
 
@@ -62,5 +62,5 @@ def move_base_client(kind, prefix: str = ""):
     deadline = time.monotonic() + PATIENCE
     while not client.wait_for_server(rospy.Duration(20.0)):
         if time.monotonic() > deadline:
-            sys.exit("move_base did not appear within 60 s")
+            sys.exit(f"move_base did not appear within {PATIENCE:g} s")
     return client

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Drives tours of random goals on an office floor with the real nodes, or with Stage and the navigation stack for them.
+"""Drives tours of random goals on an office floor with the nodes of this package, or with Stage and move_base.
 
-The floor, 54 x 58.7 m at 0.1 m a cell, and 60 things that its map lacks are those of bench/tours.py. Starts its own
-master on a port of its own, simulation.launch and navigation.launch; shows how each goal ends, and the collisions: what
-this package's simulator reports, and with Stage how often the robot stood still though it was to move. A goal that is
-not reached must be impossible: no plan leads to it past all that stands there, made 8 cm bigger.
+The floor, 54 x 58.7 m at 0.1 m a cell, and 60 obstacles that its map lacks are those of bench/tours.py. The bench
+starts a separate master, simulation.launch and navigation.launch. It prints how each goal ends, and counts collisions:
+the reports of this package's simulator, or with Stage the times that the robot stands still despite its commands. A
+goal that is not reached must be impossible: no path leads to it if all obstacles are 8 cm larger.
+
 Run it in the built workspace: ./dev exec python3 bench/ros_tours.py
-With the real programs: ./dev --overlay WORKSPACE exec python3 bench/ros_tours.py --sim stage --nav move_base
+With Stage and move_base: ./dev --overlay WORKSPACE exec python3 bench/ros_tours.py --sim stage --nav move_base
 """
 
 import argparse
@@ -26,13 +27,13 @@ from stalls import Stalls
 from tours import BODIES, SPARE, PlanOutcome, Pose2D, Tour, Variant, office_floor
 
 ROOT = Path(__file__).resolve().parents[1]
-LIMIT = 300.0  # s of wall time that a goal may take
-PREEMPTED, SUCCEEDED, OPEN = 2, 3, (0, 1)  # actionlib's states
-HURRY = 4.0  # simulated s after which a rival's goal comes
+LIMIT = 300.0  # s of wall time, the limit of a goal
+PREEMPTED, SUCCEEDED, OPEN = 2, 3, (0, 1)  # states of actionlib
+HURRY = 4.0  # simulated s until another client replaces a goal
 
 
 def write_world(folder: Path, tour: Tour, drift: float, walkers: int = 0) -> None:
-    """Write map, world file and navigation's parameters for a tour, with people who walk about."""
+    """Write the map, the world file and the navigation parameters of a tour with ``walkers`` people."""
     grid, robot = tour.grid, tour.drive.robot
     write_map(folder, grid)
     footprint = [list(corner) for corner in tour.variant.footprint]
@@ -57,13 +58,13 @@ def write_world(folder: Path, tour: Tour, drift: float, walkers: int = 0) -> Non
 
 
 def spots(tour: Tour) -> list:
-    """Return where the robot and all things stand."""
+    """Return the poses of the robot and of all obstacles."""
     things = (Pose2D(*thing.at) for thing in tour.drive.world.obstacles.values())
     return [tour.drive.robot.pose, *things]
 
 
 def _plain(value):
-    """Return a value without numpy's types, which YAML does not know."""
+    """Return ``value`` without numpy's types, which YAML cannot represent."""
     if isinstance(value, dict):
         return {key: _plain(part) for key, part in value.items()}
     if isinstance(value, list):
@@ -72,12 +73,12 @@ def _plain(value):
 
 
 def start(folder: Path, tour: Tour, arguments) -> System:
-    """Start a simulator and navigation for the world in a folder."""
+    """Start the simulator and navigation for the world in ``folder``."""
     world, stage = folder / "world.yaml", folder / "stage.world"
     if arguments.sim == "stage":
         subprocess.run(["rosrun", "rosoclingo", "stage_world", str(world), "-o", str(stage)], check=True)
     system = System()
-    rosgraph.Master("tours").setParam("/use_sim_time", True)  # before this process asks for the time
+    rosgraph.Master("tours").setParam("/use_sim_time", True)  # before this process reads the time
     simulation = (f"sim:={arguments.sim}", f"world:={world}", f"stage_world:={stage}", f"speed:={arguments.speed}")
     system.launch("simulation.launch", *simulation)
     server = "rosoclingo" if arguments.nav == "rosoclingo" else "map_server"
@@ -94,16 +95,16 @@ def start(folder: Path, tour: Tour, arguments) -> System:
 
 
 def watch_collisions(sim: str, prefix: str):
-    """Return what tells the number of collisions so far."""
+    """Return a function that returns the number of collisions so far."""
     import rospy
     from geometry_msgs.msg import Twist
     from nav_msgs.msg import Odometry
     from std_msgs.msg import String
 
     if sim == "rosoclingo":
-        told = []
-        rospy.Subscriber("simulator/collisions", String, lambda message: told.append(message.data))
-        return lambda: sum(text.startswith("robot ran into") for text in told)
+        reports = []
+        rospy.Subscriber("simulator/collisions", String, lambda message: reports.append(message.data))
+        return lambda: sum(text.startswith("robot ran into") for text in reports)
     stalls = Stalls()
 
     def on_truth(message) -> None:
@@ -120,7 +121,7 @@ def watch_collisions(sim: str, prefix: str):
 
 
 class Goals:
-    """Sends the robot to places, and looks at what comes of it."""
+    """Sends the robot to random poses, and counts how the goals end."""
 
     def __init__(self, tour: Tour, prefix: str) -> None:
         import actionlib
@@ -131,7 +132,7 @@ class Goals:
         self.reached = self.missed = self.replaced = 0
 
     def go(self, number: int, rivals: bool) -> None:
-        """Go to a place; with ``rivals``, each second goal is replaced on its way by another client's."""
+        """Drive to a random pose; with ``rivals``, another client replaces every second goal on the way."""
         import rospy
 
         target, since, end = self.tour.somewhere(), rospy.get_time(), time.monotonic() + LIMIT
@@ -149,13 +150,13 @@ class Goals:
             time.sleep(0.02)
         done = wins.get_state() == SUCCEEDED
         self.reached, self.missed = self.reached + done, self.missed + (possible and not done)
-        words = "" if done else " MISSED" if possible else " told"
+        words = "" if done else " MISSED" if possible else " impossible"
         took = rospy.get_time() - since
         print(f"goal {number}: {took:.0f} simulated s, {wins.get_goal_status_text()}{words}", flush=True)
         self.look()
 
     def look(self) -> None:
-        """Take over where the robot truly is, from where the next goal must be possible."""
+        """Set the tour to the true pose of the robot, from which the next goal is judged."""
         import rospy
         from nav_msgs.msg import Odometry
 
@@ -176,7 +177,7 @@ def pose_goal(target: Pose2D):
 
 
 def drive(tour: Tour, arguments) -> list:
-    """Send the robot to goals one after the other and tell what comes of it; return the figures."""
+    """Send the robot to one goal after the other and print how they end; return the figures."""
     import rospy
 
     rospy.init_node("tours", anonymous=True)
@@ -187,7 +188,7 @@ def drive(tour: Tour, arguments) -> list:
     for number in range(arguments.goals):
         if arguments.kidnap and number == arguments.goals // 2:
             carry(arguments.sim, prefix, tour.somewhere())
-            print("the robot is carried away, and told where it is", flush=True)
+            print("the robot was moved to another pose, published on initialpose", flush=True)
         goals.go(number, arguments.rivals)
     for person in people:
         person.unregister()
@@ -201,21 +202,29 @@ def drive(tour: Tour, arguments) -> list:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sim", default="rosoclingo", help="simulation.launch's sim: rosoclingo or stage")
-    parser.add_argument("--nav", default="rosoclingo", help="navigation.launch's nav: rosoclingo or move_base")
+    parser.add_argument("--sim", default="rosoclingo", help="sim of simulation.launch: rosoclingo or stage")
+    parser.add_argument("--nav", default="rosoclingo", help="nav of navigation.launch: rosoclingo or move_base")
     parser.add_argument(
-        "--speed", type=float, help="simulated s per s, 0: as fast as it goes; else 5 with any of the real programs, 0"
+        "--speed",
+        type=float,
+        help="simulated s per s, 0 for no limit (default: 0, with Stage, move_base, fake or amcl 5)",
     )
-    parser.add_argument("--localization", default="rosoclingo", help="navigation.launch's: rosoclingo, fake or amcl")
-    parser.add_argument("--walkers", type=int, default=0, help="so many people walk about")
-    parser.add_argument("--rivals", action="store_true", help="each second goal is replaced on its way by another's")
     parser.add_argument(
-        "--kidnap", action="store_true", help="half way the robot is carried away, and told by initialpose"
+        "--localization",
+        default="rosoclingo",
+        help="localization of navigation.launch: rosoclingo, fake or amcl",
     )
-    parser.add_argument("--body", choices=BODIES, default="disc")
-    parser.add_argument("--goals", type=int, default=10)
-    parser.add_argument("--drift", type=float, default=0.0, help="greatest relative error of odometry")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--walkers", type=int, default=0, help="people who walk around (default: %(default)s)")
+    parser.add_argument("--rivals", action="store_true", help="let another client replace every second goal")
+    parser.add_argument(
+        "--kidnap", action="store_true", help="half way, move the robot and publish its pose on initialpose"
+    )
+    parser.add_argument("--body", choices=BODIES, default="disc", help="body of the robot (default: %(default)s)")
+    parser.add_argument("--goals", type=int, default=10, help="number of goals (default: %(default)s)")
+    parser.add_argument(
+        "--drift", type=float, default=0.0, help="greatest relative error of odometry (default: %(default)s)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of floor and goals (default: %(default)s)")
     arguments = parse(parser, goals=2)
     if arguments.speed is None:
         own = arguments.sim == arguments.nav == arguments.localization == "rosoclingo"

@@ -1,8 +1,8 @@
-"""OR-Tools' routing solver on deliveries: one vehicle, pickup and delivery, guided local search.
+"""Plans deliveries with the routing solver of OR-Tools: one vehicle, pickup and delivery, guided local search.
 
-A process of its own, with the Python that has OR-Tools (the group bench of pyproject.toml): `routes` starts it, reads
-and writes JSON. Its time is processor time, as that of rosoclingo's solver is, so that other programs change neither's
-plans.
+`routes` starts a separate process, with the Python that has OR-Tools (the group bench of pyproject.toml), and exchanges
+JSON with it. Its time limit is processor time, like that of rosoclingo's solver, so that other programs do not affect
+the plans.
 """
 
 import json
@@ -17,31 +17,31 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 from deliveries import CAPACITY, Floor, Request, World
 
 PYTHON = "ROSOCLINGO_BENCH_PYTHON"
-"""Environment variable with the path of a Python that has OR-Tools; ./dev sets it. Without, it is this one."""
+"""Environment variable with the path of a Python that has OR-Tools, set by ./dev; the default is this Python."""
 
-HOW = "OR-Tools is not there: ./dev bench many_goals installs it (once), or leave it out with --without-or-tools"
+HOW = "OR-Tools is not installed: ./dev bench many_goals installs it, --without-or-tools leaves it out"
 
 Visit = Tuple[str, Request]
 
 
 class RoutingError(Exception):
-    """There is no route; the message is why."""
+    """OR-Tools has found no route; the message contains the cause."""
 
 
 class Route(NamedTuple):
-    """The visits in their order, and the seconds of processor time after which they were known."""
+    """The visits in order, and the processor time (s) after which the route was found."""
 
     seconds: float
     visits: List[Visit]
 
 
 def bench_python() -> str:
-    """Return the path of the Python that has what benches compare with."""
+    """Return the path of the Python that has the other planners."""
     return os.environ.get(PYTHON) or sys.executable
 
 
 def is_there() -> bool:
-    """Whether OR-Tools can be asked."""
+    """Return whether OR-Tools is installed."""
     try:
         found = subprocess.run([bench_python(), "-c", "import ortools"], capture_output=True, check=False)
     except OSError:
@@ -50,7 +50,7 @@ def is_there() -> bool:
 
 
 def routes(floor: Floor, world: World, seconds: Sequence[float]) -> List[Route]:
-    """The best routes that meet all of a world's requests after each of some ``seconds``; raises RoutingError."""
+    """Return the best routes for all requests of a world after each time in ``seconds``; raises RoutingError."""
     waiting, carried = list(world.waiting.values()), list(world.carried.values())
     stops: List[Visit] = [("pickup", one) for one in waiting] + [("deliver", one) for one in [*waiting, *carried]]
     places = [world.office, *(one.start if what == "pickup" else one.end for what, one in stops)]
@@ -71,35 +71,39 @@ def routes(floor: Floor, world: World, seconds: Sequence[float]) -> List[Route]:
 
 
 def _best(stops: Sequence[Visit], found: Sequence[Tuple[float, List[int]]], limit: float) -> Route:
-    """The last, and so the best, route that was found in time; the first one where there was none yet."""
+    """Return the last, and so the best, route found within ``limit``; the first route if there was none yet."""
     used, order = ([one for one in found if one[0] <= limit] or found[:1])[-1]
     return Route(used, [stops[stop - 1] for stop in order])
 
 
-# ---- In the process that has OR-Tools --------------------------------------------------------------------------------
+# ---- In the process with OR-Tools ------------------------------------------------------------------------------------
 
 
 class Search:
-    """One search: node 0 is where the vehicle is; then pickups, their deliveries, deliveries of what it carries."""
+    """One search for a route.
+
+    Node 0 is the place of the vehicle. Pickups follow, then their deliveries, then deliveries of carried packages.
+    """
 
     def __init__(self, problem: Dict) -> None:
         from ortools.constraint_solver import pywrapcp
 
         self._problem = problem
         self._nodes = len(problem["distances"])
-        self._end = self._nodes  # a node of its own, from which nothing is far: the vehicle need not come back
+        self._end = self._nodes  # a node at distance 0 from all others, so that the vehicle need not return
         self._manager = pywrapcp.RoutingIndexManager(self._nodes + 1, 1, [0], [self._end])
         self._routing = pywrapcp.RoutingModel(self._manager)
         self._demand()
         self._order()
-        self._cost: Optional[int] = None  # of the best route yet
+        self._cost: Optional[int] = None  # the cost of the best route so far
         self._begin = 0.0
 
     def run(self, seconds: float) -> None:
-        """Search and write better and better routes; with so much processor time used, SIGPROF ends this process.
+        """Search for better and better routes and write them; SIGPROF ends this process after ``seconds``.
 
-        The routing solver has limits by the wall clock alone; asking a clock of Python's slows it down. Insertion,
-        which gives the better routes, begins with pairs, and finds no place for one where the vehicle begins full.
+        SIGPROF measures processor time. The routing solver only supports limits of wall time, and reading a clock in
+        Python slows it down. Insertion finds better routes, but inserts pairs first, which fails if the vehicle is full
+        at the start.
         """
         from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
@@ -112,10 +116,10 @@ class Search:
         signal.setitimer(signal.ITIMER_PROF, seconds)
         for strategy in (strategies.PARALLEL_CHEAPEST_INSERTION, strategies.PATH_CHEAPEST_ARC):
             parameters.first_solution_strategy = strategy
-            self._routing.SolveWithParameters(parameters)  # ends only where it has found none
+            self._routing.SolveWithParameters(parameters)  # returns only if it finds no route
 
     def _found(self) -> None:
-        """Write a route that is better than those before."""
+        """Write the present route if it is better than all earlier ones."""
         cost = self._routing.CostVar().Max()
         if self._cost is None or cost < self._cost:
             self._cost = cost
@@ -138,7 +142,7 @@ class Search:
         self._routing.AddDimension(load, 0, self._problem["capacity"], True, "load")
 
     def _order(self) -> None:
-        """Pickups come before their deliveries; the order says so, as distances between them may be 0."""
+        """Require pickups before their deliveries, by a dimension "order": distances between them can be 0."""
         one = self._routing.RegisterUnaryTransitVector([1] * (self._nodes + 1))
         self._routing.AddDimension(one, 0, self._nodes + 1, True, "order")
         order, waiting = self._routing.GetDimensionOrDie("order"), self._problem["waiting"]

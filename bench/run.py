@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Runs the short forms of the benches one after the other and prints one table of their figures: ./dev bench.
 
-With --against, another commit is measured in turns with this checkout, in at least three rounds. It is built once, in a
-folder outside the source tree. The benches of this checkout measure both; one that does not run there is "not there".
-The ratio compares the best runs; "better" and "worse" mark a difference of more than a tenth, with "?" if the runs of
-the two overlap: repeat it with more rounds, or on a quieter machine.
+With --against, the benches measure this checkout and another commit in turns, in at least three rounds. The other
+commit is built once, in a folder outside the source tree. The benches of this checkout measure both; a bench that does
+not run with the other commit is reported as not available. The ratio compares the best runs. "better" and "worse" mark
+a difference of more than a tenth. A "?" means that the runs of both sides overlap; repeat the bench with more rounds or
+on a quieter machine.
 
-The exit code is 0; 1 if a bench failed or the other commit cannot be built; 2 for a wrong command line.
+Exit codes: 0 for success, 1 if a bench failed or the other commit cannot be built, 2 for a wrong command line.
 """
 
 import argparse
@@ -29,19 +30,19 @@ from processes import run  # noqa: E402
 BENCHES = sorted(
     path.stem
     for path in (ROOT / "bench").glob("*.py")
-    if path != Path(__file__).resolve() and path.read_text().startswith("#!")  # the others are modules of theirs
+    if path != Path(__file__).resolve() and path.read_text().startswith("#!")  # the other files are modules
 )
-LIMIT = 900.0  # s that a bench may take
-FEWEST = 3  # rounds, where two versions are compared
-SHOWN = 15  # lines of a failed bench's output
+LIMIT = 900.0  # s, time limit of a bench
+FEWEST = 3  # least number of rounds if two versions are compared
+SHOWN = 15  # number of lines shown of the output of a failed bench
 
 
 class BenchError(Exception):
-    """A bench has failed; the message is why."""
+    """A bench has failed; the message contains the cause."""
 
 
 class Checkout:
-    """This checkout, or the tree of another commit: the folder of the benches, and the start of the command."""
+    """This checkout, or the tree of another commit, with the folder of the benches and the start of the command."""
 
     def __init__(self, name: str, folder: Path, start: Sequence[str], logs: Path) -> None:
         self.name, self._folder, self._start, self._logs = name, folder, start, logs
@@ -55,35 +56,38 @@ class Checkout:
         command = [*self._start, str(self._folder / f"{bench}.py"), "--short", "--json", str(result)]
         ended = run(command, log, LIMIT, os.environ)
         if ended.code is None:
-            raise BenchError(f"it did not end within {LIMIT:.0f} s, its output is {log}")
+            raise BenchError(f"it did not end within {LIMIT:.0f} s; output: {log}")
         if ended.code != 0:
             last = log.read_text(errors="replace").rstrip().splitlines()[-SHOWN:]
-            raise BenchError("\n    ".join([f"exit code {ended.code}, all of its output is {log}", *last]))
+            raise BenchError("\n    ".join([f"exit code {ended.code}; complete output: {log}", *last]))
         try:
             return figures.read(result)
         except (OSError, figures.FigureError) as error:
-            raise BenchError(f"it has written no figures: {error}") from error
+            raise BenchError(f"it wrote no figures: {error}") from error
 
 
 def git(*arguments: str) -> bytes:
-    """Return what git says about this checkout; raises subprocess.CalledProcessError."""
+    """Return the output of a git command for this checkout; raises subprocess.CalledProcessError."""
     command = ["git", "-C", str(ROOT), *arguments]
     return subprocess.run(command, check=True, capture_output=True).stdout
 
 
 def commit_named(text: str) -> str:
-    """Return the commit that git knows by a name, for argparse."""
+    """Return the hash of a commit, as a type for argparse."""
     try:
         return git("rev-parse", "--verify", "--quiet", text + "^{commit}").decode().strip()
     except FileNotFoundError:
-        raise argparse.ArgumentTypeError("git is not there: it has the other commit") from None
+        raise argparse.ArgumentTypeError("git is not installed; it is needed for the other commit") from None
     except subprocess.CalledProcessError as error:
         why = error.stderr.decode().strip() or f"git knows no such commit: {text}"
         raise argparse.ArgumentTypeError(why) from None
 
 
 def make_once(target: Path, make: Callable[[Path], object]) -> None:
-    """Make a folder unless it is there; whole or not at all, also where another run makes it at the same time."""
+    """Create a folder by ``make`` unless it exists.
+
+    The folder appears only when complete, even if another run creates it at the same time.
+    """
     target.parent.mkdir(parents=True, exist_ok=True)
     if target.exists():
         return
@@ -104,12 +108,12 @@ def export(commit: str, folder: Path) -> None:
 
 
 def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
-    """Build another commit where that is not done yet; its own ``./dev`` does it. Raises BenchError."""
+    """Build another commit by its own ``./dev`` unless it is built already; raises BenchError."""
     tree, ours = base / commit[:12], ROOT / "bench"
     make_once(tree, lambda folder: export(commit, folder))
     files = [path for path in sorted(ours.rglob("*.*")) if path.suffix in (".py", ".lp", ".pddl")]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:8]
-    lent = tree / f"bench-{digest}"  # beside its own folder, so that "../src" is that commit's
+    lent = tree / f"bench-{digest}"  # next to its own folder, so that "../src" belongs to that commit
     make_once(
         lent, lambda folder: shutil.copytree(str(ours), str(folder), ignore=shutil.ignore_patterns("__pycache__"))
     )
@@ -123,30 +127,30 @@ def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
 
 
 def compare(bench: str, here: Checkout, there: Optional[Checkout], rounds: int) -> List[figures.Row]:
-    """Run a bench of one checkout or of two in turns; raises BenchError where it fails in this one."""
+    """Run a bench for one checkout, or for two in turns; raises BenchError if it fails in this checkout."""
     runs: Dict[str, list] = {"here": [], "there": []}
     sides = {"here": here} if there is None else {"here": here, "there": there}
     missing = False
     for side in figures.turns(list(sides), rounds):
         if side == "there" and missing:
             continue
-        tell(f"{bench}: {sides[side].name}")
+        report(f"{bench}: {sides[side].name}")
         try:
             runs[side].append(sides[side].measure(bench))
         except BenchError as failed:
             if side == "here" or runs["there"]:
                 raise
             missing = True
-            tell(f"{bench}: not there in {sides[side].name}: {failed}")
+            report(f"{bench}: not available in {sides[side].name}: {failed}")
     return figures.rows(bench, runs["here"], runs["there"])
 
 
-def tell(text: str) -> None:
+def report(text: str) -> None:
     print(f"bench: {text}", file=sys.stderr, flush=True)
 
 
 def measure_all(options, logs: Path) -> int:
-    """Run what was asked for and print the table; return the exit code."""
+    """Run the chosen benches and print the table; return the exit code."""
     here, there = Checkout("here", ROOT / "bench", [sys.executable], logs), None
     if options.against:
         there = other_checkout(options.against, options.work / "against", logs)
@@ -156,37 +160,36 @@ def measure_all(options, logs: Path) -> int:
             found += compare(bench, here, there, options.rounds)
         except BenchError as failed:
             failures += 1
-            tell(f"error: {bench} failed: {failed}")
+            report(f"error: {bench} failed: {failed}")
     print(figures.table(found, there and there.name))
     print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
     if failures:
-        tell(f"error: {failures} of {len(options.names or BENCHES)} failed")
+        report(f"error: {failures} of {len(options.names or BENCHES)} failed")
     return min(failures, 1)
 
 
 def command_line():
-    """Return what was asked for; ends with exit code 2 where it is wrong."""
+    """Return the options of the command line; exit with code 2 if it is wrong."""
     parser = argparse.ArgumentParser(
         "./dev bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"all without a name: {' '.join(BENCHES)}")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"benches to run (default: all): {' '.join(BENCHES)}")
     parser.add_argument(
-        "--against", type=commit_named, metavar="COMMIT", help="another commit to measure beside this checkout"
+        "--against", type=commit_named, metavar="COMMIT", help="another commit to compare with this checkout"
     )
     parser.add_argument(
-        "--rounds", type=int, help=f"runs of each bench (default: 1, with --against {FEWEST}, the fewest there)"
+        "--rounds", type=int, help=f"runs of each bench (default: 1; with --against {FEWEST}, which is the least)"
     )
-    parser.add_argument(
-        "--work", type=Path, help=argparse.SUPPRESS
-    )  # ./dev's folder; without, the line is only checked, and the benches' names are printed
+    # The work folder of ./dev. Without it, the command line is only checked, and the names of the benches are printed.
+    parser.add_argument("--work", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     for name in options.names:
         if name not in BENCHES:
-            parser.error(f"no such bench: {name}; there are {' '.join(BENCHES)}")
+            parser.error(f"no such bench: {name}; the benches are {' '.join(BENCHES)}")
     fewest = FEWEST if options.against else 1
     options.rounds = fewest if options.rounds is None else options.rounds
     if options.rounds < fewest:
-        parser.error(f"--rounds is at least {fewest} here")
+        parser.error(f"--rounds must be at least {fewest}{' with --against' if options.against else ''}")
     return options
 
 
@@ -200,13 +203,13 @@ def main() -> int:
     try:
         code = measure_all(options, logs)
     except BenchError as failed:
-        tell(f"error: {failed}")
+        report(f"error: {failed}")
         return 1
     except KeyboardInterrupt:
-        tell(f"interrupted; the output of what has run is in {logs}")
+        report(f"interrupted; the output of the benches is in {logs}")
         return 130
     if code == 0:
-        shutil.rmtree(str(logs))  # else they tell why
+        shutil.rmtree(str(logs))  # after a failure, the logs show the cause
     return code
 
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Times an update through the TCP service against the same update in the library, both in one run, and starts.
+"""Compares updates through the TCP service with the same updates in the library, and measures starts of the command.
 
-Ratios are the figures to compare: the two take turns, update by update, so that whatever else the machine does hits
-both. A start is the processor time, of all its processes, that the command needs to answer one update and to end.
-Needs no ROS: ./dev exec python3 bench/service.py
+Service and library take turns, update by update, so that other load on the machine affects both; compare the ratios. A
+start is the processor time of all processes of the command until it has answered one update and ended. Needs no ROS:
+
+    ./dev exec python3 bench/service.py
 """
 
 import argparse
@@ -21,15 +22,15 @@ from figures import Figure, parse, write
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
 
 SMALL = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n:- t < 0.\n"
-#: Answers of some three hundred atoms.
+#: A program whose answers have about three hundred atoms.
 WIDE = "#base.\nroom(1..300).\n#cumulative t.\n#external e(t).\nat(X,t) :- e(t), room(X).\n#volatile t.\n:- t < 0.\n"
-#: A program in gringo 3's language, which has to be translated.
+#: A program in the language of gringo 3, which has to be translated.
 OLD = "#base.\nroom(1..3).\n#cumulative t.\n#external e(X,t) : room(X) : X != 2.\n#volatile t.\n:- t < 0.\n"
 SCRIPT = str(Path(__file__).parents[1] / "scripts" / "oclingo")
 
 
 class Client:
-    """oClingo's protocol in a few lines."""
+    """A minimal client of oClingo's protocol."""
 
     def __init__(self, port):
         self.connection = socket.create_connection(("127.0.0.1", port))
@@ -38,7 +39,7 @@ class Client:
         self.reply()
 
     def reply(self):
-        """Read up to the end of an update's answers."""
+        """Read the answers to an update."""
         while b"End of Step.\n\0" not in self.data:
             self.data += self.connection.recv(1 << 16)
         self.data = self.data.split(b"End of Step.\n\0", 1)[1]
@@ -49,7 +50,7 @@ class Client:
 
 
 def measure(program, count):
-    """Milliseconds of each update: in the library, through the service."""
+    """Return the milliseconds of each update in the library and through the service."""
     with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
         file.write(program)
         file.flush()
@@ -76,13 +77,13 @@ def compare(solver, client, count):
 
 
 def processor_time():
-    """Seconds of processor time of all processes that were started from here and have ended."""
+    """Return the processor time (s) of all child processes that have ended."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def stream_start(program):
-    """Milliseconds of processor time to play one update."""
+    """Return the processor time (ms) to play a stream of one update."""
     with tempfile.TemporaryDirectory() as folder:
         file, stream = Path(folder, "program.lp"), Path(folder, "updates.str")
         file.write_text(program)
@@ -94,7 +95,7 @@ def stream_start(program):
 
 
 def service_start(program):
-    """Milliseconds of processor time to serve one update."""
+    """Return the processor time (ms) to serve one update."""
     before = processor_time()
     measure(program, 1)
     return 1000 * (processor_time() - before)
@@ -116,9 +117,9 @@ def main():
         found.append(Figure(f"{name}, service over library", there / here, ""))
     for name, start in (("stream", stream_start), ("service", service_start)):
         for language, program in (("clingo's", SMALL), ("gringo 3's", OLD)):
-            needed = statistics.median(start(program) for _ in range(options.starts))
-            print(f"{name}, a program in {language} language: {needed:.0f} ms of processor time to the first answer")
-            found.append(Figure(f"{name} starts, {language} language", needed, "ms"))
+            median = statistics.median(start(program) for _ in range(options.starts))
+            print(f"{name}, a program in {language} language: {median:.0f} ms of processor time for one answer")
+            found.append(Figure(f"{name} starts, {language} language", median, "ms"))
     write(options.json, found)
 
 

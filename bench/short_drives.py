@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Measures what it brings to prefer short drives (encodings/delivery/short_drives.lp): metres driven, processor time.
+"""Measures the preference for short drives (encodings/delivery/short_drives.lp): metres driven and processor time.
 
-Requests between the rooms of the shipped house, and between places strewn over a floor with doors and clutter; ways and
-distances are those that the command places makes of the map. The solver plans as the core's does, with the preference
-and without, and each plan is driven to its end. To be run in the built workspace:
-./dev exec python3 bench/short_drives.py
+The requests are between the rooms of the shipped house, and between random places on a floor with doors and clutter.
+Connections and distances are computed from the map, as by the command places. The solver plans with the settings of the
+core, with and without the preference. Each plan is executed to its end.
+
+Run it in the built workspace: ./dev exec python3 bench/short_drives.py
 """
 
 import argparse
@@ -34,13 +35,13 @@ MAILBOT, PREFERENCE = (ROOT / "encodings" / name for name in ("mailbot.lp", "del
 
 
 def house():
-    """The shipped house's floor."""
+    """Return the floor of the shipped house."""
     labels = LabelTable.read(read_yaml(ROOT / "config" / "house_labels.yaml", "labels", LabelError))
     return floor_of(Costmap(load_map(ROOT / "worlds" / "house.yaml"), CostmapLimits()), labels)
 
 
 def strewn(count=10, seed=1):
-    """A floor of 10 m x 10 m with so many places at random."""
+    """Return a floor of 10 m x 10 m with ``count`` random places."""
     costmap, source = Costmap(small_floor(np.random.default_rng(seed)).grid, CostmapLimits()), random.Random(seed)
     labels = []
     while len(labels) < count:
@@ -49,13 +50,13 @@ def strewn(count=10, seed=1):
             floor = floor_of(costmap, LabelTable((*labels, label)))
         except FloorError:
             continue
-        if len(floor.distances) == len(labels) * (len(labels) + 1) // 2:  # it can be reached
+        if len(floor.distances) == len(labels) * (len(labels) + 1) // 2:  # the new place is reachable
             labels.append(label)
     return floor
 
 
 class Planner:
-    """The mailbot's program on a floor, with the preference or without."""
+    """The mailbot's program on a floor, with or without the preference."""
 
     def __init__(self, floor, prefers):
         self._floor = floor._replace(start=floor.places[0])
@@ -65,11 +66,11 @@ class Planner:
         PlanSolver(self._program, plan_time=1.0).solve()
 
     def drive(self, requests):
-        """The metres and the steps of the plan for some requests, and the processor time (s) that it took."""
+        """Plan for some requests; return the metres and steps of the plan, and the processor time (s) of the search."""
         solver = PlanSolver(self._program, plan_time=1.0)
-        told = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
+        facts = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
         begin = time.process_time()
-        result = solver.update(parse_update(f"#step 1. {told} #endstep."))
+        result = solver.update(parse_update(f"#step 1. {facts} #endstep."))
         seconds = time.process_time() - begin
         actions = sorted((one.arguments for one in Plan.from_result(result).actions), key=lambda one: one[2].number)
         way = [self._floor.start, *(str(place) for kind, place, _ in actions if kind.name == "move_base")]
@@ -78,7 +79,7 @@ class Planner:
 
 
 def measure(name, floor, count, rounds):
-    """Play so many rounds of ``count`` requests each both ways, in turns; return the figures and say them."""
+    """Play ``rounds`` of ``count`` requests each with both programs, in turns; print and return the figures."""
     source, planners = random.Random(count), {prefers: Planner(floor, prefers) for prefers in (False, True)}
     sums = {prefers: np.zeros(3) for prefers in planners}
     for _ in range(rounds):

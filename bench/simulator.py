@@ -1,11 +1,16 @@
 #!/usr/bin/env python3
-"""Measures the simulator as a node, free running: simulated seconds per second, and the jitter of move_base's commands.
+"""Measures the simulator node without a speed limit: simulated seconds per second, and jitter of move_base's commands.
 
-Starts its own master on a port of its own. Cases: one robot with Stage's laser (1081 beams, 270.25 degrees, 6 m) with
-nobody but the clock listening; the same with a second process that subscribes to every topic of the simulator; the same
-with move_base driving from one end of the office to the other; with move_base's topics subscribed too; four and ten
-robots, alone and with every topic of the simulator subscribed.
-Of several runs the best is shown, as whatever else the machine does only makes it slower.
+The bench starts a separate master. Each robot has a laser like Stage's (1081 beams, 270.25 degrees, 6 m). The cases are
+
+* one robot without subscribers, except to the clock
+* one robot, and a process that subscribes to all topics of the simulator
+* the same, while move_base drives the robot from one end of the office to the other
+* the same, with all topics of move_base subscribed too
+* four and ten robots, each without subscribers and with all topics of the simulator subscribed
+
+The best of several runs is shown, because other load on the machine can only slow down a run.
+
 Run it in the built workspace: ./dev exec python3 bench/simulator.py
 """
 
@@ -24,7 +29,7 @@ from ros_system import System, move_base_client
 
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = "  - {{pose: [{x}, {y}, 0], radius: 0.18, laser: {{range: 6.0, angle: 270.25, beams: 1081}}}}\n"
-ENDS = ((1.9, 0.0), (13.9, 0.0))  # where move_base drives to in turns
+ENDS = ((1.9, 0.0), (13.9, 0.0))  # targets of move_base, in turns
 CASES = {
     "one robot alone": (1, None, False),
     "one robot, its topics subscribed": (1, "/simulator", False),
@@ -46,7 +51,7 @@ def world_file(folder: Path, robots: int) -> Path:
 
 
 def start(world: Path, subscribed: Optional[str], navigation: bool) -> System:
-    """Start the simulator, perhaps navigation and a process that hears what a node (empty: any) publishes."""
+    """Start the simulator, and optionally navigation and a process that subscribes to the topics of a node."""
     system = System()
     system.launch("simulation.launch", f"world:={world}", "speed:=0")
     if navigation:
@@ -57,11 +62,11 @@ def start(world: Path, subscribed: Optional[str], navigation: bool) -> System:
 
 
 def hear(node: str) -> None:
-    """Subscribe to every topic that a node (empty: any) publishes or comes to publish."""
+    """Subscribe to all present and future topics of a node (empty: any node)."""
     import rospy
 
     rospy.init_node("hear", anonymous=True)
-    heard = {"/rosout", "/rosout_agg", "/clock"}  # the clock is subscribed by every node
+    heard = {"/rosout", "/rosout_agg", "/clock"}  # every node subscribes to the clock
     while not rospy.is_shutdown():
         published, _, _ = rosgraph.Master("hear").getSystemState()
         for name, nodes in published:
@@ -72,7 +77,7 @@ def hear(node: str) -> None:
 
 
 class Driver:
-    """Sends move_base from one end to the other for ever, and notes when its commands come."""
+    """Sends move_base from one end to the other forever, and records the times of its commands."""
 
     def __init__(self, clock) -> None:
         import actionlib
@@ -107,7 +112,7 @@ class Driver:
 
 
 def watch(navigating: bool, seconds: float) -> None:
-    """Print the pace; in a process of its own, as a node lives once a process."""
+    """Print the pace; runs in a separate process, because a process can be a node only once."""
     import rospy
     from rosgraph_msgs.msg import Clock
 
@@ -149,12 +154,14 @@ def pace(report: str) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=6.0, help="wall time of each run")
-    parser.add_argument("--runs", type=int, default=3, help="runs of each case, of which the best is shown")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=6.0, help="wall time of each run (default: %(default)s)")
+    parser.add_argument(
+        "--runs", type=int, default=3, help="runs of each case; the best is shown (default: %(default)s)"
+    )
     cases = range(len(CASES))
     parser.add_argument(
-        "--only", type=int, nargs="+", default=cases, choices=cases, help="the numbers of the cases to run"
+        "--only", type=int, nargs="+", default=cases, choices=cases, help="numbers of the cases to run (default: all)"
     )
     parser.add_argument("--watch", nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--hear", help=argparse.SUPPRESS)

@@ -1,17 +1,17 @@
-"""Counts where a robot runs into something, by what any simulator tells: its commands, and where it truly is."""
+"""Counts collisions of a robot from data of any simulator: its commands and its true poses."""
 
 from typing import Optional, Tuple
 
 __all__ = ["Stalls"]
 
-MOVES = 0.02, 0.05  # m/s, rad/s: a command that moves the robot
-STILL = 1e-6  # m, rad
-FRESH = 0.15  # s: an older command has been taken back by the watchdog
-TIMES = 3  # truths in which it must stand
+MOVES = 0.02, 0.05  # m/s, rad/s: larger commands move the robot
+STILL = 1e-6  # m, rad: smaller changes of the pose are no motion
+FRESH = 0.15  # s: the watchdog has cancelled older commands
+TIMES = 3  # number of poses without motion that count as a collision
 
 
 class Stalls:
-    """Counts ``times`` that a robot stands still though it is commanded to move: Stage stops it before it touches."""
+    """Counts the ``times`` that a robot stands still despite its commands: Stage stops it before it collides."""
 
     def __init__(self) -> None:
         self.times = 0
@@ -20,11 +20,11 @@ class Stalls:
         self._still = 0
 
     def command(self, now: float, linear: float, angular: float) -> None:
-        """Take a command (m/s, rad/s) given at a time (s)."""
+        """Record a command (m/s, rad/s) at the time ``now`` (s)."""
         self._command = (now, linear, angular)
 
     def truth(self, now: float, x: float, y: float, yaw: float) -> None:
-        """Take a pose (m, rad) at a time (s)."""
+        """Record the true pose (m, rad) at the time ``now`` (s)."""
         at, linear, angular = self._command
         moves = abs(linear) > MOVES[0] or abs(angular) > MOVES[1]
         stands = self._pose is not None and max(abs(a - b) for a, b in zip(self._pose, (x, y, yaw))) < STILL

@@ -1,4 +1,4 @@
-"""Floors for bench/tours.py: maps with doors, slanted and rough ones, at any resolution."""
+"""Floors for bench/tours.py: maps with doors at any resolution, optionally slanted or rough."""
 
 import math
 from typing import List, NamedTuple
@@ -12,7 +12,7 @@ from rosoclingo.robot.simulation import DoorSpec
 
 
 class Floor(NamedTuple):
-    """A map and the doors in it, all of them open."""
+    """A map and its doors, all of them open."""
 
     grid: OccupancyGrid
     doors: List[DoorSpec]
@@ -34,7 +34,7 @@ def small_floor(random, resolution: float = 0.05) -> Floor:
 
 
 def office_floor(seed: int, resolution: float = 0.1) -> Floor:
-    """The floor of 54 x 58.7 m that bench/planner.py plans on; its doors are found in its walls."""
+    """Return the floor of bench/planner.py, 54 x 58.7 m, with the doors found in its walls."""
     grid, doors = office(587, 540, seed), []
     for turned, cells in ((False, grid.cells), (True, grid.cells.T)):
         for wall in range(60, cells.shape[0] - 30, 60):
@@ -46,7 +46,7 @@ def office_floor(seed: int, resolution: float = 0.1) -> Floor:
 
 
 def gaps(free: np.ndarray, widest: int = 15):
-    """Yield (first, behind the last) of each run of free cells that is no wider than a door."""
+    """Yield the start and end (exclusive) of each run of free cells that is at most as wide as a door."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], free, [False])).astype(int)))
     for first, last in zip(edges[::2], edges[1::2]):
         if last - first <= widest:
@@ -54,7 +54,7 @@ def gaps(free: np.ndarray, widest: int = 15):
 
 
 def turned(floor: Floor, angle: float) -> Floor:
-    """Return the floor turned (rad) about its middle; what is not on it is unknown."""
+    """Return the floor rotated (rad) about its centre; cells outside the floor are unknown."""
     grid = floor.grid
     height, width = (size * grid.resolution for size in grid.shape)
     c, s = math.cos(angle), math.sin(angle)
@@ -76,7 +76,7 @@ def turned(floor: Floor, angle: float) -> Floor:
 
 
 def rough(floor: Floor, random) -> Floor:
-    """Return the floor as a robot would have mapped it: ragged walls, speckles, patches that nobody has seen."""
+    """Return the floor like a map made by a robot: with ragged walls, speckles and unknown patches."""
     cells = floor.grid.cells.copy()
     near = np.zeros(cells.shape, dtype=bool)
     wall = cells == 100

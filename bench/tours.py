@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Drives tours of random goals on random maps, without ROS: who is reached, what is touched, how long an abort takes.
+"""Drives tours of random goals on random maps, without ROS: goals reached, collisions, and the time until an abort.
 
-Maps: an office floor of 54 x 58.7 m at 0.1 m a cell, and small floors of rooms with narrow doors and clutter at 0.05 m;
-things and robots that the map lacks stand about. On the way doors close for good or for a while, and things appear in
-front of the robot, some of which go again (--events is how many goals in ten see one). Unless --plain is given the
-robot's body, the map's resolution, slant and roughness, the rate of control and the lateness of commands vary too.
+The maps are an office floor of 54 x 58.7 m at 0.1 m a cell, and small floors of rooms with narrow doors and clutter at
+0.05 m a cell. There are also obstacles and robots that the map lacks. During some drives (--events in ten) a door
+closes, or an obstacle appears in front of the robot, permanently or for a while. Unless --plain is given, the body of
+the robot, resolution, slant and roughness of the map, the control rate and the delay of commands vary too.
 
-A goal must be reached when, with all that stands there in the end 8 cm bigger and the robot's whole turning circle, a
-plan leads to it; it cannot be when there is none for the circle within the robot and things 3 cm smaller. In between
-either end is right.
+How a goal must end depends on the obstacles at the end of the drive:
+  reached     if a path leads to it for the robot's circumscribed circle and obstacles that are 8 cm larger
+  impossible  if no path leads to it for the inscribed circle and obstacles that are 3 cm smaller
+  either      otherwise
+A goal that must be reached and is aborted counts as MISSED.
+
 Run it in the built workspace: ./dev exec python3 bench/tours.py
 """
 
@@ -42,15 +45,15 @@ from rosoclingo.robot.navigation import (
 from rosoclingo.robot.navigation.local_planner import inscribed_radius
 from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
-SPARE, LACK = 0.08, -0.03  # m: what noise makes bigger must still be passable; what is smaller may be
-LIMIT = 3000.0  # simulated s that a goal may take
-SETTLED = 90.0  # s without a change after which the robot is judged by what stands there
+SPARE, LACK = 0.08, -0.03  # m: growth of obstacles with which a path must be found, and with which it can be found
+LIMIT = 3000.0  # simulated s, time limit of a goal
+SETTLED = 90.0  # s without a change after which an abort is judged by the present obstacles
 SPEED = 0.65  # m/s
 BODIES = {"disc": (), "erratic": ERRATIC, "long": LONG}
 
 
 class Variant(NamedTuple):
-    """What differs from tour to tour; ``control`` and ``late`` in steps of 0.05 s."""
+    """The parameters that vary from tour to tour; ``control`` and ``late`` are in steps of 0.05 s."""
 
     resolution: float = 0.0
     footprint: Tuple[Tuple[float, float], ...] = ()
@@ -62,7 +65,7 @@ class Variant(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """The radius (m) of the circle in which the robot turns."""
+        """The radius (m) of the robot's circumscribed circle."""
         return max((math.hypot(*corner) for corner in self.footprint), default=0.18)
 
     def floor(self, kind: str, random, seed: int) -> Floor:
@@ -88,7 +91,7 @@ def varied(kind: str, random) -> Variant:
 
 
 class Event:
-    """Something that happens while the robot drives: a door that closes, or a thing in front of it."""
+    """An event during a drive: a door closes, or an obstacle appears in front of the robot."""
 
     def __init__(self, tour: "Tour", points: np.ndarray) -> None:
         self.tour, self.points, self.random = tour, points, tour.random
@@ -124,21 +127,21 @@ class Event:
     def change(self, work) -> bool:
         try:
             work()
-        except WorldError:  # the robot stands there
+        except WorldError:  # the robot is in the way
             return False
         self.changed = self.tour.drive.world.time
         return True
 
 
 def gap_to(door, pose: Pose2D) -> float:
-    """Return the distance (m) of a pose from a door."""
+    """Return the distance (m) from a pose to a door."""
     a, b, p = np.array(door.start), np.array(door.end), np.array(pose[:2])
     part = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
     return float(np.hypot(*(a + part * (b - a) - p)))
 
 
 def crosses(points: np.ndarray, door) -> bool:
-    """Tell whether the way along points leads through a door."""
+    """Return whether the path along ``points`` leads through a door."""
     a, b = np.array(door.start), np.array(door.end)
     across = np.array([a[1] - b[1], b[0] - a[0]])
     side, along = (points - a) @ across, (points - a) @ (b - a) / ((b - a) @ (b - a))
@@ -147,7 +150,7 @@ def crosses(points: np.ndarray, door) -> bool:
 
 
 class Tour:
-    """One map, one robot, and goals one after the other."""
+    """A tour of one robot to several goals on one map."""
 
     def __init__(self, floor: Floor, variant: Variant, random, things: int, events: float) -> None:
         self.grid, self.random, self.variant, self.events = floor.grid, random, variant, events
@@ -187,7 +190,7 @@ class Tour:
         return Pose2D(*self.grid.centre(*self.free[self.random.integers(len(self.free))]), self.random.uniform(-3, 3))
 
     def with_things(self, more: float) -> OccupancyGrid:
-        """Return the map with all that stands there now, ``more`` (m) bigger."""
+        """Return the map with all present obstacles, enlarged by ``more`` (m)."""
         world, cells, scale = self.drive.world, self.grid.cells.copy(), self.grid.resolution
         discs = [(*thing.at, thing.radius) for thing in world.obstacles.values()]
         discs += [(pose.x, pose.y, 0.18) for pose in self.standing]
@@ -209,7 +212,7 @@ class Tour:
         return GridPlanner().plan(costmap, self.drive.robot.pose, goal)
 
     def go(self) -> str:
-        """Drive to a random goal; return what came of it."""
+        """Drive to a random goal; return how it ended, as text."""
         goal, since = self.somewhere(), self.drive.world.time
         here = self.drive.robot.pose
         way = self.plan(goal, SPARE, self.variant.reach)
@@ -233,11 +236,11 @@ class Tour:
             return f"MISSED, {words}"
         inner = inscribed_radius(0.18, self.variant.footprint)
         possible = self.plan(goal, LACK, inner).outcome is PlanOutcome.FOUND
-        return f"{'either' if possible else 'told'}, {words}"
+        return f"{'either' if possible else 'impossible'}, {words}"
 
 
 class Timed(Drive):
-    """A drive that keeps what each tick costs (s)."""
+    """A drive that records the processing time (s) of each tick."""
 
     def __init__(self, *arguments, **more) -> None:
         super().__init__(*arguments, **more)
@@ -252,15 +255,17 @@ class Timed(Drive):
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--small", type=int, default=20, help="small floors")
-    parser.add_argument("--offices", type=int, default=2, help="office floors")
-    parser.add_argument("--goals", type=int, default=5, help="goals on each")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--events", type=int, default=4, help="in how many of ten drives something happens")
-    parser.add_argument("--plain", action="store_true", help="a disc, straight clean maps, control at 10 Hz")
-    parser.add_argument("--body", choices=BODIES, help="the robot's body on all floors")
+    parser.add_argument("--small", type=int, default=20, help="number of small floors (default: %(default)s)")
+    parser.add_argument("--offices", type=int, default=2, help="number of office floors (default: %(default)s)")
+    parser.add_argument("--goals", type=int, default=5, help="goals on each floor (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the first floor (default: %(default)s)")
+    parser.add_argument("--events", type=int, default=4, help="drives in ten with an event (default: %(default)s)")
+    parser.add_argument(
+        "--plain", action="store_true", help="use a disc, straight maps without roughness, and control at 10 Hz"
+    )
+    parser.add_argument("--body", choices=BODIES, help="body of the robot on all floors")
     arguments = parse(parser, small=3, offices=0, goals=3, plain=True)
-    counts = dict.fromkeys(("reached", "told", "either", "MISSED", "NO END"), 0)
+    counts = dict.fromkeys(("reached", "impossible", "either", "MISSED", "NO END"), 0)
     begin, collisions, simulated, slowness, aborts, costs = time.time(), 0, 0.0, [], [], []
     kinds = ["small"] * arguments.small + ["office"] * arguments.offices
     for seed, kind in enumerate(kinds, arguments.seed):

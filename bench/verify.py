@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Measures how far the shipped programs are verified: depth in events, states, processor time.
+"""Measures the verification of the shipped programs: depth in events, number of states, processor time.
 
-The programs are those of the paper, the office, the house, the tutorial and the template of a package. Each is
-verified to a depth, within a limit of processor time; what was proven is the figure. To be run in the built workspace:
-./dev exec python3 bench/verify.py. It needs no ROS.
+The programs are those of the paper, the office, the house, the tutorial and the package template. Each is verified to a
+given depth, within a limit of processor time; the figure is the depth that was proven. Needs no ROS.
+
+Run it in the built workspace: ./dev exec python3 bench/verify.py
 """
 
 import argparse
@@ -23,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 class Subject(NamedTuple):
-    """A program: its files, the depth of the bench and of its short form, goals and facts of each kind."""
+    """A program to verify: its files, the depth, the depth of the short form, and the goals and facts of each kind."""
 
     files: Tuple[str, ...]
     depth: int
@@ -41,7 +42,7 @@ SUBJECTS = {
 
 
 def load(files):
-    """The program of some files; of a document the first program in it."""
+    """Return the program in ``files``; of a document, the first program in it."""
     sources = [Source.from_file(ROOT / name) for name in files]
     texts = [
         re.search(r"```prolog\n(.*?)```", one.text, re.DOTALL) if one.name.endswith(".md") else None for one in sources
@@ -53,7 +54,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--programs", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), help="(default: all)")
     parser.add_argument("--seconds", type=float, default=1200.0, help="processor time for each (default: %(default)g)")
-    parser.add_argument("--quick", action="store_true", help="lesser depths")
+    parser.add_argument("--quick", action="store_true", help="verify to smaller depths")
     options = parse(parser, quick=True, seconds=60.0)
     found = []
     for name in options.programs:
@@ -63,7 +64,7 @@ def main():
         verdict = verify(load(subject.files), selection, limits, options.seconds)
         print(f"{name}:\n{verdict.text()}", flush=True)
         if verdict.defects:
-            raise SystemExit(f"{name} is not clean")
+            raise SystemExit(f"{name}: the program has defects")
         found += [
             Figure(f"{name}, depth", verdict.progress.proven, "events", "higher"),
             Figure(f"{name}, states", verdict.progress.states, "", "higher"),

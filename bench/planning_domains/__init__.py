@@ -1,8 +1,8 @@
-"""Planning domains that are no deliveries, with programs that give the solver no advice.
+"""Planning domains other than deliveries, with programs that give the solver no advice.
 
-Of each domain there are: ``NAME.lp``, the program as a user would write it; ``NAME.py``, which makes tasks and has the
-rules in plain Python; and ``NAME.pddl``, the same domain for other planners. The garden's program is that of
-doc/tutorial.md; crates has actions at the same time, which PDDL lacks.
+Each domain has three files: ``NAME.lp`` is the program as a user would write it, ``NAME.py`` generates tasks and
+contains the rules in plain Python, and ``NAME.pddl`` is the same domain for other planners. The program of the garden
+is the one of doc/tutorial.md. The domain crates has simultaneous actions, which PDDL lacks.
 """
 
 from typing import Callable, Dict, NamedTuple, Tuple
@@ -14,7 +14,7 @@ __all__ = ["DOMAINS", "Action", "Domain", "RuleError", "Step", "Task", "World", 
 
 
 class Domain(NamedTuple):
-    """A domain: what makes a task of it, and the arguments for tasks of three sizes, without the seed."""
+    """A domain: a function that makes tasks, and its arguments for three sizes, without the seed."""
 
     make: Callable[..., Task]
     sizes: Dict[str, Tuple[int, ...]]

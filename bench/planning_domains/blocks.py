@@ -1,4 +1,4 @@
-"""Blocks world: an arm piles up blocks."""
+"""Blocks world: a robot arm piles up blocks."""
 
 import random
 from typing import Dict, List, Sequence
@@ -12,7 +12,7 @@ SIZES = {"small": (6,), "middle": (12,), "large": (20,)}
 
 
 class Blocks(Arrangement):
-    """The arm, and what each block lies on."""
+    """The arm, and the block or table below each block."""
 
     def __init__(self, places: Dict[str, str]) -> None:
         super().__init__(places)
@@ -35,7 +35,7 @@ class Blocks(Arrangement):
 
 
 def towers(blocks: Sequence[str], source: random.Random) -> Dict[str, str]:
-    """Return random towers: what each block lies on."""
+    """Return random towers as block -> block or table below it."""
     order = source.sample(blocks, len(blocks))
     return {
         block: order[number - 1] if number and source.random() < 0.6 else "table" for number, block in enumerate(order)

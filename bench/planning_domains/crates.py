@@ -1,4 +1,4 @@
-"""Crates: two robots act at the same time, and lift, carry and drop crates together."""
+"""Crates: two robots act simultaneously, and lift, carry and drop crates together."""
 
 import random
 from typing import Dict, Sequence, Set, Tuple

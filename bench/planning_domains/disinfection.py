@@ -1,4 +1,4 @@
-"""Disinfection: a robot with a battery disinfects rooms, urgent ones first, some of them behind doors."""
+"""Disinfection: a robot with a battery disinfects rooms, urgent rooms first; some rooms are behind doors."""
 
 import random
 from typing import List, Sequence, Tuple
@@ -57,7 +57,7 @@ class Disinfection(World):
         urgent = {number for number, goal in self.open.items() if goal[2] == "urgent"}
         here = {number for number, goal in self.open.items() if goal[1] == room}
         require(bool(here), f"no goal asks for {room}")
-        require(not urgent or bool(here & urgent), f"{room} is not urgent, others are")
+        require(not urgent or bool(here & urgent), f"urgent rooms come before {room}")
         self._use()
         for number in here:
             del self.open[number]
@@ -73,7 +73,7 @@ class Disinfection(World):
 
 
 def make(rooms: int, goals: int, seed: int = 1) -> Task:
-    """Return a task on a corridor with rooms on both sides, every third behind a door, some joined."""
+    """Return a task on a corridor with rooms on both sides; every third room is behind a door, some are joined."""
     source = random.Random(1000 * seed + 10 * rooms + goals)
     halls = -(-rooms // 3)
     ways: List[Edge] = [("home", "h1"), *((f"h{one}", f"h{one + 1}") for one in range(1, halls))]
@@ -121,7 +121,7 @@ def _pddl(ways: Sequence[Edge], doors: Sequence[Edge], chosen: Sequence[str], ur
 
 
 def _actions_of(plan: Sequence[Sequence[str]]) -> List[Action]:
-    what = {"move_base": 2, "open": 2, "shut": 2, "disinfect": 1, "charge": 1}  # the place of the parameter
+    what = {"move_base": 2, "open": 2, "shut": 2, "disinfect": 1, "charge": 1}  # the index of the parameter
     actions = []
     for operator in plan:
         name = operator[0].split("-")[0]

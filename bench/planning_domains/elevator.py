@@ -22,7 +22,7 @@ class Elevator(World):
         self.rides: Dict[int, str] = {}
 
     def cancel(self, number: int) -> None:
-        """Cancel a goal; a person who rides arrives all the same."""
+        """Cancel a goal; a person in the cabin still has to arrive."""
         if number not in self.rides:
             super().cancel(number)
 

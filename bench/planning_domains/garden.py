@@ -1,4 +1,4 @@
-"""Garden: the gardener of doc/tutorial.md waters plants; its program is the one of that page."""
+"""Garden: the gardener of doc/tutorial.md waters plants, with the program of that page."""
 
 import random
 import re
@@ -46,14 +46,14 @@ class Garden(World):
             del self.open[number]
 
     def fail(self, action: Action) -> None:
-        """Let an action fail: the program gives up the plant, or all plants without water."""
+        """Let an action fail: the program aborts the goal for the plant, or all goals if there is no water."""
         interface, parameter = action
         given_up = [number for number, goal in self.open.items() if interface == "fill" or goal[1] == parameter]
         for number in given_up:
             del self.open[number]
 
     def can_fail(self, action: Action) -> bool:
-        """Return whether an action is no drive: the program does not try a way again that failed."""
+        """Return whether ``action`` is not a drive; the program does not repeat a drive that failed."""
         return action[0] != "move_base"
 
 

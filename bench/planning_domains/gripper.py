@@ -14,7 +14,7 @@ ARMS = ("left", "right")
 
 
 class Gripper(Arrangement):
-    """The robot, what its arms hold, and where the balls are."""
+    """The robot, the balls in its arms, and the places of all balls."""
 
     def __init__(self, rooms: Sequence[str], places: Dict[str, str]) -> None:
         super().__init__(places)
@@ -46,7 +46,7 @@ class Gripper(Arrangement):
 
 
 def make(rooms: int, balls: int, seed: int = 1) -> Task:
-    """Return a task of balls that lie in the hall and belong into the other rooms."""
+    """Return a task of moving balls from the hall to the other rooms."""
     source = random.Random(1000 * seed + 100 * rooms + balls)
     places = ["hall", *(f"room{number}" for number in range(1, rooms))]
     names = [f"ball{number}" for number in range(1, balls + 1)]

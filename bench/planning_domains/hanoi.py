@@ -46,12 +46,12 @@ def make(disks: int, seed: int = 1) -> Task:
 
 
 def _tops(places: Dict[str, str]) -> List[str]:
-    """Return what nothing lies on: disks, and pegs without a disk."""
+    """Return the free disk of each peg, or the peg if it has no disk."""
     return [next((f"d{disk}" for disk, place in places.items() if place == peg), peg) for peg in PEGS]
 
 
 def _tower(places: Dict[str, str]) -> List[str]:
-    """Return what each disk lies on, as PDDL has it."""
+    """Return the atoms for the places of the disks in PDDL."""
     below, atoms = {peg: peg for peg in PEGS}, []
     for disk, peg in reversed(list(places.items())):
         atoms.append(f"on d{disk} {below[peg]}")

@@ -14,7 +14,7 @@ Edge = Tuple[str, str]
 
 
 class Keys(World):
-    """The robot, what it holds, where things lie, and which locks are closed."""
+    """The robot, the things in its hands, the places of things, and the closed locks."""
 
     def __init__(self, ways: Sequence[Edge], locks: Dict[Edge, str], lies: Dict[str, str]) -> None:
         super().__init__()
@@ -52,7 +52,7 @@ class Keys(World):
 
 
 def make(rooms: int, goals: int, seed: int = 1) -> Task:
-    """Return a task on a random tree of rooms, every other one locked; each key lies in a room with a lower number."""
+    """Return a task on a random tree of rooms, half of them locked; each key lies in a room with a lower number."""
     source = random.Random(1000 * seed + 10 * rooms + goals)
     names = ["start", *(f"r{room}" for room in range(1, rooms + 1))]
     ways: List[Edge] = []

@@ -1,7 +1,7 @@
-"""What all domains share: a task, and the world that its plans change.
+"""Tasks of planning domains, and the worlds in which plans are checked.
 
-A plan is a list of steps, and a step a list of actions that start at the same time. The rules of a world are written
-without the program's: a world refuses an action that breaks them, whoever planned it.
+A plan is a list of steps, and a step is a list of simultaneous actions. The rules of a world are independent of the
+program. A world refuses an action that breaks a rule, so it checks the plans of any planner.
 """
 
 import copy
@@ -22,7 +22,7 @@ Step = Sequence[Action]
 
 
 class RuleError(Exception):
-    """An action breaks a rule; the message says which."""
+    """An action breaks a rule; the message contains the rule."""
 
 
 def require(condition: bool, why: str) -> None:
@@ -64,12 +64,12 @@ class World:
         """Let an action fail, which changes nothing."""
 
     def can_fail(self, action: Action) -> bool:
-        """Return whether a program can meet all goals although ``action`` fails, or knows which it gives up."""
+        """Return whether a program can meet its goals although ``action`` fails, or aborts the goals concerned."""
         return True
 
     @property
     def at_rest(self) -> bool:
-        """Whether all goals are met, and the world is as a plan has to leave it."""
+        """Whether all goals are met and the world is in a state in which a plan can end."""
         return not self.open
 
     def copy(self) -> "World":
@@ -90,7 +90,7 @@ class World:
 
 
 class Arrangement(World):
-    """A world of things in places, whose goals are met when all of them hold at once.
+    """A world of things in places, whose goals are met when all of them hold.
 
     A goal is ``NAME(THING,PLACE,ID)``, or ``solve(ID)``, which holds if all things are at their ``targets``.
     """
@@ -134,7 +134,7 @@ class Task(NamedTuple):
 
     @property
     def program(self) -> ReactiveProgram:
-        """The program, loaded."""
+        """The loaded program."""
         return ReactiveProgram(self.sources)
 
     def world(self) -> World:
@@ -151,12 +151,12 @@ def sources_of(name: str, facts: Iterable[str]) -> List[Source]:
 
 
 def instance(facts: Iterable[str]) -> Source:
-    """Return facts as a program."""
+    """Return the program that consists of ``facts``."""
     return Source("instance.lp", "#program base.\n" + "".join(f"{fact}.\n" for fact in facts))
 
 
 def check(world: World, plan: Sequence[Step]) -> None:
-    """Raise RuleError unless ``plan`` leads from the state of ``world`` to rest; ``world`` is not changed."""
+    """Raise RuleError unless ``plan`` meets all goals of ``world``; ``world`` is not changed."""
     end = world.copy()
     for step in plan:
         if step:
@@ -165,16 +165,17 @@ def check(world: World, plan: Sequence[Step]) -> None:
 
 
 def superfluous(world: World, plan: Sequence[Step]) -> Set[Tuple[int, Action]]:
-    """Return the actions without which ``plan`` still leads to rest, each with the number of its step from 0 on.
+    """Return the superfluous actions of ``plan``, each with the number of its step from 0 on.
 
-    With an action those are left out that it made possible. Raises RuleError if it is no plan.
+    An action is superfluous if the plan meets all goals without it and the actions that depend on it. Raises RuleError
+    if ``plan`` is not a plan.
     """
     check(world, plan)
     return {(place, action) for place, step in enumerate(plan) for action in step if _leads(world, plan, place, action)}
 
 
 def _leads(world: World, plan: Sequence[Step], place: int, left_out: Action) -> bool:
-    """Return whether the plan leads to rest without an action."""
+    """Return whether the plan meets all goals without the action ``left_out`` of step ``place``."""
     trial = world.copy()
     for number, step in enumerate(plan):
         trial.do_possible([action for action in step if (number, action) != (place, left_out)])

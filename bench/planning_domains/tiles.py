@@ -52,7 +52,7 @@ def make(columns: int, rows: int, moves: int, seed: int = 1) -> Task:
 def _shuffled(
     last: Dict[str, str], free: str, near: Set[Tuple[str, str]], moves: int, source: random.Random
 ) -> Dict[str, str]:
-    """Return the places of tiles after random moves, none of which undoes the one before."""
+    """Return the places of tiles after random moves; no move undoes the previous one."""
     places, before = dict(last), ""
     for _ in range(moves):
         tiles: Sequence[str] = sorted(tile for tile, cell in places.items() if (cell, free) in near and tile != before)

@@ -45,8 +45,8 @@ def test_a_known_scenario_is_set_up_for(scenario):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["nosuch"], "no such bench: nosuch; there are cut_off "),
-        (["oclingo", "--rounds", "0"], "--rounds is at least 1"),
+        (["nosuch"], "no such bench: nosuch; the benches are cut_off "),
+        (["oclingo", "--rounds", "0"], "--rounds must be at least 1"),
         (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
     ],
 )

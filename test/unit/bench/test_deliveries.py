@@ -74,7 +74,7 @@ def test_floors_by_name():
         ([], ("pickup", "2"), "package 2 does not wait at office 1"),
         ([], ("pickup", "9"), "package 9 does not wait"),
         ([("pickup", "1")], ("pickup", "1"), "package 1 does not wait"),
-        ([("pickup", "1"), ("pickup", "3"), ("pickup", "4")], ("pickup", "5"), "one too many"),
+        ([("pickup", "1"), ("pickup", "3"), ("pickup", "4")], ("pickup", "5"), "it is full"),
         ([("pickup", "1")], ("deliver", "1"), "does not belong to office 1"),
         ([("move_base", "office2")], ("deliver", "1"), "package 1 is not on the robot"),
         (

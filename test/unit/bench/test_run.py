@@ -100,7 +100,7 @@ def test_a_bench_that_does_not_run_there_is_reported(repository, capfd):
     repository.write("src/new.py", "")
     assert compare(repository, commit) == [("a value", (3.0,) * 3, ())]
     said = capfd.readouterr().err
-    assert f"speed: not there in {commit[:8]}" in said
+    assert f"speed: not available in {commit[:8]}" in said
     assert "No module named 'new'" in said
     assert said.count(f"speed: {commit[:8]}") == 1, "it was tried again"
 
