@@ -17,7 +17,7 @@ COMMANDS = [
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("module", "file"), COMMANDS)
-def test_a_command_whose_reader_has_gone_ends_without_words(module, file):
+def test_command_ends_silently_if_its_reader_closes(module, file):
     reading, writing = os.pipe()
     os.close(reading)
     run = f"import sys; from {module} import main; sys.exit(main(sys.argv[1:]))"

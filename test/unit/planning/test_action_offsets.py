@@ -99,7 +99,7 @@ PROGRAMS = st.builds(Program, st.lists(HEADS, min_size=1, max_size=2).map(tuple)
 
 @pytest.mark.slow
 @given(PROGRAMS, st.data(), st.integers(0, 3))
-def test_answers_hold_the_actions_that_past_and_horizon_allow(program, data, margin):
+def test_answers_contain_actions_of_past_and_horizon(program, data, margin):
     """All answers of the least horizon, cycle by cycle, while steps are retired."""
     solver = PlanSolver(ReactiveProgram.from_text(program.text()), models=0)
     events, closed, committed, last = set(), {}, [], 1

@@ -51,7 +51,7 @@ def update(solver, step, facts):
 
 
 @SETTINGS
-def test_claim_is_believed_before_many_steps_are_ground(options):
+def test_claim_ends_a_search_before_many_steps(options):
     horizons = []
     for claims in (True, False):
         solver = solver_of(claims, **options)
@@ -78,7 +78,7 @@ STREAMS = st.lists(st.lists(FACTS, max_size=3, unique=True).map(" ".join), min_s
 @example(["_request(go(3),2). _shut(1,0).", "", "_opened(1,2).", "_shut(2,3).", "_request(cancel(3),5)."])
 @example(["_request(go(3),2). _shut(1,0). _opened(1,20)."])
 @given(news=STREAMS)
-def test_claims_change_no_answer(options, news):
+def test_claims_do_not_change_any_answer(options, news):
     claiming, other = solver_of(True, **options), solver_of(False, **options)
     for step, facts in enumerate(news, 1):
         ours, theirs = (update(one, step, facts) for one in (claiming, other))

@@ -61,7 +61,7 @@ def decide(draw, names):
 
 @pytest.mark.slow
 @given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
-def test_compaction_answers_as_forgetting_does(parts, data, margin):
+def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
     """Whether steps are decided or not, answers are as if their externals had been forgotten."""
     program = ReactiveProgram.from_text(parts.text())
     compacting, forgetting = (PlanSolver(program, models=0) for _ in range(2))
@@ -163,7 +163,7 @@ def test_compaction_keeps_answers_of_any_statements(rules, updates, reached):
     ],
     ids=["volatile at one step", "volatile at three steps", "over too early"],
 )
-def test_compaction_waits_for_the_end_of_steps(text, over, reached):
+def test_compaction_waits_until_steps_are_over(text, over, reached):
     solver = planner_of(text)
     for step, past in enumerate(over, 1):
         play(solver, f"#step {step}. #over {past}.")
@@ -216,7 +216,7 @@ def test_fixed_atoms_include_those_of_projections():
     assert first_open(text, (3,), 4, told=(TimedStatement(atom, FOREVER, 0),)) == 4
 
 
-def test_fixed_atoms_repeat_no_remarks_of_clingo(capfd):
+def test_fixed_atoms_repeat_no_messages_of_clingo(capfd):
     assert first_open(FACTS + " c(X) :- X = 2/(t-2).", (3,), 4) == 4
     assert capfd.readouterr() == ("", "")
 
@@ -224,7 +224,7 @@ def test_fixed_atoms_repeat_no_remarks_of_clingo(capfd):
 # ---- Facts and externals of compacted steps --------------------------------------------------------------------------
 
 
-def test_compaction_leaves_contradictions_that_can_be_withdrawn():
+def test_compaction_preserves_contradictions_that_withdrawals_resolve():
     solver = planner_of("#cumulative t. #external e(t). p(t) :- e(t). p(t) :- p(t-1). #volatile t. :- p(t).")
     play(solver, "#step 1.")
     assert play(solver, "#step 2 : 0. e(2).").outcome is SolveOutcome.UNSATISFIABLE
@@ -277,13 +277,13 @@ def test_compaction_shows_atoms_of_ten_steps_once():
     assert "late(4)" not in atoms(result)
 
 
-def test_compaction_keeps_nothing_that_no_later_step_uses():
+def test_compaction_drops_facts_without_later_use():
     snapshot = compact(EXTERNALS, "e(1).", "e(2). :- not c(1).", steps=12).snapshot
     assert (snapshot.past.first, snapshot.past.facts, list(snapshot.statements)) == (11, frozenset(), [])
     assert snapshot.size <= 4
 
 
-def test_compaction_drops_facts_and_actions_without_later_use():
+def test_compaction_drops_unused_facts_and_actions():
     solver = planner_of(
         "#external told/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "
         "wanted(t) :- _request(x,t). #program volatile(t).",
@@ -362,7 +362,7 @@ def test_compaction_follows_an_improvement_without_result(cycles):
     assert first(drive(PlanSolver(PROGRAM, plan_time=0.0), cycles, 0, improves=True)) == cycles
 
 
-def test_facts_of_compacted_steps_come_too_late():
+def test_facts_of_compacted_steps_are_too_late():
     """For a solver that has read the history of another one as well."""
     solver, reader = drive(PlanSolver(PROGRAM), 10, 2), PlanSolver(PROGRAM)
     reader.restore(copied(solver.log))
@@ -410,7 +410,7 @@ def places_of(solver, horizon):
     return Counter(atom.arguments[1].number for atom in known if atom.name == "at")
 
 
-def test_closed_steps_are_ground_with_their_actions():
+def test_closed_steps_are_grounded_with_their_actions():
     """In cycle t the robot might have been in t places; it is known in which one it was."""
     solver = walk(planner_of(LINE), [5, 6, 7, 8, 7, 6, 5, 4])
     play(solver, "#step 9 : 20. #closed 8..8. _request(2,8).")
@@ -420,7 +420,7 @@ def test_closed_steps_are_ground_with_their_actions():
 
 
 @pytest.mark.parametrize("text", ["p(X) :- _wet(X,t).", "p(t-1) :- _wet(1,t). p(t) :- _wet(2,t)."])
-def test_closed_steps_that_define_an_atom_are_ground_together(text):
+def test_closed_steps_that_share_atoms_ground_together(text):
     """clingo refuses to define an atom again after a search."""
     solver = walk(planner_of(f"{LINE} #cumulative t. {text}"), [5, 5, 5, 5])
     play(solver, "#step 5 : 20. #closed 4..4. _wet(5,6).")
@@ -444,7 +444,7 @@ LINE_FACTS = st.one_of(
     st.integers(1, 3),
     st.integers(0, 3),
 )
-def test_closed_steps_have_the_answers_of_steps_ground_together(moves, facts, block, over):
+def test_closed_steps_ground_together_give_the_same_answers(moves, facts, block, over):
     """A late fact may contradict what was done; then there is none."""
     places = [5]
     for move in moves:
@@ -561,7 +561,7 @@ EVENTS = st.lists(st.sampled_from(["checkpoint", "compact", "compact", "withdraw
 
 @pytest.mark.slow
 @given(st.data())
-def test_events_between_updates_leave_the_answers_of_the_history(data):
+def test_events_between_updates_change_no_answer(data):
     trip = Trip(data)
     for events in data.draw(st.lists(EVENTS, min_size=2, max_size=8)):
         trip.update()

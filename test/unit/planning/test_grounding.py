@@ -122,7 +122,7 @@ def test_steps_are_forgotten_when_the_horizon_passes_them(rules, first):
         (6, 0, []),
     ],
 )
-def test_pieces_end_where_compaction_can_begin(keep_from, end, ends):
+def test_pieces_end_where_compaction_can_start(keep_from, end, ends):
     assert list(pieces(1, end, 4, keep_from)) == ends
 
 
@@ -134,7 +134,7 @@ def test_dropped_grounding_ends_between_two_pieces():
 
 
 @pytest.mark.parametrize("window", [0, -3])
-def test_volatile_rule_of_no_steps_never_holds(window):
+def test_volatile_rule_without_steps_never_holds(window):
     solver = planner_of(f"#cumulative t. p(t). #volatile t : {window}. :- p(t). #volatile t.")
     assert [atoms(play(solver, f"#step {step}.")) for step in (1, 2)] == [["p(1)"], ["p(1)", "p(2)"]]
 

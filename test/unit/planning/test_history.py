@@ -145,7 +145,7 @@ PAST = st.one_of(
 
 @pytest.mark.slow
 @given(LOOPING, st.lists(st.tuples(LOOPING_UPDATES, st.lists(PAST, max_size=2)), min_size=2, max_size=4), st.data())
-def test_history_restored_leads_on_as_before(parts, updates, data):
+def test_restored_history_continues_as_before(parts, updates, data):
     """With closed cycles, steps that are over, and withdrawals."""
     program = ReactiveProgram.from_text(parts.text())
     solver, played = PlanSolver(program, models=0, log_limit=3), []
@@ -163,7 +163,7 @@ def test_history_restored_leads_on_as_before(parts, updates, data):
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 5)
 @given(LOOPING, st.lists(LOOPING_UPDATES, min_size=2, max_size=6))
-def test_history_of_a_worker_equals_that_of_a_solver(parts, updates):
+def test_history_is_equal_in_worker_and_solver(parts, updates):
     program = ReactiveProgram.from_text(parts.text())
     here = PlanSolver(program, **OPTIONS)
     with WorkerPool(program, shortest=True, **OPTIONS) as pool:
@@ -220,13 +220,13 @@ def test_history_text_has_a_line_for_each_entry():
         ([ONE, checkpoint_of(step=7, horizon=8, keep_from=6)], (7, 8, 6)),
     ],
 )
-def test_history_knows_step_horizon_and_steps_over(entries, reach):
+def test_history_has_step_horizon_and_steps_over(entries, reach):
     log = History().with_entries(*entries)
     for one in (log, copied(log)):
         assert (one.step, one.horizon, one.keep_from) == reach
 
 
-def test_history_knows_later_entries_and_last_update():
+def test_history_returns_later_entries_and_last_update():
     log = History().with_entries(ONE)
     longer = log.with_entries(TWO, THREE)
     assert longer.entries_after(longer) == []
@@ -287,7 +287,7 @@ def test_history_has_the_update_of_an_interrupted_search():
     assert atoms(reader.solve()) == atoms(writer.solve()) == ["e(2)", "e(9)"]
 
 
-def test_history_keeps_two_checkpoints_and_no_more():
+def test_history_keeps_at_most_two_checkpoints():
     solver = planner_of(PROGRAM, log_limit=4)
     first = solver.log
     for step in range(1, 31):

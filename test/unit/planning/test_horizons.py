@@ -48,7 +48,7 @@ def test_no_volatile_rule_holds_before_the_first_step():
 
 
 @pytest.mark.parametrize("cycle", [f"{name}+{offset}" for name in "tT" for offset in range(-3, 4)] + ["2*T-T+1"])
-def test_no_action_beyond_the_horizon(cycle):
+def test_answers_contain_no_actions_beyond_the_horizon(cycle):
     offset = 1 if "*" in cycle else int(cycle[2:])
     grounding = grounding_of(ACTIONS.format(cycle=cycle, rest=""), 1)
     for last in (1, 2, 6):
@@ -61,18 +61,18 @@ def test_no_action_beyond_the_horizon(cycle):
             assert len(found.answers) == 2 ** len(possible)
 
 
-def test_actions_of_one_rule_have_cycles_of_their_own():
+def test_actions_of_one_rule_have_individual_cycles():
     text = "#program cumulative(t). { _action_lib(go,x,2*t+(0..1)) }. #program volatile(t)."
     assert cycles(ask(grounding_of(text, 2), 2, 2).answers) == {2}
 
 
-def test_cycle_far_away_or_none_is_no_step():
+def test_far_or_symbolic_cycle_is_not_a_step():
     text = "#program cumulative(t). { _action_lib(go,x,(2147483647;soon)) } :- t = 1. #program volatile(t)."
     found = ask(grounding_of(text, 3), 2, 3)
     assert [sorted(map(str, answer)) for answer in found.answers] == [[], ["_action_lib(go,x,soon)"]] * 2
 
 
-def test_program_forgets_no_end_of_a_horizon():
+def test_forget_directive_spares_the_horizon_externals():
     text = "#program cumulative(t). { _action_lib(go,x,t+3) }. #forget t : t-1. #program volatile(t)."
     solver = planner_of(text, models=0)
     for step, answers in ((1, 1), (3, 1), (4, 2), (6, 8)):
@@ -80,7 +80,7 @@ def test_program_forgets_no_end_of_a_horizon():
 
 
 @pytest.mark.parametrize(("rule", "shown"), [("{ _action_lib(go,x,t-1) }.", []), ("_action_lib(go,x,t-1).", [0])])
-def test_only_certain_actions_before_the_first_cycle(rule, shown):
+def test_only_facts_are_actions_before_cycle_one(rule, shown):
     solver = planner_of(f"#program cumulative(t). {rule} #program volatile(t).", models=0)
     assert [cycles([answer]) for answer in play(solver, "#step 1.").answers] == [set(shown)]
 

@@ -122,7 +122,7 @@ def test_grow_returns_a_maximal_satisfiable_set(tells, conflicts, data):
 @ORACLES
 @pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
 @given(conflicts=CONFLICTS, questions=st.integers(0, 12))
-def test_set_found_in_part_of_the_time_is_unsatisfiable(tells, find, conflicts, questions):
+def test_mus_found_with_few_questions_is_unsatisfiable(tells, find, conflicts, questions):
     found = find(THINGS, limited(oracle_of(conflicts, tells), questions))
     assert not satisfiable(found.items, conflicts)
     assert list(found.items) == sorted(found.items)
@@ -133,7 +133,7 @@ def test_set_found_in_part_of_the_time_is_unsatisfiable(tells, find, conflicts, 
 
 
 @given(CONFLICTS, st.integers(0, 12))
-def test_find_diagnosis_in_part_of_the_time_is_complete(conflicts, questions):
+def test_find_diagnosis_with_few_questions_is_complete(conflicts, questions):
     oracle = oracle_of(conflicts)
     with suppress(UndecidedError):
         found, complete = (find_diagnosis(THINGS, one) for one in (limited(oracle, questions), oracle))
@@ -142,7 +142,7 @@ def test_find_diagnosis_in_part_of_the_time_is_complete(conflicts, questions):
 
 @ORACLES
 @given(CONFLICTS)
-def test_remember_changes_no_answer_and_asks_nothing_twice(tells, conflicts):
+def test_remember_changes_no_answer_and_repeats_nothing(tells, conflicts):
     oracle, asked = noting(oracle_of(conflicts, tells))
     remembering = remember(oracle, [])
     for some in [*subsets(THINGS), *reversed(subsets(THINGS))]:
@@ -169,7 +169,7 @@ def test_remember_infers_from_subsets_and_supersets():
         (100, range(10, 60), "a loose core", 51),
     ],
 )
-def test_find_mus_asks_little_among_many_things(number, conflict, tells, most):
+def test_find_mus_asks_few_questions_among_many(number, conflict, tells, most):
     oracle, asked = noting(oracle_of([frozenset(conflict)], tells))
     assert find_mus(range(number), oracle) == Mus(tuple(conflict))
     assert len(asked) <= most
@@ -189,6 +189,6 @@ def test_empty_set_can_be_unsatisfiable(find):
         assert find(things, lambda things: Witness(False, frozenset())).items == ()
 
 
-def test_find_diagnosis_returns_nothing_if_nothing_helps():
+def test_find_diagnosis_returns_none_if_nothing_helps():
     assert find_diagnosis(THINGS, yes_or_no(lambda things: False)) is None
     assert find_diagnosis(THINGS, yes_or_no(lambda things: True)) == {}

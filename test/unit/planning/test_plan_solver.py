@@ -21,7 +21,7 @@ def test_solver_counts_the_time_until_an_answer(monkeypatch, options, needed):
     assert play(solver, "#step 1 : 9.").statistics["needed"] == needed
 
 
-def test_solver_reports_remarks_of_clingo_once():
+def test_solver_reports_messages_of_clingo_once():
     solver = planner_of("#cumulative t. #external e(t). c(Y+t) :- e(t), p(Y). #base. p(1). p(a).")
     found = [one for step in (1, 2) for one in play(solver, f"#step {step} : 0. e({step}). e(x).").warnings]
     assert sum("e(x)" in one for one in found) == 2, "each update ignores something"

@@ -88,7 +88,7 @@ def searched(solver, log, update, demanded=()):
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(st.sets(st.sampled_from(RULES), max_size=4), NEWS, st.sampled_from([None, 0.0, 5.0]))
-def test_predicted_answer_is_one_that_a_search_finds(rules, news, plan_time):
+def test_predicted_answer_agrees_with_a_search(rules, news, plan_time):
     solver = solver_of(WALK + "".join(sorted(rules)), plan_time=plan_time)
     result = solver.update(StreamUpdate(1, 20))
     for wanted, fails in news:
@@ -108,7 +108,7 @@ def test_predicted_answer_is_one_that_a_search_finds(rules, news, plan_time):
 
 
 @pytest.mark.parametrize("plan_time", [None, 5.0])
-def test_success_needs_no_search_while_actions_are_left(plan_time, searches):
+def test_success_needs_no_search_while_actions_remain(plan_time, searches):
     solver = solver_of(WALK + FAILS, plan_time=plan_time)
     first = asked(solver, *statements("_return(go,1)"))
     assert (first.horizon, len(first.warnings)) == (3, 1)
@@ -151,7 +151,7 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
         (2, (*AS_PLANNED, Assert(parse_atom("x"))), False),
     ],
 )
-def test_update_is_predicted_if_the_step_went_as_planned(step, items, expected):
+def test_update_is_predicted_after_a_successful_step(step, items, expected):
     plan, returns = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
     assert is_predicted(plan, returns, 1, StreamUpdate(step, None, items)) is expected
     assert not is_predicted(Plan(frozenset([NOW]), 2), returns, 1, StreamUpdate(step, None, items)), "no action is left"

@@ -29,13 +29,13 @@ def ask(grounding, stopped=lambda: False, **limits):
     return grounding.ask(Question(1, 1, **limits), stopped)
 
 
-def test_question_ends_at_its_limit_of_conflicts():
+def test_question_ends_at_its_conflict_limit():
     grounding = grounding_of(PIGEONS)
     assert ask(grounding, given=TIGHT, conflicts=5).satisfiable is None
     assert ask(grounding, conflicts=5).satisfiable is True, "that is easy"
 
 
-def test_question_limit_leaves_nothing_to_the_next():
+def test_question_limit_does_not_affect_the_next():
     grounding = grounding_of("#program cumulative(t). { a(t) }. #program volatile(t). :- a(t).")
     given = [(parse_atom("a(1)"), True)]
     assert ask(grounding, given=given, conflicts=0).satisfiable is not True
@@ -43,7 +43,7 @@ def test_question_limit_leaves_nothing_to_the_next():
     assert not grounding.is_conflicting, "what was assumed is not in force"
 
 
-def test_question_heeds_a_stop_during_the_search():
+def test_question_respects_a_stop_during_the_search():
     looks = count()
     assert ask(grounding_of(PIGEONS), lambda: next(looks) >= 3, given=TIGHT).satisfiable is None
 
@@ -79,7 +79,7 @@ def test_grounding_lists_open_actions_by_cycle():
     ],
 )
 @SOLVERS
-def test_solvers_obey_heuristics(advice, chosen, kind):
+def test_solvers_obey_heuristics_of_the_program(advice, chosen, kind):
     solver = solver_of(f"#program cumulative(t). {{ a(X,t) : X = 1..8 }} = 3. #program volatile(t). {advice}", kind)
     assert solver.program.advises
     (answer,) = play(solver, "#step 2.").answers

@@ -57,7 +57,7 @@ def texts(rules):
         ("#heuristic p(t) : _return(A,V,t). [1,true] { p(t) }.", []),
     ],
 )
-def test_for_each_return_in_a_rule_there_is_one(rule, expected):
+def test_return_rules_cover_each_return_in_rules(rule, expected):
     assert texts(rule) == expected
 
 
@@ -81,5 +81,5 @@ def test_for_each_return_in_a_rule_there_is_one(rule, expected):
         "#program base. p :- _return(go,1,1).",
     ],
 )
-def test_where_more_asks_for_returns_there_are_none(rule):
+def test_return_rules_reject_programs_they_cannot_cover(rule):
     assert texts(rule) is None

@@ -62,7 +62,7 @@ def test_snapshot_is_steady_if_nothing_lapses_next():
         ("told(3)", False),
     ],
 )
-def test_facts_of_compacted_steps_alone_are_too_late(atom, too_late):
+def test_only_facts_of_compacted_steps_are_too_late(atom, too_late):
     program = ReactiveProgram.from_text(
         "#external sees/2. #external unused/1. #program cumulative(t). day(t). #external e(t). "
         "#external held(T) : day(T), T > t-2. seen(X,t) :- sees(X,T), T > t-2. a(t) :- told(t). #program volatile(t)."
@@ -86,7 +86,7 @@ def test_first_snapshot_is_at_step_one(first):
 
 
 @pytest.mark.parametrize(("done", "late"), [("", "12"), (":- not _action_lib(go,x,1).", "2")])
-def test_returns_may_come_for_the_last_cycle_with_actions(done, late):
+def test_snapshot_accepts_returns_of_the_last_cycles(done, late):
     """And for the last cycle."""
     text = "#cumulative t. #external _return(go,x,t). { _action_lib(go,x,t) }. #volatile t."
     solver = planner_of(text)
@@ -95,7 +95,7 @@ def test_returns_may_come_for_the_last_cycle_with_actions(done, late):
     assert ignored(result) == [f"_return(go,x,{cycle})" for cycle in late]
 
 
-def test_step_without_bound_ends_that_of_the_last():
+def test_step_without_bound_removes_the_previous_bound():
     solver = planner_of(WALK)
     found = [play(solver, text).outcome for text in ("#step 1 : 1. _request(4,1).", "#step 1.")]
     assert found == [SolveOutcome.UNSATISFIABLE, SolveOutcome.SATISFIABLE]

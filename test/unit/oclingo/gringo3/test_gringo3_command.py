@@ -26,13 +26,13 @@ def files(tmp_path):
     return tmp_path
 
 
-def test_prints_the_files_of_a_program_in_order(files):
+def test_gringo3to5_prints_translated_files_in_order(files):
     code, out, err = run("one.lp", "two.lp", folder=files)
     assert (code, err) == (0, "")
     assert out == f"\n{{ p(X); q }} :- f(X).\n{MARK}r(X) :- not s, t : u; v, f(X).\n{MARK}"
 
 
-def test_reads_standard_input_and_takes_it_for_gringo_3():
+def test_gringo3to5_reads_standard_input_as_gringo_3():
     assert run("-", stdin=b":- a : b, c.\n") == (0, f":- a : b; c.\n{MARK}", RECOGNISED)
 
 
@@ -43,7 +43,7 @@ RECOGNISED = (
 
 
 @pytest.mark.slow
-def test_writes_into_a_folder(files):
+def test_gringo3to5_writes_files_into_a_folder(files):
     (files / "new").mkdir()
     assert run("one.lp", "two.lp", "-o", "new", folder=files) == (0, "", "")
     assert (files / "new" / "one.lp").read_text() == f"\n{{ p(X); q }} :- f(X).\n{MARK}"
@@ -51,7 +51,7 @@ def test_writes_into_a_folder(files):
     assert (code, "cannot be written" in err) == (1, True)
 
 
-def test_faults_go_to_standard_error_and_nothing_is_printed(files):
+def test_gringo3to5_reports_faults_without_any_output(files):
     (files / "bad.lp").write_text("#hide.\np(@f(1)).\nq :- r", encoding="utf-8")
     code, out, err = run("one.lp", "bad.lp", folder=files)
     assert (code, out) == (1, "")
@@ -59,7 +59,7 @@ def test_faults_go_to_standard_error_and_nothing_is_printed(files):
 
 
 @pytest.mark.slow
-def test_files_that_cannot_be_read(files):
+def test_gringo3to5_reports_missing_and_undecodable_files(files):
     code, out, err = run("no.lp", folder=files)
     assert (code, out, err) == (1, "", "no.lp: cannot be read: No such file or directory\n")
     (files / "bytes.lp").write_bytes(b"p.\xff")
@@ -67,7 +67,7 @@ def test_files_that_cannot_be_read(files):
     assert (code, "bytes.lp: not UTF-8 text" in err, "save the file as UTF-8" in err) == (1, True, True)
 
 
-def test_included_files_have_to_be_named_too(files):
+def test_gringo3to5_warns_about_untranslated_included_files(files):
     (files / "main.lp").write_text('#include "one.lp".\n#include "more/other.lp".', encoding="utf-8")
     code, _, err = run("main.lp", "one.lp", folder=files)
     message = (
@@ -77,7 +77,7 @@ def test_included_files_have_to_be_named_too(files):
 
 
 @pytest.mark.slow
-def test_broken_or_missing_cache_of_the_parser_does_no_harm(files, monkeypatch):
+def test_gringo3to5_works_without_a_parser_cache(files, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(files / "cache"))
     expected = run("one.lp", folder=files)
     kept = list((files / "cache").rglob("grammars/*"))

@@ -107,31 +107,31 @@ CONFLICT = [
 
 
 @pytest.mark.parametrize("text", GRINGO3)
-def test_only_gringo_3(text):
+def test_dialect_of_gringo_3_statements_is_detected(text):
     assert translate(text, "x.lp").dialect is Dialect.GRINGO3
 
 
 @pytest.mark.parametrize("text", CLINGO5)
-def test_only_clingo_5(text):
+def test_translate_leaves_clingo_5_statements_unchanged(text):
     result = translate(text, "x.lp", Dialect.GRINGO3)
     assert (result.text, result.warnings) == (text, ())
 
 
 @pytest.mark.parametrize("text", EITHER)
-def test_same_in_both(text):
+def test_translate_leaves_common_statements_unchanged(text):
     result = translate(text, "x.lp", Dialect.GRINGO3)
     assert (result.text, result.warnings) == (text, ())
 
 
 @pytest.mark.parametrize("text", EITHER)
-def test_what_is_the_same_in_both_stays_in_a_gringo_3_program(text):
+def test_translate_keeps_common_statements_of_gringo_3_programs(text):
     result = translate(text + " #hide.", "x.lp")
     assert result.dialect is Dialect.GRINGO3
     assert result.text.startswith(text)
 
 
 @pytest.mark.parametrize("text", CONFLICT)
-def test_different_in_both(text):
+def test_translate_resolves_ambiguous_statements_by_dialect(text):
     assert translate(text, "x.lp").text == text
     assert translate(text, "x.lp", Dialect.GRINGO3).text != text
 
@@ -157,12 +157,12 @@ AS_GRINGO3 = ":- a : b; c.\n"
         ("x.\n", False),
     ],
 )
-def test_the_rest_of_a_file_decides_a_conflict(more, gringo3):
+def test_ambiguous_statement_follows_the_rest_of_its_file(more, gringo3):
     result = translate(more + CONFLICTING, "x.lp")
     assert (AS_GRINGO3 if gringo3 else CONFLICTING) in result.text
 
 
-def test_statements_of_both_languages_keep_their_own_meaning_in_one_file():
+def test_translate_handles_both_languages_in_one_file():
     text = "{ a : b : c }.\nx :- a : b, c; d.\n{ e, f }.\n:- a : b, c.\n#cumulative t.\n"
     assert translate(text, "x.lp").text.splitlines()[:4] == [
         "{ a : b, c }.",
@@ -172,7 +172,7 @@ def test_statements_of_both_languages_keep_their_own_meaning_in_one_file():
     ]
 
 
-def test_statements_of_gringo_3_are_translated_in_a_file_of_clingo_5_too():
+def test_translate_converts_gringo_3_statements_in_any_file():
     text = "#program base.\nx :- a; b.\nf(1). #domain f(X).\nq(X) :- g, X := 1.\n#hide x/0.\n:- a : b, c.\n"
     lines = translate(text, "x.lp").text.splitlines()
     assert lines[:-1] == [
@@ -186,7 +186,7 @@ def test_statements_of_gringo_3_are_translated_in_a_file_of_clingo_5_too():
     assert translate(text + "% dialect: clingo 5", "x.lp").text == text + "% dialect: clingo 5"
 
 
-def test_a_conflict_alone_is_read_as_clingo_5_with_a_warning():
+def test_ambiguous_file_is_clingo_5_with_a_warning():
     result = translate("x.\n" + CONFLICTING, "x.lp")
     assert result.text == "x.\n" + CONFLICTING
     (warning,) = result.warnings
@@ -194,24 +194,24 @@ def test_a_conflict_alone_is_read_as_clingo_5_with_a_warning():
 
 
 @pytest.mark.parametrize("text", ["p(1). #show p/1.", "p(1).", "a :- b; c."])
-def test_no_warning_without_cause(text):
+def test_translate_does_not_warn_about_unambiguous_text(text):
     assert translate(text, "x.lp").warnings == ()
 
 
-def test_undecided_files_follow_the_others():
+def test_ambiguous_file_follows_the_other_files():
     results = translate_program([("a.lp", CONFLICTING), ("b.lp", "#hide.")])
     assert results[0].text.startswith(AS_GRINGO3)
     results = translate_program([("a.lp", CONFLICTING), ("b.lp", ":- x; y.")], Dialect.GRINGO3)
     assert results[0].text == CONFLICTING
 
 
-def test_a_translation_that_could_be_mistaken_is_marked():
+def test_translation_with_ambiguous_text_names_its_dialect():
     once = translate("#cumulative t.\n{ a : b : c }.", "x.lp").text
     assert once == "#cumulative t.\n{ a : b, c }.\n% dialect: clingo 5\n"
     assert translate(once, "x.lp", Dialect.GRINGO3).text == once
 
 
-def test_tokens_know_their_places():
+def test_tokens_have_line_and_column():
     found = tokens('p("a\\"%") :- % c\n %* x %* y *% % *%\n z *% X\'_1, _.\n')
     assert [(t.text, t.line, t.column) for t in found[:3]] == [("p", 1, 1), ("(", 1, 2), ('"a\\"%"', 1, 3)]
     assert [(t.text, t.line) for t in found[5:]] == [("X'_1", 3), (",", 3), ("_", 3), (".", 3), ("", 4)]
@@ -219,11 +219,11 @@ def test_tokens_know_their_places():
 
 
 @pytest.mark.parametrize("text", ["%* open", 'p("open', "`", "p §."])
-def test_what_is_no_token_is_unknown(text):
+def test_invalid_text_becomes_an_unknown_token(text):
     assert TokenKind.UNKNOWN in {token.kind for token in tokens(text)}
 
 
-def test_included_files():
+def test_included_files_lists_all_include_directives():
     assert included_files('% #include "no".\n#include "a.lp". p("b").\n#include"c/d.lp".') == [
         ("a.lp", 2),
         ("c/d.lp", 3),
@@ -248,5 +248,5 @@ def test_included_files():
         ('p("a. [ b ]"). [ a = 1 ].', 2),
     ],
 )
-def test_brackets_behind_a_dot_belong_to_it_only_where_they_hold_a_weight(text, count):
+def test_brackets_after_a_dot_are_weights_or_statements(text, count):
     assert len(list(statements(tokens(text)))) == count

@@ -76,45 +76,45 @@ def faults(text):
         ("#hide. p :- q. %* open", 16, "no dot at its end"),
     ],
 )  # fmt: skip
-def test_refused(text, column, words):
+def test_translate_reports_line_and_reason_of_faults(text, column, words):
     (fault,) = faults(text)
     assert (fault.file, fault.line, fault.column) == ("old.lp", 1, column)
     assert words in fault.message
 
 
-def test_the_mend_is_named():
+def test_translate_suggests_a_fix_for_faults():
     assert faults("#hide. minimize [ a ].")[0].mend == "write '#minimize' for the directive"
     assert faults("p(n).\n#const n = 1. #hide.")[0].mend == "put the #const before its use in old.lp:1"
 
 
-def test_names_in_arithmetic_may_get_their_value_later():
+def test_arithmetic_accepts_constants_that_are_defined_later():
     text = "p(1..n-1) :- q(X), X < n+1. #const n = 3. #hide."
     assert "#const n = 3." in translate(text, "x.lp").text
 
 
 @pytest.mark.parametrize("name", ["p(n,1) :- n.", "n :- not n, -n, { n } 1."])
-def test_atoms_named_like_a_constant_are_no_uses_of_it(name):
+def test_atoms_do_not_count_as_constants(name):
     text = name.replace("p(n,1)", "p(1)") + " #const n = 3. #hide."
     assert translate(text, "x.lp").text.startswith(name.replace("p(n,1)", "p(1)")[:4])
 
 
 @pytest.mark.parametrize("text", ["p({}).".format("f(" * 200 + "1" + ")" * 200), "p({}1).".format("-" * 300)])
-def test_too_deep(text):
+def test_translate_refuses_too_deeply_nested_terms(text):
     assert len(faults(text + " #hide.")) == 1
 
 
-def test_a_pool_may_not_explode():
+def test_translate_refuses_pools_with_too_many_literals():
     pool = "1;2;3;4;5;6;7;8;9;10"
     (fault,) = faults(":- p({}).".format(", ".join([pool] * 6)))
     assert "more than 10000 literals" in fault.message
 
 
-def test_long_sums_and_pools_are_no_nesting():
+def test_long_sums_and_pools_are_not_nested():
     text = "p({}) :- q({}).".format("+".join(["1"] * 2000), ";".join(map(str, range(2000))))
     assert translate(text, "x.lp", Dialect.GRINGO3).text.count("q(") == 2000
 
 
-def test_all_faults_of_all_files_are_listed_at_once():
+def test_translate_program_lists_faults_of_all_files():
     files = [("a.lp", "#hide.\np :- @f(1) == X.\n:- [ b=1;2 ] 3, q.\n"), ("b.lp", "{ a, b }.\n\n  #foo.\n")]
     with pytest.raises(ProgramError) as caught:
         translate_program(files)
@@ -129,6 +129,6 @@ def test_faults_of_shown_atoms_name_their_file():
     assert [(fault.file, fault.line) for fault in caught.value.faults] == [("b.lp", 1)]
 
 
-def test_warnings():
+def test_translate_warns_about_domain_after_its_use():
     result = translate("p(F) :- q(F).\n#domain f(F).", "x.lp")
     assert result.warnings == ("x.lp:2:1: #domain does not apply to earlier statements that use F",)

@@ -100,7 +100,7 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate_program
         ("d(1..2). { p(1), p(2) }. #compute { p(X) : d(X) }. #hide d/1.", ["p(1) p(2)"]),
     ],
 )  # fmt: skip
-def test_answers(program, expected):
+def test_translated_program_has_the_expected_answers(program, expected):
     assert answers(program) == sorted(expected)
 
 
@@ -134,7 +134,7 @@ def test_answers(program, expected):
         ("1 { a, b } 1. d(1..2). #domain d(X). :~ a, d(X). <X #mod 2 : 1> :~ b. <2> #hide d/1.", ["a"]),
     ],
 )
-def test_optima(program, expected):
+def test_translated_program_has_the_expected_optima(program, expected):
     assert optima(translated(program)) == sorted(expected)
 
 
@@ -159,11 +159,11 @@ def test_optima(program, expected):
         ("p(1;;2,3). q. #hide p/1.", "p(2,3) q"),
     ],
 )
-def test_shown_atoms(program, expected):
+def test_translated_program_shows_the_expected_atoms(program, expected):
     assert answers(program) == [expected]
 
 
-def test_what_one_file_hides_leaves_other_files_visible():
+def test_hide_affects_no_atoms_of_other_files():
     files = [
         ("one.lp", "#hide p/1. p(1). r(1;2) :- p(1), p(1;1)."),
         ("two.lp", "q(1). s :- q(X), X = 1; X < 2."),
@@ -174,7 +174,7 @@ def test_what_one_file_hides_leaves_other_files_visible():
     assert solve("\n".join(result.text for result in results)) == ["q(1) r(1) r(2) s t"]
 
 
-def test_domains_constants_and_levels_reach_from_file_to_file():
+def test_domains_constants_and_levels_apply_across_files():
     files = [
         ("one.lp", "#const n = 2. f(1..n). #domain f(X). #minimize { p(1) }."),
         ("two.lp", "1 { p(Y) : f(Y) } 1. q(X). #maximize { p(1) }. #hide f/1."),

@@ -18,7 +18,7 @@ TEXTS = st.lists(st.sampled_from([*WORDS, "\n", ".\n", " "]), max_size=40).map("
 
 
 @given(st.one_of(TEXTS, st.text(max_size=80)))
-def test_nothing_but_a_translation_error(text):
+def test_translate_raises_only_translation_errors(text):
     for undecided in (Dialect.GRINGO3, Dialect.CLINGO5):
         try:
             result = translate(text, "x.lp", undecided)
@@ -82,7 +82,7 @@ PROGRAMS = st.lists(RULES, min_size=1, max_size=4).map(lambda rules: FACTS + "\n
 
 
 @given(PROGRAMS)
-def test_translations_are_programs_of_clingo_5_with_the_same_lines(program):
+def test_translations_are_valid_and_keep_their_lines(program):
     text = translated(program)
     solve(text)
     assert text.replace("% dialect: clingo 5\n", "").count("\n") == program.count("\n")
@@ -91,7 +91,7 @@ def test_translations_are_programs_of_clingo_5_with_the_same_lines(program):
 
 
 @given(st.lists(RULES, min_size=1, max_size=3).map("\n".join))
-def test_what_means_the_same_in_both_is_left_alone(program):
+def test_translate_leaves_random_common_rules_unchanged(program):
     text = translated(program + "\n#hide.").splitlines()
     if translate(program, "x.lp").dialect is Dialect.EITHER:
         assert text[: program.count("\n") + 1] == program.splitlines()
@@ -135,7 +135,7 @@ def shown(negated, atom):
 
 
 @given(WEIGHTED, BOUNDS, st.booleans(), st.sampled_from(["", "#sum "]))
-def test_sums_count_every_element(elements, bounds, negate, name):
+def test_translated_sums_count_every_element(elements, bounds, negate, name):
     inside = ", ".join(f"{shown(n, a)}={w}" for n, a, w in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {}{}.".format(
         "not " if negate else "", bounded(name + "[ " + inside + " ]", bounds)
@@ -145,7 +145,7 @@ def test_sums_count_every_element(elements, bounds, negate, name):
 
 
 @given(WEIGHTED, BOUNDS, st.sampled_from(["", "#count "]))
-def test_sets_count_each_literal_once(elements, bounds, name):
+def test_translated_sets_count_each_literal_once(elements, bounds, name):
     inside = ", ".join(shown(n, a) for n, a, _ in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded(name + "{ " + inside + " }", bounds))
     meant = expected(lambda true: between(len({(n, a) for n, a, _ in elements if holds(n, a, true)}), bounds))
@@ -153,7 +153,7 @@ def test_sets_count_each_literal_once(elements, bounds, name):
 
 
 @given(WEIGHTED, st.sampled_from(PAIRS), st.integers(-6, 6), st.integers(-6, 6), st.booleans(), st.booleans())
-def test_comparisons_stand_on_both_sides_of_sums_and_sets(elements, signs, left, right, negate, brackets):
+def test_translated_aggregates_accept_comparisons_on_both_sides(elements, signs, left, right, negate, brackets):
     inside = ", ".join(shown(n, a) + (f"={w}" if brackets else "") for n, a, w in elements)
     before, after = (f"{left} {signs[0]}" if signs[0] else ""), (f"{signs[1]} {right}" if signs[1] else "")
     aggregate = f"[ {inside} ]" if brackets else f"{{ {inside} }}"
@@ -169,7 +169,7 @@ def test_comparisons_stand_on_both_sides_of_sums_and_sets(elements, signs, left,
 
 
 @given(WEIGHTED, BOUNDS)
-def test_averages(elements, bounds):
+def test_translated_averages_agree_with_the_model(elements, bounds):
     inside = ", ".join(f"{shown(n, a)}={w}" for n, a, w in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded("#avg [ " + inside + " ]", bounds))
 
@@ -181,7 +181,7 @@ def test_averages(elements, bounds):
 
 
 @given(WEIGHTED, st.sampled_from(["#even", "#odd"]), st.booleans())
-def test_parities(elements, name, brackets):
+def test_translated_parities_agree_with_the_model(elements, name, brackets):
     inside = ", ".join(shown(n, a) + (f"={w}" if brackets else "") for n, a, w in elements)
     program = "{{ a, b, c(1..2) }}. ok :- {} {}.".format(name, ("[ {} ]" if brackets else "{{ {} }}").format(inside))
 
@@ -194,7 +194,7 @@ def test_parities(elements, name, brackets):
 
 
 @given(st.lists(st.sampled_from("123"), min_size=1, max_size=3), st.sets(st.sampled_from("123")), st.booleans())
-def test_pools_in_bodies_are_conjunctions(pool, facts, negated):
+def test_translated_body_pools_are_conjunctions(pool, facts, negated):
     program = "{} ok :- {}p({}). #hide. #show ok/0.".format(
         " ".join(f"p({f})." for f in sorted(facts)), "not " if negated else "", ";".join(pool)
     )

@@ -66,7 +66,7 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate, translate_program
          "{ a; b : c } :- x : y; z. :- x : y; z; V1 = #sum { 1,0 : a; 2,1 : b, c }, V1 \\ 2 != 0."),
     ],
 )  # fmt: skip
-def test_text(old, new):
+def test_translate_produces_the_expected_text(old, new):
     assert translated(old + "\n").replace("\n% dialect: clingo 5", "") == new + "\n"
 
 
@@ -93,7 +93,7 @@ end.
 """
 
 
-def test_lines_and_comments_stay():
+def test_translate_keeps_lines_and_comments():
     lines = translated(PROGRAM).splitlines()
     assert len(lines) == len(PROGRAM.splitlines()) + 1
     assert lines[0] == "%* A program"
@@ -120,32 +120,32 @@ CLINGO5 = """\
 """
 
 
-def test_clingo_5_stays_as_it_is():
+def test_translate_leaves_clingo_5_files_unchanged():
     assert translate(CLINGO5, "new.lp").text == CLINGO5
     result = translate(CLINGO5, "new.lp", Dialect.GRINGO3)
     assert (result.text, result.dialect) == (CLINGO5, Dialect.CLINGO5)
 
 
 @pytest.mark.parametrize("text", ["", "\n", "% only a comment", "p", "p.%", "\r\np.\r\n"])
-def test_small_texts_stay(text):
+def test_translate_leaves_tiny_texts_unchanged(text):
     assert translate(text, "x.lp").text == text
 
 
-def test_carriage_returns_stay():
+def test_translate_keeps_carriage_returns_of_lines():
     assert (
         translated("{ a, b }.\r\np :- q(1;2),\r\n r.\r\n")
         == "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r\n% dialect: clingo 5\n"
     )
 
 
-def test_minimize_in_a_step_counts_each_step():
+def test_translated_minimize_in_steps_counts_each_step():
     result = translate("#cumulative k. #minimize [ a(k) : b ].", "dir/x.lp", Dialect.GRINGO3)
     assert '#minimize { 1@0,"x.lp:1",k,0 : a(k), b }.' in result.text
     result = translate("#program step(k).\n#minimize [ a(k) : b ].", "x.lp", Dialect.GRINGO3)
     assert '#minimize { 1@0,"x.lp:1",k,0 : a(k), b }.' in result.text
 
 
-def test_shown_signatures_stand_where_something_was_hidden_first():
+def test_show_directives_replace_the_first_hide():
     files = [
         ("a.lp", "p. q(1).\n#hide p/0.\n#hide r/1."),
         ("b.lp", "r(1). #external e/2. s :- t. { u : v } . #hide x/0."),
@@ -155,7 +155,7 @@ def test_shown_signatures_stand_where_something_was_hidden_first():
     assert second.text == "r(1). #external e/2. s :- t. { u : v } . \n% dialect: clingo 5\n"
 
 
-def test_clingo_5_statements_count_among_the_visible_ones():
+def test_show_directives_include_heads_of_clingo_5_files():
     files = [
         ("a.lp", "#hide p/0."),
         ("b.lp", "q(X;1) :- r(X); s. -t. { u; v : w }. #external x(1). y : z ; w. :- a; b. f(1..2,2;3)  :- b; c."),

@@ -31,7 +31,7 @@ EXPECTED = {
 }
 
 
-def test_one_rule_for_each_way_in_which_heads_write_the_cycle():
+def test_closing_text_has_one_rule_per_cycle_term():
     program = ReactiveProgram.from_text(PROGRAM)
     expected = [
         f"#program {part}.\n#external __oclingo_beyond({cycle}){domain}.\n"
@@ -53,6 +53,6 @@ def test_one_rule_for_each_way_in_which_heads_write_the_cycle():
         ("at", False, False),
     ],
 )
-def test_what_is_an_action_of_a_cycle(text, action, of):
+def test_is_action_checks_signature_sign_and_cycle(text, action, of):
     assert is_action(parse_atom(text)) is action
     assert is_action_of(2)(parse_atom(text)) is of

@@ -30,12 +30,12 @@ def faults(text):
         ("c(t) :- d(t-1), not e.", ""),
     ],
 )
-def test_heads_that_two_steps_may_define(rules, suspects):
+def test_suspicious_heads_are_those_of_several_steps(rules, suspects):
     program = ReactiveProgram.from_text(f"{{ d(1..2) ; e }}. #program cumulative(t). {rules} #program volatile(t).")
     assert " ".join(sorted(map(str, suspicious_heads(program.parts, {})))) == suspects
 
 
-def test_a_redefinition_is_told_of_rules_alone():
+def test_redefinition_is_reported_for_rules_only():
     text = STEPS + "#program cumulative(t).\n#external w : t = 9.\nw :- m(t).\nv(t) :- w.\n"
     assert [one.split(" is defined")[0] for one in faults(text)] == ["p.lp:6:1: redefinition: w"]
 
@@ -50,12 +50,12 @@ def test_a_redefinition_is_told_of_rules_alone():
         ("p.", ["cumulative", "volatile"]),
     ],
 )
-def test_a_part_may_be_empty_but_not_missing(text, missing):
+def test_program_warns_about_missing_but_not_empty_parts(text, missing):
     found = ReactiveProgram.from_text(text, "p.lp").warnings
     assert [one.split(" (")[0] for one in found] == [f"p.lp: the program has no {name} part" for name in missing]
 
 
-def test_no_file_is_a_program_without_parts():
+def test_program_without_files_has_no_parts():
     found = ReactiveProgram.from_files([]).warnings
     assert [one.split(" (")[0] for one in found] == [
         "<program>: the program has no cumulative part",
@@ -64,7 +64,7 @@ def test_no_file_is_a_program_without_parts():
 
 
 @pytest.mark.parametrize("header", ["volatile", "volatile(t,s)", "cumulative", "cumulative(t,s)", "base(t)", "foo"])
-def test_parts_with_other_parameters_are_told(header):
+def test_program_reports_parts_with_wrong_parameters(header):
     (found,) = faults(f"#program {header}.\na :- b.\n#show a/0.\n")
     assert found.startswith(f"p.lp:1:1: unknown program part {header} (")
 
@@ -82,7 +82,7 @@ def test_parts_with_other_parameters_are_told(header):
         ("#program base. c :- e(3).", ["e(3)"]),
     ],
 )
-def test_externals_that_are_declared_too_late(rules, late):
+def test_program_warns_about_externals_declared_too_late(rules, late):
     program = ReactiveProgram.from_text(f"#program cumulative(t). #external e(t). {rules} #program volatile(t).")
     found = [one for one in program.warnings if "declared" in one]
     assert [one.split("external ")[1].split(" is")[0] for one in found] == late

@@ -58,20 +58,20 @@ old(t) :- late(x,t-1). :- old(t), _action_lib(go,x,t)."""
         ),
     ],
 )
-def test_delays(predicate, condition, constraint, delay):
+def test_delay_of_a_predicate_follows_its_rules(predicate, condition, constraint, delay):
     program = ReactiveProgram.from_text(RULES.format(condition=condition, constraint=constraint))
     name, arity = predicate.split("/")
     assert program.delay_of(name, int(arity)) == delay
 
 
 @pytest.mark.parametrize("files", [("house.lp", "home.lp"), ("mailbot.lp", "office.lp")])
-def test_what_the_shipped_programs_observe_counts_from_the_next_cycle_on(files):
+def test_observations_of_shipped_programs_have_delay_one(files):
     program = shipped(*files)
     expected = {"_blocked": 1, "_opened": 1, "_seen": 1 if "house.lp" in files else None}
     assert {name: program.delay_of(name, 3) for name in expected} == expected
 
 
-def test_the_clock():
+def test_clock_dates_facts_by_their_delay():
     clock = Clock(lambda name, arity: {"soon": 0, "later": 1}.get(name))
     dated = [
         str(clock.dated(parse_atom(text), 5)) for text in ("soon(a,now)", "later(now)", "odd(now)", "soon(a,3)", "now")

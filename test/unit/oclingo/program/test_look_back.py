@@ -29,7 +29,7 @@ def term(text):
 
 
 @given(TERMS)
-def test_values_are_those_of_clingo(text):
+def test_evaluate_agrees_with_clingo_on_arithmetic(text):
     control = clingo.Control(["-Wnone", "-cw=3"])
     control.add("base", [], f"v({text}).")
     control.ground([("base", [])])
@@ -68,7 +68,7 @@ def test_values_are_those_of_clingo(text):
         ("T", None),
     ],
 )
-def test_what_is_the_step_plus_a_constant(text, offset):
+def test_time_offset_detects_step_plus_constant(text, offset):
     assert time_offset(term(text), "t", CONSTANTS) == offset
 
 
@@ -105,7 +105,7 @@ def test_what_is_the_step_plus_a_constant(text, offset):
         ("-(T-t) < 5", None, 4),
     ],
 )
-def test_how_old_what_a_body_mentions_can_be(body, least, greatest):
+def test_look_back_follows_from_comparisons_in_bodies(body, least, greatest):
     found = []
     parse_string(f":- a(T), {body}.", found.append)
     assert shortest_look_back(found[-1], "t", CONSTANTS).get("T") == least

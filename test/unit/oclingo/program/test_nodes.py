@@ -21,7 +21,7 @@ def places(node):
     ]
 
 
-def test_all_that_is_in_a_statement_has_moved():
+def test_move_changes_all_nodes_of_a_statement():
     (rule,) = moved("p(X,a) :-\n  q(f(X)),\n  X != 3.")
     assert ("X", "file.lp", 11) in places(rule.head)
     assert places(rule.body[0]) == [
@@ -34,7 +34,7 @@ def test_all_that_is_in_a_statement_has_moved():
     assert other.location.end == Position("file.lp", 13, 9)
 
 
-def test_a_copy_keeps_the_places_and_knows_what_is_in_it():
+def test_update_copies_nodes_and_keeps_their_places():
     rule, other = moved("p(X) :- q(X).\nr(Y) :- s(Y).")
     assert "s(Y)" not in [one.text for one in rule.nodes]
     twin = rule.update(body=[*rule.body, *other.body])
@@ -50,7 +50,7 @@ def test_a_copy_keeps_the_places_and_knows_what_is_in_it():
     assert places(negated)[-1] == ("Y", "file.lp", 12)
 
 
-def test_what_is_made_of_nodes_leaves_them_where_they_are():
+def test_make_keeps_the_places_of_its_nodes():
     (rule,) = moved("p(X) :- q(X).")
     term = rule.head.atom.symbol.arguments[0]
     element = make(BodyAggregateElement, [term], [rule.body[0]])

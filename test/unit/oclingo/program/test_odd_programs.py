@@ -36,7 +36,7 @@ def remarks(text, constants=None):
         ("a :- _return(b,c,1).\n", "f.lp:1:6: no rule and no #external defines _return/3"),
     ],
 )
-def test_predicates_that_nothing_defines(text, remark):
+def test_program_warns_about_undefined_predicates(text, remark):
     (found,) = [one for one in remarks(text + STEPS) if "defines" in one]
     assert found.startswith(remark)
 
@@ -50,18 +50,18 @@ def test_predicates_that_nothing_defines(text, remark):
         "{ a }. b :- not a. -c. d :- -c.\n",
     ],
 )
-def test_nothing_is_said_of_what_something_defines(text):
+def test_program_does_not_warn_about_defined_predicates(text):
     assert remarks(text + STEPS) == []
 
 
-def test_operations_without_a_value_are_told_at_the_start_where_clingo_knows():
+def test_undefined_operations_are_reported_when_loading():
     text = "q(a).\n" + STEPS + "#program cumulative(s).\np(s) :- q(X), X = s/0.\n"
     (found,) = remarks(text)
     assert found.startswith("f.lp:6:19: undefined operation (s/0): clingo omits the instances that need it")
     assert ReactiveSolver(ReactiveProgram.from_text(text, "f.lp")).solve().warnings == (), "and not again"
 
 
-def test_operations_without_a_value_are_told_once_while_running():
+def test_undefined_operations_are_reported_once_while_solving():
     text = "#program cumulative(s).\n#external e(X,s) : X = 0..1.\np(s) :- e(X,s), 1/X = s.\n#program volatile(s).\n"
     program = ReactiveProgram.from_text(text, "f.lp")
     assert program.warnings == []
@@ -71,7 +71,7 @@ def test_operations_without_a_value_are_told_once_while_running():
     assert solver.update(parse_update("#step 3. #endstep.")).warnings == ()
 
 
-def test_unsafe_variables_are_told_in_the_words_of_the_program():
+def test_unsafe_variables_are_reported_with_original_text():
     text = (
         "#program cumulative(s).\np(X,s) :- not q(X).\n#program volatile(k).\nr(k,X).\n"
         ":- not p(X,_),  % first\n  p(_,k). #external e(X). a.  #external\n  f(Y,k) : q(X).\nq(1).\n"
@@ -88,7 +88,7 @@ def test_unsafe_variables_are_told_in_the_words_of_the_program():
     ]
 
 
-def test_unsafe_variables_of_old_programs_are_told_in_their_words():
+def test_unsafe_gringo_3_variables_have_original_text():
     text = "#base.\nd(1..2).\n#cumulative t.\n#external e(X,t). #external f(X;Y,t) : d(X) : d(X). #hide.\n"
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_text(text, "f.lp")
@@ -99,7 +99,7 @@ def test_unsafe_variables_of_old_programs_are_told_in_their_words():
     assert "condition" in caught.value.faults[0].mend
 
 
-def test_constants_that_the_program_does_not_know():
+def test_program_warns_about_unknown_constants():
     text = "#const capacity = 3.\nroom(r1).\n" + STEPS
     assert remarks(text, {"capacity": "4", "r1": "r2"}) == []
     assert remarks(text, {"capcity": "4"}) == [
@@ -112,7 +112,7 @@ def play(solver, text):
     return solver.update(parse_update(text + " #endstep.")).warnings
 
 
-def test_facts_that_nothing_depends_on_are_told_once():
+def test_unused_facts_are_reported_only_once():
     solver = ReactiveSolver(ReactiveProgram.from_text("{ c }.\n" + STEPS))
     (told,) = play(solver, "#step 1. ee(1). e(1).")
     assert told.startswith("No rule and no #external of the program mentions ee/1")
@@ -125,7 +125,7 @@ def test_facts_that_nothing_depends_on_are_told_once():
     assert len(play(solver, "y(2).")) == 1
 
 
-def test_a_redefinition_while_running_names_rules_and_mend():
+def test_redefinition_while_solving_names_rule_and_fix():
     text = "#program cumulative(s).\n{ m(s) }.\np(s/4) :- m(s), s > 3.\n:- p(9).\n#program volatile(s).\n"
     solver = ReactiveSolver(ReactiveProgram.from_text(text, "f.lp"))
     play(solver, "#step 4.")

@@ -41,7 +41,7 @@ def could_see(comparison):
 
 
 @given(st.tuples(TERMS, OPERATORS, TERMS))
-def test_no_comparison_is_taken_for_another(sides):
+def test_may_see_includes_all_atoms_that_clingo_grounds(sides):
     text = " ".join(sides)
     assert seen(text) <= could_see(text)
 
@@ -59,7 +59,7 @@ def test_no_comparison_is_taken_for_another(sides):
         ("t < T+5, t < T+2", 1),
     ],
 )
-def test_a_rule_looks_back_as_far_as_its_comparisons_say(comparison, age):
+def test_may_see_is_limited_by_comparisons(comparison, age):
     numbers = {pair for pair in could_see(comparison) if pair[0].type is clingo.SymbolType.Number}
     assert numbers == {
         (clingo.Number(value), clingo.Number(step)) for value in range(-3, 12) for step in STEPS if step - value <= age
@@ -89,14 +89,14 @@ def test_a_rule_looks_back_as_far_as_its_comparisons_say(comparison, age):
         ("d(n)", "d(n)", set()),
     ],
 )
-def test_steps_at_which_a_rule_could_see_an_atom(written, atom, steps):
+def test_may_see_matches_atoms_with_body_patterns(written, atom, steps):
     text = f"#program cumulative(t).\n#external d/1. #external d/2.\nhit(t) :- {written}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text.replace("T", "_"), constants={"n": "3"})
     assert {step for step in STEPS if program.may_see([parse_atom(atom)], step, step)} == steps
 
 
 @pytest.mark.parametrize("comparison", ["not t-T >= n", "t-T != n", "t-T > n", "t*T < n", "t-2*T < n", "(t-T)/2 < n"])
-def test_what_bounds_no_look_back(comparison):
+def test_may_see_is_unlimited_without_usable_comparisons(comparison):
     assert len(could_see(comparison)) == len(VALUES) * len(STEPS)
 
 
@@ -111,7 +111,7 @@ def with_bodies(*bodies):
 
 
 @pytest.mark.parametrize("bodies", list(combinations(BODIES, 2)))
-def test_rules_together_could_see_what_one_of_them_could(bodies):
+def test_may_see_joins_the_rules_of_a_program(bodies):
     atoms = [parse_atom(text) for text in ("d(3,4)", "d(x,4)", "d(5,a)", "d(5,6)")]
     asked = [(atom, first, last) for atom in atoms for first in STEPS for last in (first, first + 2)]
 

@@ -20,44 +20,44 @@ def answers(text, update="#step 1 : 0. #endstep.", constants=None):
     return sorted(" ".join(sorted(map(str, answer))) for answer in result.answers)
 
 
-def test_both_forms_of_parts():
+def test_program_accepts_both_forms_of_parts():
     old = "a. #cumulative t. b(t). #volatile k. c(k). #base. d."
     new = "a. #program cumulative(t). b(t). #program volatile(k). c(k). #program base. d."
     assert answers(old) == answers(new) == ["a b(1) c(1) d"]
 
 
-def test_parts_may_repeat_with_other_parameters():
+def test_program_joins_parts_with_different_parameters():
     assert answers("#cumulative t. b(t). #base. a. #cumulative k. c(k+1).") == ["a b(1) c(2)"]
 
 
-def test_constants():
+def test_program_replaces_constants_by_given_terms():
     assert answers("#const n = 2. #cumulative t. a(n).", "#step 1 : 0. #endstep.", {"n": "f(x)"}) == ["a(f(x))"]
     assert answers("#const n = 2. #cumulative t. #volatile t : n+1. b(t).", "#step 4 : 0. #endstep.") == [
         "b(2) b(3) b(4)"
     ]
 
 
-def test_first_step():
+def test_iinit_sets_the_first_step():
     assert answers("#iinit -1. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(-1) b(0) b(1)"]
     assert answers("#const w=3. #iinit 2-w. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(-1) b(0) b(1)"]
     assert answers("#iinit 0. #iinit (2 - |-3|)/2 + 1. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(1)"]
 
 
-def test_directives_in_comments_and_strings_mean_nothing():
+def test_program_ignores_directives_in_comments_and_strings():
     assert answers('a("#base. %*"). % #iinit 0.\n%* #volatile t. *% #cumulative t. b(t).') == ['a("#base. %*") b(1)']
 
 
-def test_strange_characters_in_comments_and_strings_are_nobodys_concern():
+def test_program_accepts_any_characters_in_comments_and_strings():
     assert answers('%* § "%* x *% y § *% a("§"). % §\n#cumulative t. b(t).') == ['a("§") b(1)']
 
 
-def test_strange_characters_elsewhere_have_a_place():
+def test_invalid_characters_are_reported_with_their_place():
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_text("a.\n%* x\n*% b.\n  c § d.\n" + STEPS, "p.lp")
     assert (caught.value.faults[0].line, caught.value.faults[0].column) == (4, 5)
 
 
-def test_includes(tmp_path):
+def test_program_includes_files_that_include_each_other(tmp_path):
     (tmp_path / "main.lp").write_text('#include "world.lp".\n#cumulative t. b(t).\n', encoding="utf-8")
     (tmp_path / "world.lp").write_text('a.\n#include "main.lp".\n', encoding="utf-8")
     program = ReactiveProgram.from_files([tmp_path / "main.lp"])
@@ -68,28 +68,28 @@ def test_includes(tmp_path):
 @pytest.mark.parametrize(
     "named", [("main.lp", "world.lp"), ("world.lp", "main.lp"), ("world.lp", "world.lp", "main.lp")]
 )
-def test_a_file_that_is_included_and_named_counts_once(tmp_path, named):
+def test_file_both_included_and_named_loads_once(tmp_path, named):
     (tmp_path / "main.lp").write_text('#include "world.lp".\n#program cumulative(t). b(n,t).\n', encoding="utf-8")
     (tmp_path / "world.lp").write_text("#const n = 2.\n", encoding="utf-8")
     program = ReactiveProgram.from_files([tmp_path / name for name in named])
     assert list(map(str, ReactiveSolver(program).solve().answers[0])) == ["b(2,1)"]
 
 
-def test_texts_of_one_name_are_two():
+def test_sources_with_the_same_name_are_distinct():
     program = ReactiveProgram(
         [Source("text", "a. #program cumulative(t)."), Source("text", "b. #program cumulative(t).")]
     )
     assert sorted(map(str, ReactiveSolver(program).solve().answers[0])) == ["a", "b"]
 
 
-def test_externals_are_known():
+def test_declares_external_knows_all_external_signatures():
     program = ReactiveProgram.from_text("#external g/2. #cumulative t. #external e(X,t) : d(X). d(1).")
     assert program.declares_external("g", 2)
     assert program.declares_external("e", 2)
     assert not program.declares_external("d", 1)
 
 
-def test_all_faults_at_once():
+def test_program_reports_all_faults_at_once():
     found = faults("a(X) :- b(Y).\n_request(x).\nc(X) :- not d(X).\n" + STEPS)
     assert [line for _, line, _ in found] == [2, 1, 3]
     assert "_request(Goal,C)" in found[0][2]
@@ -129,29 +129,29 @@ def test_all_faults_at_once():
         ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "scripts are not executed"),
     ],
 )
-def test_faults_name_line_and_mend(text, line, words):
+def test_program_faults_name_line_and_fix(text, line, words):
     found = faults(text)
     assert any(place == line and words in message for _, place, message in found), found
 
 
-def test_redefinitions_are_told_in_order_and_at_the_rule_of_the_step():
+def test_redefinitions_are_reported_at_rules_of_steps():
     found = faults("v :- a.\n{ a }.\n" + STEPS + "#program cumulative(t).\nw :- m(t).\nv :- m(t).\nu :- m(t).\n")
     told = [(line, text.split("redefinition: ")[1][0]) for _, line, text in found if "redefinition" in text]
     assert told == [(9, "u"), (8, "v"), (7, "w")]
 
 
-def test_an_external_of_a_step_may_have_no_step():
+def test_external_of_a_step_needs_no_step_argument():
     text = "d(1..2). #cumulative t. #external e(X) : d(X), t = 1. c(t) :- e(t+1). #volatile t."
     assert answers(text, "#step 1 : 0. e(2). #endstep.") == ["c(1) d(1) d(2) e(2)"]
 
 
-def test_odd_but_usable_programs_of_oclingo_are_warned_of():
+def test_program_warns_about_odd_oclingo_programs():
     program = ReactiveProgram.from_text("#cumulative t.\n#external e(t).\nc(t) :- e(t+1).\n", "p.lp")
     assert [line.split(":")[1] for line in program.warnings if "late" in line] == ["3"]
     assert any("volatile part" in line for line in program.warnings)
 
 
-def test_the_predicates_of_open_externals_do_not_get_mixed_up():
+def test_open_externals_with_similar_names_are_distinct():
     text = "#external not_p/1. #external -p/1. #external p_1/0. #external p/1. #cumulative t. #volatile t."
     for update, answer in (
         ("-p(x). not_p(y) :- p(z).", "-p(x)"),
@@ -172,13 +172,13 @@ def test_the_predicates_of_open_externals_do_not_get_mixed_up():
         ("#defined q/1. #const n = 1. #project b/1.", "b(1) b(2) c(2)"),
     ],
 )
-def test_statements_that_are_no_rules_in_a_volatile_part(statement, answer):
+def test_volatile_part_accepts_statements_other_than_rules(statement, answer):
     program = f"#program cumulative(t). b(t). #program volatile(t). c(t). {statement}"
     assert answers(program, "#step 2 : 0. #endstep.") == [answer]
 
 
 @pytest.mark.parametrize("part", ["#program volatile(t).", "#volatile t.", "#volatile t : 1.", "#volatile t : 4/3."])
-def test_a_volatile_rule_holds_at_the_horizon_alone_unless_told_otherwise(part):
+def test_volatile_rule_holds_only_at_the_horizon(part):
     assert answers(f"#program cumulative(t). b(t). {part} c(t) :- b(t).", "#step 3 : 0. #endstep.") == [
         "b(1) b(2) b(3) c(3)"
     ]
@@ -193,7 +193,7 @@ class _Rules(clingo.backend.Observer):
         self.count += 1
 
 
-def test_an_anonymous_variable_costs_a_step_no_look_at_the_steps_before():
+def test_anonymous_variable_does_not_reground_earlier_steps():
     text = "#program cumulative(t). { p(0..9,t) }. q(t) :- p(_,t), not q(t-1). #program volatile(t)."
     control, rules = clingo.Control(["--warn=none"]), _Rules()
     control.register_observer(rules)
@@ -206,17 +206,17 @@ def test_an_anonymous_variable_costs_a_step_no_look_at_the_steps_before():
     assert counts[1] == counts[2] == counts[3]
 
 
-def test_anonymous_variables_may_differ():
+def test_anonymous_variables_of_a_rule_are_independent():
     text = "p(1,2). #program cumulative(t). q(t) :- p(_,_), not r(_). r(2) :- t = 0. #program volatile(t)."
     assert answers(text) == ["p(1,2) q(1)"]
 
 
-def test_bad_constants():
+def test_program_reports_invalid_names_and_values_of_constants():
     assert "'N' is not a valid name" in faults("a.", N="1")[0][2]
     assert "the value is not a term: X is a variable" in faults("a.", n="X")[0][2]
 
 
-def test_bad_files(tmp_path):
+def test_program_reports_missing_and_undecodable_files(tmp_path):
     (tmp_path / "bytes.lp").write_bytes(b"a.\xff")
     with pytest.raises(ProgramError, match="not UTF-8 text"):
         ReactiveProgram.from_files([tmp_path / "bytes.lp"])
@@ -224,7 +224,7 @@ def test_bad_files(tmp_path):
         ReactiveProgram.from_files([tmp_path / "none.lp"])
 
 
-def test_a_trial_grounding_has_an_end():
+def test_search_for_redefinitions_ends_without_a_result():
     """The look for redefinitions gives up what only a real grounding could tell."""
     text = STEPS + "#program cumulative(t).\nn(0) :- t > 1.\nn(X+1) :- n(X), X < 2000000000.\n"
     assert ReactiveProgram.from_text(text).parts

@@ -55,17 +55,17 @@ def told(text):
         ("a :- X < 3, X = 1..2.", "ha/0"),
     ],
 )
-def test_occurrences(text, atoms):
+def test_occurrences_classify_all_atoms_of_statements(text, atoms):
     assert told(text) == sorted(atoms.split())
 
 
-def test_edges_go_from_positive_bodies_to_heads_of_rules():
+def test_rule_edges_lead_from_positive_bodies_to_heads():
     rule, shown = statement("a ; b :- c, not d."), statement("#show a : b.")
     assert rule_edges(rule, occurrences(rule)) == ({Signature("a", 0), Signature("b", 0)}, {Signature("c", 0)})
     assert rule_edges(shown, occurrences(shown)) == (set(), set())
 
 
-def test_pools_are_alternatives():
+def test_atom_terms_expand_pools_into_alternatives():
     rule = statement("a((1;2);(3;4),5).")
     assert [str(term) for term in atom_terms(rule.head.atom.symbol)] == ["a((1;2))", "a((3;4),5)"]
 
@@ -95,7 +95,7 @@ def value_of(text):
 
 
 @given(TERMS)
-def test_values_are_clingos_or_not_known(text):
+def test_evaluate_agrees_with_clingo_or_returns_none(text):
     value = evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS)
     assert value is None or value == value_of(text)
 
@@ -115,12 +115,12 @@ def test_values_are_clingos_or_not_known(text):
         ("2**n", 8),
     ],
 )
-def test_simple_values_are_known(text, value):
+def test_evaluate_returns_values_of_simple_terms(text, value):
     assert evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS) == clingo.Number(value)
 
 
 @pytest.mark.parametrize("text", ["1/0", "1\\0", "c+1", '"s"*2', "1-c", "X", "1..2", "f(1)"])
-def test_what_has_no_simple_value(text):
+def test_evaluate_returns_none_for_other_terms(text):
     assert evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS) is None
 
 
@@ -129,7 +129,7 @@ EDGES = st.lists(st.tuples(st.sampled_from(NODES), st.sampled_from(NODES)), max_
 
 
 @given(EDGES, EDGES, st.sampled_from(NODES), st.sets(st.sampled_from(NODES), max_size=2))
-def test_who_depends_on_whom(edges, further, source, targets):
+def test_dependencies_agree_with_a_transitive_closure(edges, further, source, targets):
     dependencies = Dependencies()
     for head, body in edges:
         dependencies.add([head], [body])

@@ -24,7 +24,7 @@ STEPS = "d(1..2). #external m/1. #cumulative t. x(t) :- m(t+9). "
         ("{ b(t) }. a(t) :- #count { T : b(T), d(T) } > 1.", False),
     ],
 )
-def test_steps_are_apart_where_none_sees_what_a_later_one_defines(rules, apart):
+def test_steps_apart_means_independence_of_later_steps(rules, apart):
     assert ReactiveProgram.from_text(STEPS + rules).steps_apart is apart
 
 
@@ -43,5 +43,5 @@ def test_steps_are_apart_where_none_sees_what_a_later_one_defines(rules, apart):
         ("#volatile t. a :- m(t).", False),
     ],
 )
-def test_heads_are_apart_where_no_two_steps_define_the_same(rules, apart):
+def test_heads_apart_means_one_step_per_atom(rules, apart):
     assert ReactiveProgram.from_text(STEPS + rules).heads_apart is apart

@@ -63,5 +63,5 @@ def program():
         ("nothing", 2, None),
     ],
 )
-def test_the_argument_that_rules_write_as_the_step(program, name, arity, position):
+def test_time_position_is_the_argument_with_the_step(program, name, arity, position):
     assert program.time_position(name, arity) == position

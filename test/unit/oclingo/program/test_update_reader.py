@@ -22,7 +22,7 @@ DONE = ":- not _action_lib(go,a,1)."
     ("value", "found"), [("a", []), ("b", ["bad(b,1)"]), ("stuck(b)", ["bad(stuck(b),1)"]), ("7", ["bad(7,1)"])]
 )
 @pytest.mark.parametrize("order", ["#step 2. {0} {1}", "#step 2. {1} {0}"])
-def test_reader_takes_the_parameter_for_success(value, found, order):
+def test_reader_treats_the_parameter_as_success(value, found, order):
     solver = planner_of(PROGRAM)
     assert atoms(play(solver, order.format(DONE, f"_return(go,{value},1)."))) == found
     solver = planner_of(PROGRAM)
@@ -43,7 +43,7 @@ def test_reader_takes_the_parameter_for_success(value, found, order):
         ),
     ],
 )
-def test_reader_adds_a_failure_behind_its_return(text, read):
+def test_reader_adds_a_failure_after_its_return(text, read):
     found = with_failures(ReactiveProgram.from_text(PROGRAM), parse_update(f"#step 2 : 5. {text} #endstep."), ())
     assert found == parse_update(f"#step 2 : 5. {read or text} #endstep.")
 
@@ -53,7 +53,7 @@ def test_reader_leaves_failures_without_commitment_to_the_program():
     assert sorted(sorted(map(str, answer)) for answer in answers) == [[], ["bad(a,1)"]]
 
 
-def test_reader_adds_no_failure_that_is_not_declared():
+def test_reader_adds_only_declared_failures():
     solver = planner_of(PROGRAM.replace("#external _failed/3.", ""))
     assert atoms(play(solver, f"#step 2. {DONE} _return(go,b,1).")) == []
 
@@ -85,5 +85,5 @@ COMMITMENT, RETURN, OTHER = (
         ([], [COMMITMENT, Volatile()], False),
     ],
 )
-def test_only_commitments_and_their_successes_are_foreseen(before, items, predicted):
+def test_update_with_only_successes_needs_no_search(before, items, predicted):
     assert reports_only_success(StreamUpdate(2, None, tuple(items)), before) is predicted

@@ -59,23 +59,23 @@ UPDATES = st.one_of(
 
 
 @given(UPDATES)
-def test_printing_and_reading_are_inverse(update):
+def test_parse_update_inverts_str_of_updates(update):
     assert parse_update(str(update)) == update
 
 
 @pytest.mark.slow
 @given(st.lists(UPDATES, max_size=3))
-def test_several_updates_in_a_text(updates):
+def test_parse_updates_reads_several_updates(updates):
     assert parse_updates("".join(map(str, updates))) == updates
 
 
 @given(TERMS)
-def test_terms(term):
+def test_parse_term_inverts_str_of_terms(term):
     assert parse_term(str(term)) == term
 
 
 @given(ATOMS)
-def test_atoms(atom):
+def test_parse_atom_inverts_str_of_atoms(atom):
     assert parse_atom(str(atom)) == atom
     assert parse_atom(f" {atom} . ") == atom
 
@@ -101,14 +101,14 @@ def test_atoms(atom):
         ),
     ],
 )
-def test_terms_of_every_form(text, term):
+def test_parse_term_reads_every_form(text, term):
     assert parse_term(text) == term
 
 
 @pytest.mark.parametrize(
     "text", ["f()", "f(1,)", "(,)", "f((1,)", "f(1))", "1.", "-(1)", '-"a"', "2147483648", "-2147483649"]
 )
-def test_what_is_no_term(text):
+def test_parse_term_rejects_invalid_terms(text):
     with pytest.raises(ProgressionError):
         parse_term(text)
 
@@ -122,7 +122,7 @@ SOUP = st.lists(
 
 
 @given(st.one_of(st.text(max_size=60), SOUP))
-def test_nothing_but_its_own_error(text):
+def test_parser_raises_only_progression_errors(text):
     for read in (parse_updates, parse_update, parse_term, parse_atom):
         error = None
         try:
@@ -132,7 +132,7 @@ def test_nothing_but_its_own_error(text):
         assert error is None or (min(error.line, error.column) >= 1 and str(error).endswith(error.message))
 
 
-def test_every_statement_of_the_language():
+def test_parse_update_reads_every_kind_of_statement():
     update = parse_update(
         "% a line\n#step 1   :   0   . %* a %* nested *% block *% e(1) .  :- not   a . % end\n"
         '-p("a b\\"",f(x,-2)):-a,not b. #volatile:3. :- . #volatile. #cumulative. #forget 1..3. #forget 4.\n'
@@ -161,14 +161,14 @@ def test_every_statement_of_the_language():
     )
 
 
-def test_second_step_is_ignored_with_a_warning():
+def test_second_step_directive_is_ignored_with_a_warning():
     update = parse_update("#step 1 : 2.\n#step 3.\n#endstep.")
     assert (update.step, update.bound) == (1, 2)
     assert len(update.warnings) == 1
     assert "#step 3." in update.warnings[0]
 
 
-def test_stop_ends_an_update():
+def test_stop_directive_ends_an_update():
     assert parse_updates("#stop.") == [StreamUpdate(None, None, (Stop(),))]
     assert parse_updates("#stop.")[0].stops
     assert not parse_updates("#endstep.")[0].stops
@@ -211,7 +211,7 @@ def test_stop_ends_an_update():
         ("p(" * 1000, (1, 2 * MAX_DEPTH + 1), "nested deeper"),
     ],
 )
-def test_errors_name_the_place(text, place, words):
+def test_parser_errors_have_line_and_column(text, place, words):
     with pytest.raises(ProgressionError) as caught:
         parse_updates(text)
     assert (caught.value.line, caught.value.column) == place
@@ -219,13 +219,13 @@ def test_errors_name_the_place(text, place, words):
 
 
 @pytest.mark.parametrize(("text", "found"), [("a b.", "'b'"), ("a " + "b" * 60 + ".", f"'{'b' * 60}'")])
-def test_errors_name_what_was_found(text, found):
+def test_parser_errors_name_the_unexpected_token(text, found):
     with pytest.raises(ProgressionError) as caught:
         parse_updates(text)
     assert caught.value.message.endswith(f"found {found}")
 
 
-def test_one_update_is_wanted():
+def test_parse_update_expects_exactly_one_update():
     with pytest.raises(ProgressionError, match="found 2"):
         parse_update("#endstep. #endstep.")
     with pytest.raises(ProgressionError, match="found 0"):

@@ -36,24 +36,24 @@ def plan(result):
         "#closed 2.\n:- not a(2).",
     ],
 )
-def test_texts_are_read_back(text):
+def test_directives_about_the_past_are_parsed(text):
     update = parse_update(f"#step 4 : 5.\n{text}\n#end step.\n")
     assert str(update) == f"#step 4 : 5.\n{text}\n#end step.\n"
 
 
-def test_closed_cycles_hold_what_was_committed_to(solver):
+def test_closed_cycles_contain_only_committed_actions(solver):
     solver.update(parse_update("#step 1 : 9. _request(do(walk,1),2). #endstep."))
     text = "#step 4 : 9. #closed 1..3. :- not _action_lib(walk,1,2). _request(do(run,2),5). #endstep."
     assert plan(solver.update(parse_update(text))) == ["_action_lib(run,2,4)", "_action_lib(walk,1,2)"]
 
 
-def test_cycles_to_come_are_not_closed(solver):
+def test_closed_directive_ignores_future_cycles(solver):
     text = "#step 2 : 9. #closed 1..999999999. _request(do(run,2),3). #endstep."
     assert solver.update(parse_update(text)).outcome is SolveOutcome.SATISFIABLE
     assert solver.step == 2
 
 
-def test_what_is_withdrawn_was_never_told(solver):
+def test_withdrawn_facts_and_commitments_have_no_effect(solver):
     solver.update(parse_update("#step 1 : 9. _request(do(walk,1),2). _seen(ball). #endstep."))
     solver.update(
         parse_update("#step 2 : 9. #closed 1. :- not _action_lib(walk,1,1). _return(walk,failed,1). #endstep.")
@@ -64,7 +64,7 @@ def test_what_is_withdrawn_was_never_told(solver):
     assert plan(solver.update(parse_update(withdrawn))) == []
 
 
-def test_anew(solver):
+def test_anew_directive_discards_earlier_updates(solver):
     solver.update(parse_update("#step 1 : 9. _request(do(never,1),2). #endstep."))
     assert plan(solver.update(parse_update("#step 3 : 9. #anew. #closed 1..2. #endstep."))) == []
     assert plan(solver.update(parse_update("#step 4 : 9. _request(do(walk,2),5). #endstep."))) == [
@@ -73,7 +73,7 @@ def test_anew(solver):
 
 
 @pytest.mark.mostly_slow
-def test_what_is_over(solver):
+def test_facts_of_steps_over_are_ignored(solver):
     for step in range(1, 140):
         solver.update(parse_update(f"#step {step} : 5. #closed {step - 1}. #over {max(0, step - 10)}. #endstep."))
     assert solver.log.keep_from == 129
@@ -83,7 +83,7 @@ def test_what_is_over(solver):
     assert warning.startswith("Head _return(walk,1,3) comes too late")
 
 
-def test_oclingos_solver_closes_cycles_too():
+def test_incremental_solver_closes_cycles_too():
     solver = ReactiveSolver(ReactiveProgram.from_text(ERRANDS))
     update = "#step 3 : 9. #closed 1..2. #over 2. _request(do(walk,1),3). #endstep."
     assert plan(solver.update(parse_update(update))) == ["_action_lib(walk,1,3)"]

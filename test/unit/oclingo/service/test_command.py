@@ -109,7 +109,7 @@ class Serving:
         self.process.communicate()
 
 
-def test_a_stream_is_told_step_by_step_with_tables(files, capsys):
+def test_stream_prints_updates_with_answers_as_tables(files, capsys):
     code, output, error = play(capsys, "program.lp", "0", "--stream", "updates.str")
     assert (code, error) == (20, "")
     assert output.startswith("#step 1.\ngo(1).\n#end step.\nAnswer 1, horizon 1\n")
@@ -118,7 +118,7 @@ def test_a_stream_is_told_step_by_step_with_tables(files, capsys):
     assert output.endswith(":- at(2,1).\n#end step.\nUNSAT at step 3, for good\n\n")
 
 
-def test_a_stream_as_json(files, capsys):
+def test_stream_prints_one_json_object_per_update(files, capsys):
     code, output, _ = play(capsys, "program.lp", "0", "--stream", "updates.str", "--json")
     first, second, third = map(json.loads, output.splitlines())
     assert code == 20
@@ -130,7 +130,7 @@ def test_a_stream_as_json(files, capsys):
 
 
 @pytest.mark.slow
-def test_options_of_the_solver(files, capsys):
+def test_command_passes_options_to_the_solver(files, capsys):
     _, output, _ = play(capsys, "program.lp", "-c", "n=3", "0", "--stream", "updates.str", "--json")
     assert len(json.loads(output.splitlines()[0])["answers"]) == 3
     _, output, _ = play(capsys, "program.lp", "--stream", "updates.str", "--json")
@@ -141,7 +141,7 @@ def test_options_of_the_solver(files, capsys):
 
 
 @pytest.mark.slow
-def test_time_limit(files, capsys):
+def test_time_limit_interrupts_an_endless_search(files, capsys):
     (files / "updates.str").write_text("#step 1. #endstep. #step 1. e(1). :- not c(1). #endstep.", encoding="utf-8")
     code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
     assert code == 0
@@ -149,7 +149,7 @@ def test_time_limit(files, capsys):
 
 
 @pytest.mark.slow
-def test_updates_without_a_bound_have_one(files, capsys):
+def test_bound_option_applies_to_unbounded_updates(files, capsys):
     text = "#endstep. #step 1. #endstep. #step 2 : 1. #endstep. #step 3. #endstep. #endstep."
     (files / "updates.str").write_text(text, encoding="utf-8")
     code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--json", "--bound", "5")
@@ -164,7 +164,7 @@ def test_updates_without_a_bound_have_one(files, capsys):
     assert (code, "Interrupted at horizon " in output) == (0, True), "there is no bound"
 
 
-def test_long_searches_show_how_far_they_are_and_how_long_they_take():
+def test_progress_reports_step_and_seconds_of_searches():
     lines, screen = io.StringIO(), io.StringIO()
     screen.isatty = lambda: True
     for stream in (lines, screen):
@@ -180,7 +180,7 @@ def test_long_searches_show_how_far_they_are_and_how_long_they_take():
     assert screen.getvalue().endswith(told(55, 22) + "\r" + " " * len(told(55, 22)) + "\r")
 
 
-def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, capsys):
+def test_stream_errors_are_reported_and_skipped(files, capsys):
     text = "#step 1.\ngo(X).\n#endstep.\n#step 1. go(1). bad(1). at(1,9). #endstep.\n#step 1. #endstep. go"
     (files / "updates.str").write_text(text, encoding="utf-8")
     code, output, _ = play(capsys, "program.lp", "--stream", "updates.str")
@@ -206,7 +206,7 @@ def test_faults_of_a_stream_are_told_with_their_place_and_passed_over(files, cap
     ],
     ids=lambda words: " ".join(words) if isinstance(words, list) else "",
 )
-def test_faults_of_files_and_options_end_it_with_a_line_each(files, capsys, words, message):
+def test_command_reports_invalid_files_and_options(files, capsys, words, message):
     (files / "bad.lp").write_text("a(X).\nb(", encoding="utf-8")
     (files / "bytes.str").write_bytes(b"#step 1. \xff #endstep.")
     code, output, error = play(capsys, *words)
@@ -233,14 +233,14 @@ def test_faults_of_files_and_options_end_it_with_a_line_each(files, capsys, word
     ],
     ids=lambda words: " ".join(words) if isinstance(words, list) else "",
 )
-def test_wrong_command_lines(files, capsys, words, message):
+def test_command_rejects_wrong_command_lines(files, capsys, words, message):
     with pytest.raises(SystemExit) as found:
         main(words)
     assert found.value.code == 2
     assert message in capsys.readouterr().err
 
 
-def test_port_in_use(files, capsys):
+def test_command_reports_a_port_in_use(files, capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         code, _, error = play(capsys, "program.lp", "--port", str(port))
@@ -251,7 +251,7 @@ def test_port_in_use(files, capsys):
 
 
 @pytest.mark.slow
-def test_program_and_stream_from_standard_input(files):
+def test_command_reads_program_or_stream_from_standard_input(files):
     assert run("-", "0", "--stream", "updates.str", text=PROGRAM)[1].count("Answer 2") == 2
     assert run("program.lp", "--stream", "-", text=STREAM)[1].count("Answer 1") == 2
     code, output, error = run("--stream", "updates.str", text="a(X).")
@@ -259,12 +259,12 @@ def test_program_and_stream_from_standard_input(files):
     assert error.startswith("<stdin>:1:1: unsafe variable X")
 
 
-def test_words_of_rosrun_are_no_files(files, capsys):
+def test_command_ignores_remappings_of_rosrun(files, capsys):
     assert play(capsys, "program.lp", "__name:=oclingo", "--stream", "updates.str", "_x:=1")[0] == 20
 
 
 @pytest.mark.slow
-def test_interactive(files):
+def test_interactive_prompt_answers_until_stop(files):
     text = "#step 1.\ngo(1). go(X).\n#endstep.\n#step 1. go(1).\n#endstep.\n#stop.\n#step 2. #endstep.\n"
     code, output, error = run("program.lp", "0", "--interactive", text=text)
     assert (code, error) == (0, "")
@@ -274,7 +274,7 @@ def test_interactive(files):
 
 
 @pytest.mark.slow
-def test_service_of_two_files_until_stop(files):
+def test_service_loads_two_files_and_stops(files):
     (files / "more.lp").write_text("#program base.\nplace(7).\n", encoding="utf-8")
     with Serving("program.lp", "more.lp", "0") as serving:
         client = serving.client()
@@ -287,7 +287,7 @@ def test_service_of_two_files_until_stop(files):
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "message"), [(signal.SIGINT, "stopped\n"), (signal.SIGTERM, "")])
 @pytest.mark.parametrize("program", ["endless.lp", "exploding.lp", "program.lp"])
-def test_a_signal_ends_the_service_whatever_it_does(files, program, number, message):
+def test_signal_ends_the_service_in_any_state(files, program, number, message):
     with Serving(program) as serving:
         client = serving.client()
         client.send("#step 2. #endstep.")
@@ -298,7 +298,7 @@ def test_a_signal_ends_the_service_whatever_it_does(files, program, number, mess
 
 
 @pytest.mark.slow
-def test_a_signal_ends_the_playing_of_a_stream(files):
+def test_signal_ends_the_playing_of_a_stream(files):
     with start("endless.lp", "--stream", "updates.str") as process:
         assert process.stdout.readline() == "#step 1.\n"
         process.send_signal(signal.SIGTERM)
@@ -306,7 +306,7 @@ def test_a_signal_ends_the_playing_of_a_stream(files):
 
 
 @pytest.mark.slow
-def test_ctrl_c_at_the_prompt_ends_a_search_only(files):
+def test_ctrl_c_interrupts_only_the_search(files):
     with start("endless.lp", "--interactive", stdin=subprocess.PIPE) as process:
         process.stdin.write("#step 1. #endstep.\n")
         process.stdin.flush()
@@ -320,7 +320,7 @@ def test_ctrl_c_at_the_prompt_ends_a_search_only(files):
 
 
 @pytest.mark.slow
-def test_who_reads_the_output_may_go(files):
+def test_command_ends_quietly_after_a_broken_pipe(files):
     (files / "updates.str").write_text("#step 1. go(1). #endstep.\n" * 2000, encoding="utf-8")
     with start("program.lp", "0", "--stream", "updates.str") as process:
         process.stdout.readline()
@@ -330,7 +330,7 @@ def test_who_reads_the_output_may_go(files):
     assert "Traceback" not in error
 
 
-def test_the_script_is_this_command():
+def test_script_runs_the_oclingo_command():
     assert os.access(SCRIPT, os.X_OK)
     code, output, error = run("--help")
     assert (code, error) == (0, "")
@@ -339,7 +339,7 @@ def test_the_script_is_this_command():
 
 
 @pytest.mark.slow
-def test_plans_soon(files, capsys):
+def test_plan_time_limits_the_proof_of_shortness(files, capsys):
     (files / "walk.lp").write_text(program_text(), encoding="utf-8")
     (files / "walk.str").write_text("#step 1. _request(3,1). _request(-2,1). #endstep.\n", encoding="utf-8")
     words = ["walk.lp", "--stream", "walk.str", "--json", "--shortest"]
@@ -352,14 +352,14 @@ def test_plans_soon(files, capsys):
     assert found[0]["horizon"] == found[2]["horizon"] <= found[1]["horizon"]
 
 
-def test_a_time_for_plans_needs_shortest_ones(files, capsys):
+def test_plan_time_requires_the_shortest_option(files, capsys):
     for words, told in ((["--plan-time", "1"], "--plan-time needs --shortest"), (["--plan-time", "-1"], "not a time")):
         with pytest.raises(SystemExit):
             main(["program.lp", "--stream", "updates.str", *words])
         assert told in capsys.readouterr().err
 
 
-def test_the_page_has_all_options(capsys):
+def test_service_page_documents_all_command_options(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     options = set(re.findall(r"--[a-z-]+", capsys.readouterr().out)) - {"--help", "--const"}  # -c is the short form

@@ -17,32 +17,32 @@ def replied(*arguments, **options):
     return b"".join(protocol.reply(result(*arguments, **options)))
 
 
-def test_greeting():
+def test_greeting_matches_that_of_oclingo():
     assert protocol.GREETING == b"Input:\n\0End of Step.\n\0"
 
 
-def test_answers():
+def test_reply_lists_answers_and_ends_the_step():
     assert replied(SolveOutcome.SATISFIABLE, ["e(1)"], []) == b"Step: 3\ne(1) \0Step: 3\n\0End of Step.\n\0"
     (item, end) = protocol.reply(result(SolveOutcome.SATISFIABLE, ["-p", 'q("a b")']))
     assert item in (b'Step: 3\n-p q("a b") \0', b'Step: 3\nq("a b") -p \0')
     assert end == b"End of Step.\n\0"
 
 
-def test_no_answer():
+def test_reply_without_answers_has_one_item():
     assert replied(SolveOutcome.UNSATISFIABLE) == b"UNSAT at step 3\0"
     assert replied(SolveOutcome.INTERRUPTED) == b"End of Step.\n\0"
 
 
-def test_warnings_come_before_the_answers_each_on_one_line():
+def test_reply_sends_one_line_warnings_before_answers():
     data = replied(SolveOutcome.SATISFIABLE, ["e"], warnings=("one\n  two\n", "three"))
     assert data == b"Warning: one; two\n\0Warning: three\n\0Step: 3\ne \0End of Step.\n\0"
 
 
-def test_errors_are_one_line_and_followed_by_input():
+def test_error_is_one_line_followed_by_input():
     assert protocol.error("1:2: a\nb\0c") == b"Error: 1:2: a; b c\0Input:\n\0"
 
 
-def test_updates_before_a_wrong_one_are_taken_the_rest_of_the_message_is_not():
+def test_requests_accept_updates_up_to_the_first_error():
     first, second, fault = protocol.requests(
         "#step 1. #endstep.\n#step 2. #end step. e. f(X). #endstep. #step 3. #endstep."
     )
@@ -56,13 +56,13 @@ def feed(buffer, data):
     return list(iter(buffer.next_message, None))
 
 
-def test_bytes_that_are_no_text():
+def test_requests_report_bytes_that_are_not_utf8():
     (message,) = feed(protocol.MessageBuffer(), b"#step 1.\n\xc3\xa4 \xff#endstep.\0")
     (fault,) = protocol.requests(message)
     assert str(fault) == "2:3: not UTF-8: byte 0xff, invalid start byte"
 
 
-def test_a_message_without_end_is_dropped_once_and_up_to_its_end():
+def test_unterminated_long_message_is_dropped_once():
     buffer = protocol.MessageBuffer()
     assert feed(buffer, b"x" * (protocol.MESSAGE_LIMIT - 1)) == []
     assert not buffer.is_full
@@ -72,7 +72,7 @@ def test_a_message_without_end_is_dropped_once_and_up_to_its_end():
     assert feed(buffer, b"yz\0good\0") == ["good"]
 
 
-def test_a_long_message_with_its_end():
+def test_long_message_is_dropped_up_to_its_end():
     buffer = protocol.MessageBuffer()
     fault, good = feed(buffer, b"x" * protocol.MESSAGE_LIMIT + b"\0good\0")
     assert "a message of" in str(fault)
@@ -81,7 +81,7 @@ def test_a_long_message_with_its_end():
 
 
 @given(st.binary(max_size=200), st.lists(st.integers(0, 200)))
-def test_pieces_make_the_same_messages(data, cuts):
+def test_message_buffer_joins_pieces_of_messages(data, cuts):
     edges = sorted({0, len(data), *(cut for cut in cuts if cut < len(data))})
     buffer = protocol.MessageBuffer()
     received = [message for start, end in zip(edges, edges[1:]) for message in feed(buffer, data[start:end])]
@@ -90,7 +90,7 @@ def test_pieces_make_the_same_messages(data, cuts):
 
 
 @given(st.one_of(st.text(), st.text('#step endstop.123:-abcX(),"%* \n', max_size=60)))
-def test_any_text_gives_updates_or_a_fault_at_the_end(text):
+def test_requests_yield_updates_and_at_most_one_error(text):
     found = list(protocol.requests(text))
     assert found
     assert all(isinstance(one, StreamUpdate) for one in found[:-1])

@@ -42,7 +42,7 @@ def kill(client):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-def test_answers_are_those_of_oclingo(case):
+def test_service_gives_the_answers_of_oclingo(case):
     with running(case["program"]) as found:
         client = found.client()
         for update in case["updates"]:
@@ -54,7 +54,7 @@ def test_answers_are_those_of_oclingo(case):
                 assert reply.text == str(update["horizon"])
 
 
-def test_every_byte():
+def test_service_sends_the_exact_bytes_of_oclingo():
     program = "#base.\nc :- d(1).\n#cumulative t.\n#external e(t).\n#volatile t.\n:- not e(t).\n"
     updates = [
         "#step 1 : 0. #endstep.",
@@ -84,18 +84,18 @@ def test_every_byte():
     ]
 
 
-def test_an_update_byte_by_byte(client):
+def test_service_accepts_an_update_byte_by_byte(client):
     for byte in (STEP.format(1) + "\0").encode():
         client.socket.sendall(bytes([byte]))
     assert client.reply().end == "end"
 
 
-def test_several_messages_at_once(client):
+def test_service_answers_several_messages_sent_together(client):
     client.send(*[f"#step {step} : 0. #endstep." for step in range(100, 120)])
     assert [client.reply().horizons for _ in range(20)] == [[step] for step in range(100, 120)]
 
 
-def test_several_updates_in_one_message(client):
+def test_service_answers_several_updates_in_one_message(client):
     client.send("#step 120 : 0. #endstep.\n#step 121 : 0. #endstep. #step 122. #end step.")
     assert [client.reply().horizons for _ in range(3)] == [[120], [121], [122]]
 
@@ -114,7 +114,7 @@ def test_several_updates_in_one_message(client):
         (b"(" * 999_999, "1:1: expected an atom"),
     ],
 )
-def test_what_is_no_update_is_an_error_and_the_connection_goes_on(client, data, message):
+def test_invalid_update_is_an_error_without_disconnection(client, data, message):
     client.socket.sendall(data + b"\0")
     reply = client.reply()
     assert reply.end == "error"
@@ -122,19 +122,19 @@ def test_what_is_no_update_is_an_error_and_the_connection_goes_on(client, data, 
     assert client.item() == "Input:\n"
 
 
-def test_a_message_without_end_is_an_error_before_it_ends(client):
+def test_unterminated_message_is_an_early_error(client):
     client.socket.sendall(b"\xfe" * 1_000_000)
     assert client.reply().end == "error"
     client.socket.sendall(b"still the same\0")
 
 
-def test_random_bytes_are_errors(client):
+def test_service_answers_random_bytes_with_errors(client):
     data = random.Random(1).getrandbits(8 * 100_000).to_bytes(100_000, "big")
     client.socket.sendall(data + b"\0")
     assert {client.reply().end for _ in range(data.count(0) + 1)} == {"error"}
 
 
-def test_a_refused_update_leaves_the_state_as_it_was():
+def test_refused_update_leaves_the_state_unchanged():
     with running(ECHO, horizon_limit=9) as found:
         client = found.client()
         before = client.ask("#step 2. e(1). #endstep.").sets
@@ -143,7 +143,7 @@ def test_a_refused_update_leaves_the_state_as_it_was():
         assert client.ask("#step 2. #endstep.").sets == before
 
 
-def test_warnings_of_parser_and_solver(client):
+def test_service_sends_warnings_of_parser_and_solver(client):
     reply = client.ask("#step 1 : 0. #step 2. c(0). #endstep.")
     assert reply.warnings == [
         "New '#step 2.' without prior '#endstep.' encountered in line 1. Ignoring....",
@@ -151,7 +151,7 @@ def test_warnings_of_parser_and_solver(client):
     ]
 
 
-def test_a_client_killed_in_a_message_changes_nothing(echo, client):
+def test_client_killed_during_a_message_changes_nothing(echo, client):
     before = client.ask("#step 130. e(130). #endstep.").sets
     for text in (b"#step 131. e(131)", b"#step 131. e(131). #endstep.", b"#step 131. e(131)\0"[:5]):
         other = echo.client()
@@ -160,12 +160,12 @@ def test_a_client_killed_in_a_message_changes_nothing(echo, client):
     assert client.ask("#step 130. #endstep.").sets == before
 
 
-def test_clients_that_go_before_they_are_greeted(echo, client):
+def test_service_survives_clients_that_disconnect_at_once(echo, client):
     for _ in range(30):
         kill(echo.client(greeted=False))
 
 
-def test_complete_updates_of_a_client_that_has_gone_are_taken(echo):
+def test_complete_updates_of_disconnected_clients_are_accepted(echo):
     other = echo.client()
     other.send("#step 140. e(140). #endstep.")
     other.close()
@@ -175,7 +175,7 @@ def test_complete_updates_of_a_client_that_has_gone_are_taken(echo):
     client.close()
 
 
-def test_a_client_that_only_listens_is_answered(echo):
+def test_client_that_stopped_sending_is_answered(echo):
     client = echo.client()
     client.send(*["#step 141. #endstep."] * 20)
     client.socket.shutdown(socket.SHUT_WR)
@@ -183,7 +183,7 @@ def test_a_client_that_only_listens_is_answered(echo):
     assert client.item() is None, "then the service hangs up, too"
 
 
-def test_each_client_is_answered_its_own_updates(echo):
+def test_each_client_gets_answers_to_its_updates(echo):
     clients = [echo.client() for _ in range(5)]
     for number, client in enumerate(clients):
         client.send(*[f"#volatile. own({number}). #endstep."] * 10)
@@ -194,7 +194,7 @@ def test_each_client_is_answered_its_own_updates(echo):
         client.close()
 
 
-def test_more_clients_than_are_served_at_a_time_wait(monkeypatch):
+def test_clients_beyond_the_limit_wait(monkeypatch):
     monkeypatch.setattr(service, "CLIENT_LIMIT", 2)
     with running(ECHO) as found:
         first, second = found.client(), found.client()
@@ -206,7 +206,7 @@ def test_more_clients_than_are_served_at_a_time_wait(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_client_that_does_not_read_holds_nobody_up(monkeypatch):
+def test_client_that_does_not_read_blocks_no_other(monkeypatch):
     monkeypatch.setattr(service_client, "UNSENT_LIMIT", 10_000)
     with running("#cumulative t. { p(1..6,t) }.") as found:
         slow, client = found.client(), found.client()
@@ -219,7 +219,7 @@ def test_a_client_that_does_not_read_holds_nobody_up(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_thousands_of_updates_in_one_connection(echo, client):
+def test_connection_serves_thousands_of_updates(echo, client):
     count = 3_000
     message = b"#volatile. #endstep.\0"
     sent = answered = 0
@@ -232,7 +232,7 @@ def test_thousands_of_updates_in_one_connection(echo, client):
 
 
 @pytest.mark.slow
-def test_stop_ends_the_service_and_every_connection():
+def test_stop_closes_the_service_and_all_connections():
     with running(ECHO) as found:
         first, second = found.client(), found.client()
         first.send("#step 1. #endstep.", "#step 2. #endstep.", "#stop.", "#step 3. #endstep.")
@@ -244,7 +244,7 @@ def test_stop_ends_the_service_and_every_connection():
             found.client()
 
 
-def test_a_client_that_stops_and_goes():
+def test_stop_of_a_disconnected_client_ends_the_service():
     with running(ECHO) as found:
         client = found.client()
         client.send("#stop.\n")
@@ -254,7 +254,7 @@ def test_a_client_that_stops_and_goes():
 
 
 @pytest.mark.slow
-def test_a_new_update_ends_a_search_without_end():
+def test_waiting_update_ends_an_endless_search():
     with running(GOAL, models=1) as found:
         first, second = found.client(), found.client()
         first.send("#step 1. #endstep.")
@@ -269,7 +269,7 @@ def test_a_new_update_ends_a_search_without_end():
 
 
 @pytest.mark.slow
-def test_stop_ends_a_search_without_end():
+def test_stop_directive_ends_an_endless_search():
     with running(GOAL) as found:
         client = found.client()
         client.send("#step 1. #endstep.", "#stop.")
@@ -279,7 +279,7 @@ def test_stop_ends_a_search_without_end():
 
 
 @pytest.mark.slow
-def test_a_time_limit():
+def test_service_time_limit_ends_an_endless_search():
     with running(GOAL, time_limit=0.2) as found:
         client = found.client()
         assert "the time limit of 0.2 s was reached" in client.ask("#step 1. #endstep.").warnings[0]
@@ -287,7 +287,7 @@ def test_a_time_limit():
 
 
 @pytest.mark.slow
-def test_an_update_that_grounds_without_end_is_dropped():
+def test_update_with_endless_grounding_is_dropped():
     program = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
     with running(program, time_limit=1.0) as found:
         client = found.client()
@@ -312,7 +312,7 @@ def test_an_update_that_grounds_without_end_is_dropped():
         (False, False, False, None),
     ],
 )
-def test_when_a_search_ends(bounded, waiting, orphaned, expected):
+def test_search_watch_ends_searches_after_their_grace(bounded, waiting, orphaned, expected):
     search = service.SearchWatch(100.0, bounded, None)
     times = [tick / 10 for tick in range(200)]
     ended = [time for time in times if search.must_end(100.0 + time, waiting, orphaned)]

@@ -9,7 +9,7 @@ def table(text, last=9, width=100):
     return format_answer(clingo.parse_term(f"({text},)").arguments, last, width)
 
 
-def test_rows_are_atoms_columns_are_times():
+def test_table_has_atom_rows_and_time_columns():
     assert table("move(a,b,1),move(b,c,2),at(a,0),at(a,1),at(b,2),-at(c,1),ready") == (
         "ready\n"
         "             0 1 2\n"
@@ -21,24 +21,24 @@ def test_rows_are_atoms_columns_are_times():
     )
 
 
-def test_a_predicate_with_a_last_argument_that_is_no_time_has_no_times():
+def test_table_lists_predicates_without_times_first():
     assert table("size(3),size(12),p(1)", last=10) == "size(12)  size(3)\n      1\np(t)  x\n"
     assert table('p(1,a),q(1,-2),r("x",f(1)),s(())') == 'p(1,a)  q(1,-2)  r("x",f(1))  s(())\n'
 
 
-def test_terms_that_are_no_atoms():
+def test_table_accepts_terms_that_are_not_atoms():
     assert table('1,"a b",(1,2),#inf') == '"a b"  #inf  (1,2)  1\n'
 
 
-def test_no_atoms():
+def test_table_without_atoms_is_empty():
     assert format_answer([], 5) == ""
 
 
-def test_numbers_of_several_digits_are_aligned():
+def test_table_aligns_times_of_several_digits():
     assert table("p(9),p(11)", last=20) == "       9 10 11\np(t)   x  .  x\n"
 
 
-def test_wide_tables_are_broken():
+def test_wide_table_is_split_into_blocks():
     text = table(",".join(f"p({time})" for time in range(1, 31)) + ",q(29)", last=30, width=60)
     blocks = text.count("p(t)")
     assert blocks == 2
@@ -47,12 +47,12 @@ def test_wide_tables_are_broken():
     assert text.count("x") == 31
 
 
-def test_many_atoms_without_time_are_wrapped():
+def test_table_wraps_many_atoms_without_time():
     text = table(",".join(f"room(r{number})" for number in range(100)), width=80)
     assert max(map(len, text.splitlines())) <= 80
     assert len(text.split()) == 100
 
 
-def test_narrow_terminals_keep_ten_columns():
+def test_table_has_at_least_ten_columns():
     text = table("a_rather_long_name_of_a_predicate(1),a_rather_long_name_of_a_predicate(12)", last=12, width=20)
     assert len(text.splitlines()) == 4

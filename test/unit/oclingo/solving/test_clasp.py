@@ -46,7 +46,7 @@ def add_rules(backend, lines):
         "#program volatile(t). { a(t); b(t) }. :- #count { 1 : a(t); 2 : b(t) } > 1.",
     ],
 )
-def test_no_answer_is_lost_by_preprocessing(text):
+def test_solver_arguments_avoid_faulty_equivalence_preprocessing(text):
     control = clingo.Control(ReactiveProgram.from_text(text).arguments())
     with control.backend() as backend:
         add_rules(backend, EQUIVALENCES.read_text(encoding="ascii").splitlines()[1:-1])
@@ -107,7 +107,7 @@ def check_arguments(controls):
     assert all("--eq=0" in one.arguments for one in asked)
 
 
-def test_incremental_controls_have_no_equivalence_preprocessing(controls):
+def test_incremental_controls_disable_equivalence_preprocessing(controls):
     solver = ReactiveSolver(ReactiveProgram.from_text(WALK))
     for text in UPDATES:
         solver.update(parse_update(text))
@@ -115,7 +115,7 @@ def test_incremental_controls_have_no_equivalence_preprocessing(controls):
 
 
 @pytest.mark.parametrize("options", [{}, {"plan_time": 0.1}], ids=str)
-def test_planning_controls_have_no_equivalence_preprocessing(controls, options):
+def test_planning_controls_disable_equivalence_preprocessing(controls, options):
     program = ReactiveProgram.from_text(WALK)
     solver = PlanSolver(program, **options)
     for text in UPDATES:
@@ -161,7 +161,7 @@ STREAMS = st.lists(
 @pytest.mark.slow
 @settings(max_examples=max(300, settings().max_examples))  # about one in a hundred shows what equivalences lose
 @given(PARTS, STREAMS)
-def test_answers_over_several_updates_equal_those_from_scratch(parts, updates):
+def test_answers_after_several_updates_equal_those_from_scratch(parts, updates):
     reference = Reference(parts)
     solver = ReactiveSolver(ReactiveProgram.from_text(parts.text()), models=0)
     for update in updates:
@@ -189,7 +189,7 @@ FOUND = [
 
 
 @pytest.mark.parametrize(("program", "updates", "answer"), FOUND)
-def test_facts_of_an_update_are_in_its_answer(program, updates, answer):
+def test_answer_contains_the_facts_of_its_update(program, updates, answer):
     solver = ReactiveSolver(ReactiveProgram.from_text(program), models=0)
     results = [solver.update(parse_update(text)) for text in updates]
     assert [sorted(map(str, one)) for one in results[-1].answers] == [answer]

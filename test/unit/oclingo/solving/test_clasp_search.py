@@ -32,12 +32,12 @@ def ask(text, stopped=lambda: False, assumed=None, models=1, conflicts=None, **c
         (PIGEONS, {"n": "7"}, False, 0),
     ],
 )
-def test_search_finds_the_answers(text, options, satisfiable, answers):
+def test_search_finds_the_requested_answers(text, options, satisfiable, answers):
     result, _, found = ask(text, **options)
     assert (result.satisfiable, len(found)) == (satisfiable, answers)
 
 
-def test_search_is_stopped():
+def test_search_ends_after_a_stop():
     asked = []
     result, _, _ = ask(PIGEONS, lambda: asked.append(1) or True)
     assert result.interrupted
@@ -45,13 +45,13 @@ def test_search_is_stopped():
 
 
 @pytest.mark.parametrize("conflicts", [1, 100])
-def test_search_ends_at_its_limit_of_conflicts(conflicts):
+def test_search_ends_at_the_conflict_limit(conflicts):
     result, _, _ = ask(PIGEONS, conflicts=conflicts)
     assert result.unknown
     assert not result.interrupted
 
 
-def test_search_blames_assumptions():
+def test_search_returns_an_unsat_core():
     result, core, _ = ask("{ a(1..5) }. :- a(2), a(3).", assumed=["a(4)", "a(2)", "a(3)", "a(5)"])
     assert result.satisfiable is False
     assert set(core) >= {1, 2}

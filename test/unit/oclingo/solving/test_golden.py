@@ -17,7 +17,7 @@ def words(answer):
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-def test_answers_are_those_of_oclingo(case):
+def test_solver_gives_the_answers_of_oclingo(case):
     solver = ReactiveSolver(ReactiveProgram.from_text(case["program"]), models=0)
     for update in case["updates"]:
         result = solver.update(parse_update(update["update"]))
@@ -27,7 +27,7 @@ def test_answers_are_those_of_oclingo(case):
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-def test_answers_stay_the_same_with_a_new_grounding(case):
+def test_regrounding_gives_the_answers_of_oclingo(case):
     solver = ReactiveSolver(ReactiveProgram.from_text(case["program"]), models=0)
     for update in case["updates"]:
         drop_grounding(solver)

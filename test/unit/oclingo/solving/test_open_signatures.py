@@ -40,7 +40,7 @@ def play(updates):
 
 @pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 3), ITEMS), min_size=1, max_size=5))
-def test_answers_are_those_of_a_solver_that_regrounds_step_by_step(items):
+def test_regrounding_in_blocks_changes_no_answer(items):
     updates = [f"#step {step} : 2. {text} #endstep." for step, text in items]
     with mock.patch.object(reactive_solver, "BLOCK", 1):
         expected = play(updates)
@@ -54,7 +54,7 @@ def groundings(monkeypatch):
     return made
 
 
-def test_atom_that_ground_steps_could_see_regrounds(groundings):
+def test_atom_visible_to_grounded_steps_causes_regrounding(groundings):
     solver = ReactiveSolver(ReactiveProgram.from_text("#external moved/2. #cumulative t. go(D,t) :- moved(D,t)."))
     solver.update(parse_update("#step 3. #endstep."))
     assert "go(x,4)" in min(texts(solver.update(parse_update("#step 4. moved(x,4). #endstep."))))
@@ -63,7 +63,7 @@ def test_atom_that_ground_steps_could_see_regrounds(groundings):
     assert len(groundings) == 2
 
 
-def test_atom_is_seen_by_steps_before_and_after_its_own():
+def test_open_atom_is_visible_to_other_steps():
     rules = "a(t) :- s(D,t+1), d(D). b(t) :- s(D,t-1), d(D)."
     solver = ReactiveSolver(ReactiveProgram.from_text("#external s/2. d(l). #cumulative t. " + rules))
     solver.update(parse_update("#step 4. #endstep."))

@@ -10,7 +10,7 @@ from rosoclingo.planning.history import Plan
 
 
 @pytest.mark.parametrize("models", [1, 0])
-def test_optimizing_program_has_answers_without_costs(models):
+def test_optimizing_solver_accepts_answers_without_costs(models):
     solver = solver_of(
         "#external _request/2. #cumulative t. 1 { go(1..3,I,t) } 1 :- _request(I,t). :~ go(X,I,C). [X,I,C]#volatile t.",
         models=models,
@@ -21,7 +21,7 @@ def test_optimizing_program_has_answers_without_costs(models):
     assert [sorted(map(str, answer)) for answer in told.answers] == [["_request(x,2)", "go(1,x,2)"]]
 
 
-def test_optimal_answers_come_alone():
+def test_optimizing_solver_returns_only_optimal_answers():
     solver = solver_of(
         "1 { a ; b ; c }. #minimize { 2,a : a ; 1,b : b ; 1,c : c }. #cumulative t. #volatile t.", models=0
     )
@@ -32,14 +32,14 @@ def test_optimal_answers_come_alone():
 
 
 @SOLVERS
-def test_answers_can_show_any_term(kind):
+def test_solver_answers_can_show_any_term(kind):
     solver = solver_of('p(3). p("s"). #show X : p(X). #cumulative t. _action_lib(a,b,t).', kind)
     result = play(solver, "#step 1.")
     assert {"3", '"s"'} <= set(map(str, result.answers[0]))
     assert {str(one) for one in Plan.from_result(result).actions} == {"_action_lib(a,b,1)"}
 
 
-def test_unsatisfiable_for_good_or_for_now():
+def test_solver_distinguishes_permanent_from_temporary_unsatisfiability():
     solver = solver_of("{ a }. #cumulative t. #external e(t). :- a, e(t). #volatile t.")
     assert play(solver, "#step 1 : 0. e(1). #volatile. :- not a.").outcome is SolveOutcome.UNSATISFIABLE
     assert play(solver, "#step 1 : 0.").outcome is SolveOutcome.SATISFIABLE
@@ -51,7 +51,7 @@ def test_unsatisfiable_for_good_or_for_now():
     assert result.horizon == 1
 
 
-def test_unsatisfiable_for_good_reports_the_bound():
+def test_permanently_unsatisfiable_result_has_the_bound_as_horizon():
     """As oClingo, which grows up to it; what was grounded is not more for that."""
     solver = solver_of("{ a }. #cumulative t. #external e(t). #volatile t.")
     result = play(solver, "#step 1 : 6. :- not a. :- a.")
@@ -63,7 +63,7 @@ def test_unsatisfiable_for_good_reports_the_bound():
     assert play(solver, "#step 3 : 50.").horizon == 9
 
 
-def test_redefinition_is_refused_and_the_state_kept():
+def test_redefinition_is_refused_without_changing_the_state():
     solver = solver_of("#cumulative t. { m(t) }. p(t/4) :- m(t), t > 3. #volatile t.")
     play(solver, "#step 4.")
     with pytest.raises(SolverError, match=r"redefinition.*p\(1\).*give the head the step"):
@@ -71,7 +71,7 @@ def test_redefinition_is_refused_and_the_state_kept():
     assert play(solver, "#step 4.").horizon == 4
 
 
-def test_stop_ends_a_search_without_end():
+def test_stop_callback_ends_an_endless_search():
     solver = solver_of("#cumulative t. s(t). #volatile t. :- s(t).")
     asked = []
 
@@ -95,7 +95,7 @@ def test_statistics_lie_within_the_elapsed_time(kind):
         assert seconds["solve"] + seconds["ground"] <= time.perf_counter() - began
 
 
-def test_warnings_of_parser_and_solver_come_with_the_answer():
+def test_result_has_warnings_of_parser_and_solver():
     solver = solver_of("#cumulative t. c(t). #volatile t.")
     second_step, retraction, ignored = play(solver, "#step 1. #step 3. #retract : z. c(1) :- c(2).").warnings
     assert "#step 3." in second_step

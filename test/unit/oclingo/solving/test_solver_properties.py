@@ -27,5 +27,5 @@ def compare(parts, updates):
 
 
 @given(PARTS, st.lists(UPDATES, min_size=1, max_size=5))
-def test_answers_equal_those_from_scratch(parts, updates):
+def test_random_streams_have_answers_of_a_fresh_solver(parts, updates):
     compare(parts, updates)

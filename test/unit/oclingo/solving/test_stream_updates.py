@@ -110,7 +110,7 @@ def test_stream_has_the_expected_answers(program, updates, way):
         check_answers(solver, line)
 
 
-def test_head_that_an_earlier_step_defines_is_ignored():
+def test_head_defined_by_an_earlier_step_is_ignored():
     solver = solver_of("#cumulative t. #external e(t). { e(t+1) }. #volatile t.", models=0)
     play(solver, "#step 1.")
     check_answers(solver, "e(2). => - | e(2) ! e(2)")
@@ -119,7 +119,7 @@ def test_head_that_an_earlier_step_defines_is_ignored():
 @SOLVERS
 @pytest.mark.parametrize("cycle", ["t-2", "t-1", "t", "t+1", "t+2"])
 @pytest.mark.parametrize("before", [[], ["#step 3."]])
-def test_closed_cycle_gets_no_action_of_a_later_step(before, cycle, kind):
+def test_closed_cycle_rejects_actions_of_later_steps(before, cycle, kind):
     solver = solver_of(f"#cumulative t. {{ _action_lib(go,x,{cycle}) }}. #volatile t.", kind, models=0)
     for text in before:
         play(solver, text)
@@ -136,7 +136,7 @@ def test_closed_cycle_allows_no_unsupported_action():
     assert len(play(solver, "#step 2.").answers) == 2
 
 
-def test_closed_cycles_end_at_the_present_with_committed_actions():
+def test_closed_cycles_contain_committed_actions_up_to_now():
     solver = solver_of("#cumulative t. { _action_lib(go,x,t) }. #volatile t.", models=0)
     result = play(solver, "#step 3. #closed 0..2. :- not _action_lib(go,x,1).")
     assert sorted(sorted(str(atom)[-2] for atom in answer) for answer in result.answers) == [["1"], ["1", "3"]]
@@ -164,7 +164,7 @@ def test_closed_cycle_keeps_its_executed_actions():
 
 
 @SOLVERS
-def test_facts_of_an_unsatisfiable_stream_count_after_a_withdrawal(kind):
+def test_withdrawal_restores_facts_of_unsatisfiable_streams(kind):
     text = "{ a }. #cumulative t. #external e(t). { m(t) }. c(t) :- e(t). :- e(1). #volatile t. :- a. :- m(t)."
     solver = solver_of(text, kind)
     assert play(solver, "#step 1 : 0. e(1).").permanent
@@ -173,7 +173,7 @@ def test_facts_of_an_unsatisfiable_stream_count_after_a_withdrawal(kind):
     assert {"c(3)", "e(3)"} <= set(atoms(play(solver, "#step 3 : 0. #withdraw e(1).")))
 
 
-def test_repeated_updates_reach_the_horizon_of_a_stopped_search():
+def test_reapply_reaches_the_horizon_of_stopped_searches():
     external = solver_of(E)
     looks = iter([False] * 3)
     update = parse_update("#step 9. e(9). #endstep.")
@@ -185,7 +185,7 @@ def test_repeated_updates_reach_the_horizon_of_a_stopped_search():
 
 
 @pytest.mark.parametrize("ahead", ["", "q(t) :- p(t+1)."])  # which no step sees that is ground alone
-def test_repeated_updates_reach_the_horizon_of_the_search(ahead):
+def test_reapply_reaches_the_horizon_of_a_search(ahead):
     solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.")
     update = parse_update("#step 1. #endstep.")
     found = solver.update(update)
@@ -252,7 +252,7 @@ def readers_of(solver, played):
     return readers
 
 
-def test_lapsed_facts_of_an_open_predicate_are_not_kept():
+def test_lapsed_facts_of_open_predicates_are_dropped():
     solver = solver_of("#external r/2. #cumulative t. w(X,t) :- r(X,t). #volatile t.")
     for step in (1, 2, 3):
         play(solver, f"#step {step}. #volatile. r(x,1).")

@@ -134,7 +134,7 @@ def check_facts(named, everything, has_plan):
 @pytest.mark.once
 @settings(max_examples=max(5, settings.default.max_examples // 3))
 @given(CASES)
-def test_explain_blames_the_fewest_rules_by_brute_force(case):
+def test_explain_finds_the_fewest_conflicting_rules(case):
     check(case)
 
 
@@ -156,7 +156,7 @@ def test_explain_names_a_constraint_with_its_fact():
 
 
 @pytest.mark.slow
-def test_explain_lists_rules_that_forbid_it_as_well():
+def test_explain_lists_alternative_rules_for_each_conflict():
     found = check(Case([*FACTS[:4], "shut(2)."], ["closed(2)"], constraints=CONSTRAINTS[:2]))
     besides = {one.rule.text: [other.text for other in one.besides] for one in found.rules}
     first, second = CONSTRAINTS[:2]

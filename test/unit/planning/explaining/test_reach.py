@@ -95,7 +95,7 @@ def test_reach_agrees_with_brute_force_in_small_worlds(world):
 
 
 @pytest.mark.slow
-def test_reach_follows_a_missing_effect_to_its_beginning():
+def test_reach_traces_a_missing_effect_to_its_cause():
     found = check(World("a", [("a", "b", None), ("c", "d", None)], [], "d"))
     assert found.never
     assert [one.atom for one in found.lacking] == ["has(d,t)"]
@@ -132,6 +132,6 @@ late(t) :- late(t-1).
 
 
 @pytest.mark.slow
-def test_reach_judges_no_program_with_a_clock():
+def test_reach_draws_no_conclusion_about_clocks():
     found = explained(ReactiveProgram.from_text(COUNTING, "count.lp"))
     assert (found.never, found.lacking) == (False, ())

@@ -16,7 +16,7 @@ not s(X,t) :- go(X,t).  fine(t) :- p("%").
 """
 
 
-def test_relaxed_program_knows_every_kind_of_rule():
+def test_relaxed_program_classifies_every_kind_of_rule():
     relaxed = RelaxedProgram.of(ReactiveProgram.from_text(TEXT))
     assert [(one.kind, one.line, one.text) for one in relaxed.rules] == [
         (RuleKind.FACT, 2, "p(1..2)."),

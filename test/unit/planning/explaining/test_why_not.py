@@ -44,7 +44,7 @@ def why_not(facts, steps=4, text=PROGRAM, log=None, halt=lambda: False):
 
 
 @pytest.mark.slow
-def test_explanation_has_the_words_of_the_author():
+def test_explanation_uses_the_comments_of_the_author():
     found = why_not(SHUT)
     assert (
         found.text()
@@ -73,14 +73,14 @@ Without walk.lp:14 there is a plan:
     )
 
 
-def test_explanation_says_that_longer_plans_cannot_help():
+def test_explanation_excludes_plans_of_any_length():
     found = why_not("_request(go(d),2).")
     assert found.never
     assert [one.words for one in found.rules] == ["what is asked for is forbidden"]
     assert found.text().startswith("No plan of at most 4 steps, and none of any length.\nThis rule excludes a plan:\n")
 
 
-def test_explanation_of_too_few_steps_leaves_longer_plans():
+def test_explanation_of_few_steps_allows_longer_plans():
     found = why_not(GO, steps=0)
     assert not found.never
     assert found.last == 1
@@ -119,13 +119,13 @@ def test_explanation_is_incomplete_after_a_stop():
     assert "incomplete: out of time" in half.text()
 
 
-def test_ranges_join_steps_that_follow():
+def test_ranges_join_consecutive_step_numbers():
     assert ranges([1, 2, 3, 5, 7, 8]) == "1-3, 5, 7-8"
     assert ranges([]) == ""
 
 
 @pytest.mark.slow
-def test_explanation_names_what_the_program_lacks():
+def test_explanation_names_atoms_that_nothing_derives():
     found = why_not("_request(go(e),2).")
     assert found.never
     assert [one.lacks for one in found.lacking[0].misses] == ["start(e)", "_action_lib(go,e,t)", "way(_,e)"]

@@ -165,7 +165,7 @@ def assert_answer(solver, result):
 @pytest.mark.parametrize("name", sorted(GOALS))
 @settings(max_examples=settings.default.max_examples // 6)
 @given(st.data())
-def test_improve_finds_answers_of_the_whole_history(name, data):
+def test_improve_respects_the_whole_history(name, data):
     """Whatever came since the last search: predicted updates, checkpoints, compaction."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(solver_module, "LEAST_STEPS", data.draw(st.sampled_from([1, 16])))
@@ -297,7 +297,7 @@ LOOP = "#program cumulative(t). #external e(t). c(t) :- e(t)."
     ],
     ids=["many answers", "ground again for a loop", "the shortest plan"],
 )
-def test_improve_leaves_other_plans_as_they_are(options, searches):
+def test_improve_leaves_plans_it_cannot_shorten(options, searches):
     solver = requested(**options)
     searches.clear()
     assert solver.improve() is None
@@ -331,7 +331,7 @@ def price(plan):
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("walls", [1, 4, 8])
 @pytest.mark.parametrize("steps", [0, 2])
-def test_improve_lowers_the_cost_of_a_program_that_optimizes(walls, steps):
+def test_improve_lowers_the_cost_of_optimizing_programs(walls, steps):
     """Up to the least cost, which the search without a limit proves; what is under way stays."""
     program = ReactiveProgram.from_text(PAINT)
     wanted = " ".join(f"_request(paint({wall},{wall}),2)." for wall in range(1, walls + 1))
@@ -352,7 +352,7 @@ def test_improve_lowers_the_cost_of_a_program_that_optimizes(walls, steps):
     assert (plan.horizon, price(plan)) == (best.horizon, price(Plan.from_result(best)))
 
 
-def test_improve_tries_the_rest_of_a_plan_after_an_update(searches):
+def test_improve_continues_its_trials_after_an_update(searches):
     solver = roomy("line", 16, [-2, 4])
     for _ in range(2):
         improve_fully(solver)
@@ -366,7 +366,7 @@ def test_improve_tries_the_rest_of_a_plan_after_an_update(searches):
 # ---- Results ---------------------------------------------------------------------------------------------------------
 
 
-def test_improved_plan_is_the_answer_from_then_on():
+def test_improved_plan_replaces_the_previous_answer():
     solver, reader = requested(text=LOOP), solver_of()
     began = time.perf_counter()
     result = solver.improve()

@@ -148,14 +148,14 @@ def test_probe_sees_updates_since_the_last_probe():
         assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)", disabled) == Reply(False), "none is blamed"
 
 
-def test_probe_heeds_the_bound_of_its_update():
+def test_probe_respects_the_bound_of_its_update():
     solver = planner_of(FAR)
     found = [probe(solver, f"#step 1 : {bound}. go.", "go").satisfiable for bound in (148, 149, 148)]
     assert found == [False, True, False]
     assert probe(solver, "#step 1 : 148. go.", "go", "go").satisfiable
 
 
-def test_probe_finds_answers_that_further_steps_end():
+def test_probe_finds_answers_that_later_steps_exclude():
     """From the third step on there is no answer without told(a), before it none with told(b) or told(c)."""
     solver = planner_of(
         "#external told/1. #program cumulative(t). :- t > 2, not told(a). "
@@ -180,11 +180,11 @@ def test_probe_finds_answers_that_further_steps_end():
         ("#cumulative t. { _action_lib(a,b,t+1) }. :- t = 2, go, not _action_lib(a,b,t+1).", ""),
     ],
 )
-def test_probe_waits_for_atoms_of_further_steps(rules, asks):
+def test_probe_grounds_steps_that_declare_mentioned_atoms(rules, asks):
     assert verdicts(planner_of("#external go/0. " + rules), f"#step 2 : 20. go. {asks}", "go") == [True, True]
 
 
-def test_probe_takes_asserted_facts_until_their_retraction():
+def test_probe_assumes_asserted_facts_until_their_retraction():
     solver = planner_of(BOLT)
     play(solver, "#step 1 : 3. #assert : a. knock(d).")
     assert verdicts(solver, "#step 2 : 3.", "knock(d)") == [False, True]
@@ -192,7 +192,7 @@ def test_probe_takes_asserted_facts_until_their_retraction():
 
 
 @pytest.mark.usefixtures("compacts_at_once")
-def test_probe_takes_facts_of_compacted_steps():
+def test_probe_assumes_facts_of_compacted_steps():
     text = "#program cumulative(t). #external seal(t). bad(t) :- seal(t-1), t = 5. bad(t) :- bad(t-1). "
     solver = planner_of(text + "#program volatile(t). :- bad(t), t > 7.")
     play(solver, "#step 1 : 1.")
@@ -206,14 +206,14 @@ def test_probe_takes_facts_of_compacted_steps():
 
 
 @pytest.mark.parametrize("looks", [0, 4])
-def test_probe_stopped_knows_nothing_and_goes_on(looks):
+def test_stopped_probe_is_unknown_and_can_be_repeated(looks):
     solver, asked = planner_of(FAR), []
     verdict = probe(solver, "#step 1 : 100. go.", "go", stopped=lambda: asked.append(1) or len(asked) > looks)
     assert verdict == UNKNOWN
     assert probe(solver, "#step 1 : 100. go.", "go") == Reply(False, core=atoms("go"))
 
 
-def test_probe_after_an_error_grounds_again(monkeypatch):
+def test_probe_regrounds_after_an_error(monkeypatch):
     def fail(*_arguments, **_limits):
         raise RuntimeError("too large")
 
@@ -270,6 +270,6 @@ def test_probe_doubles_the_steps_until_a_stop(work):
     assert (stopped.satisfiable, work[-1]) == (None, ">66")
 
 
-def test_probe_grounds_no_steps_if_none_can_help(work):
+def test_probe_grounds_no_useless_further_steps(work):
     assert not probe(planner_of(BOLT), "#step 1 : 300. bolt(a). bolt(b).", "bolt(a)").satisfiable
     assert work[-1] == "1..1"

@@ -49,7 +49,7 @@ def test_reordered_continues_open_chains_on_the_way():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_reordered_takes_ways_back_in_some_searches():
+def test_reordered_uses_return_ways_in_some_searches():
     ring = plan_of("go a; go b; go c; go d; take 1; go a; go b; go c; go d; take 2; go a")
     assert {candidate(ring, 1, seed=seed).horizon for seed in range(9)} == {5, 7}
 
@@ -59,11 +59,11 @@ def test_reordered_takes_ways_back_in_some_searches():
     ["", "go a; go b; go a", "water fern; water rose", "go a; go b; go a; take 1; go b; put 1; go a"],
     ids=["no plan", "only moves", "no moves", "one chain"],
 )
-def test_reordered_finds_nothing_where_one_order_is_left(acts):
+def test_reordered_returns_none_for_a_single_order(acts):
     assert candidate(plan_of(acts)) is None
 
 
-def test_reordered_needs_one_action_at_a_step():
+def test_reordered_requires_one_action_per_step():
     plan = plan_of(TO_AND_FRO)
     assert candidate(plan._replace(actions=plan.actions | {parse_atom("_action_lib(sing,song,5)")}), 1) is None
     past = plan._replace(actions=plan.actions | {parse_atom("_action_lib(sing,song,1)")})

@@ -50,5 +50,5 @@ def test_shortest_finds_the_least_horizon_unless_stopped(answers, world, hint, b
         ([], {"hint": 2, "horizon": 4, "dead": 2}, "1..1 2..2"),
     ],
 )
-def test_shortest_asks_few_questions(answers, options, asked):
+def test_shortest_needs_only_a_few_questions(answers, options, asked):
     assert run(answers, **options)[1] == asked

@@ -72,7 +72,7 @@ LAST = st.none() | st.builds(lambda horizon, cycles: plan(horizon, *cycles), HOR
 
 
 @given(st.dictionaries(HORIZONS, st.lists(HORIZONS, max_size=4), max_size=3), WORLDS, LAST, st.sampled_from([1, 8]))
-def test_soon_finds_the_least_plan_whenever_it_ends(plans, world, last, block):
+def test_soon_returns_the_best_plan_when_stopped(plans, world, last, block):
     """In time it is proven; a stop or the end of the time leaves the best plan so far, if there is one."""
     reachable = [horizon for horizon in plans if horizon <= world["most"]]
     best, proven, asked = run(plans, world, last, block=block)
@@ -157,7 +157,7 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
         "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3 >4 4..4+2+3+4/100",
     ),
 )
-def test_soon_asks_more_and_more(plans, options, settings, asked):
+def test_soon_increases_the_effort_of_its_questions(plans, options, settings, asked):
     assert run(plans, options, **settings)[2] == asked
 
 
@@ -185,7 +185,7 @@ def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
     ],
 )
 @pytest.mark.usefixtures("plain")
-def test_soon_shortens_a_plan_that_is_still_valid_for_a_tenth_of_the_time(last, predicted, least):
+def test_soon_spends_a_tenth_on_shortening_valid_plans(last, predicted, least):
     """A predicted one that was not the shortest is not shortened; without a valid plan there is all the time."""
     assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, seconds=20, predicted=predicted)[0] == least
 
@@ -245,7 +245,7 @@ def check_stream(solver, plan_time, bound, news):
 
 
 @pytest.mark.parametrize("news", ["", "_request(0,2)."])
-def test_soon_has_no_time_for_a_predicted_plan(news, searches):
+def test_soon_does_not_shorten_predicted_plans(news, searches):
     ticks = iter([0.0, 2.0])  # it stands still from then on
     solver = PlanSolver(PROGRAMS[True], plan_time=1.0)
     with clock(lambda: next(ticks, 2.0)):
@@ -258,7 +258,7 @@ def test_soon_has_no_time_for_a_predicted_plan(news, searches):
     assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
-def test_soon_takes_the_best_answer_that_was_found_in_time(monkeypatch):
+def test_soon_returns_the_best_answer_in_time(monkeypatch):
     """To prove that fourteen pigeons in thirteen holes can't all sit alone takes for ever."""
     text = """
         #program base. pigeon(1..14). hole(1..13).

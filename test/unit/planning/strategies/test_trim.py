@@ -66,7 +66,7 @@ def test_trimmed_plans_have_no_superfluous_action(horizon, plan, plans, options,
     assert trim(horizon, plan, *plans, **options)[:2] == (cycles, last)
 
 
-def test_trimmed_asks_programs_that_advise_only_about_idle_steps():
+def test_trimmed_removes_only_idle_steps_with_heuristics():
     assert trim(3, (1, 2, 3), (1, 2), advises=True) == ([1, 2, 3], 3, [])
     assert trim(4, (1, 3), (1, 2), advises=True) == ([1, 2], 2, [(2, 2)])
 

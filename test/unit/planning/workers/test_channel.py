@@ -49,7 +49,7 @@ def test_channel_reports_end_after_last_message(ends):
         channel.send(LONG)
 
 
-def test_channel_writes_rest_while_it_waits(ends):
+def test_channel_writes_the_rest_while_waiting(ends):
     channel, there = ends
     channel.send(LONG)
 

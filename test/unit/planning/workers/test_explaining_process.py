@@ -34,7 +34,7 @@ def test_explaining_process_finds_the_same_reasons():
     assert explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 300.0) is None
 
 
-def test_explain_names_facts_with_actions_due_to_them():
+def test_explain_blames_facts_together_with_their_actions():
     text = """\
 #program base.
 p(1..3).
@@ -54,7 +54,7 @@ at(P,t) :- _action_lib(go,P,t).
 
 @pytest.mark.once
 @pytest.mark.slow
-def test_explaining_process_ends_in_time(monkeypatch):
+def test_explaining_process_ends_at_its_deadline(monkeypatch):
     monkeypatch.setattr(explanation, "PATIENCE", 0.2)
     asked = stream("#step 1. e(1). #end step.", 3)
     with pytest.raises(DroppedError, match="no explanation was found in 1 s"):
@@ -63,7 +63,7 @@ def test_explaining_process_ends_in_time(monkeypatch):
         explain_in_worker(EXPLODING, asked, 300.0, lambda: True)
 
 
-def test_explaining_process_that_cannot_start_is_an_error(monkeypatch):
+def test_explaining_process_that_cannot_start_raises(monkeypatch):
     def refused(*_arguments, **_more):
         raise OSError("no more processes")
 

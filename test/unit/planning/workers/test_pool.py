@@ -108,7 +108,7 @@ def test_solvers_share_a_worker_and_no_history(echo):
     assert answers(fed(other, "2.")) == [[]]
 
 
-def test_refused_update_changes_nothing():
+def test_pool_update_that_is_refused_changes_nothing():
     with pool_of(ECHO, horizon_limit=3) as pool:
         solver = ProcessSolver(pool)
         fed(solver, "1. e(1).")
@@ -117,7 +117,7 @@ def test_refused_update_changes_nothing():
         assert answers(fed(solver, "2.")) == [["c(1)", "e(1)"]]
 
 
-def test_answers_leave_out_cycles_that_are_long_over():
+def test_pool_answers_omit_cycles_long_over():
     """Atoms of the present and atoms without a cycle are in each answer."""
     with pool_of("#program base. named(x). #show named/1. #show c/1. " + ECHO, shortest=True) as pool:
         solver = ProcessSolver(pool)
@@ -224,7 +224,7 @@ def test_grown_worker_is_replaced_between_two_searches(memory):
 
 
 @pytest.mark.slow
-def test_grown_standby_is_replaced(memory):
+def test_grown_standby_is_replaced_after_prefetching(memory):
     memory += [10, 10, 200, 10]
     with pool_of(ENDLESS, **PLANS, standby=True) as pool:
         solver, pids = ProcessSolver(pool), []
@@ -269,7 +269,7 @@ def test_stop_ends_search_and_keeps_its_update(options, patient):
 @pytest.mark.parametrize("grace", [0.0, 600.0])
 def test_grounding_is_dropped_between_pieces_after_grace(grace, patient, monkeypatch):
     monkeypatch.setattr(worker, "GRACE", grace)
-    dropped = pytest.raises(DroppedError, match="stopped while the program was grounded")
+    dropped = pytest.raises(DroppedError, match="stopped while regrounding the program")
     with pool_of(IN_PIECES, **patient) as pool:
         solver = ProcessSolver(pool)
         fed(solver, "320.")
@@ -309,7 +309,7 @@ def update_of(cycle, done):
 
 @pytest.mark.once
 @pytest.mark.slow
-def test_stream_survives_twenty_kills():
+def test_pool_stream_survives_twenty_kills():
     """Of the active worker, the standby or both, between two updates and during one."""
     draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(RUN), log_limit=2)
     with pool_of(RUN, **PLANS, log_limit=2, standby=True) as pool:

@@ -97,7 +97,7 @@ def as_planned(plan, step):
 
 
 @pytest.mark.slow
-def test_prefetched_plan_is_shortened_until_its_update_comes(here):
+def test_prefetched_plan_is_shortened_until_its_update(here):
     with pool_of(plan_time=0.0, standby=True) as pool:
         solver = ProcessSolver(pool)
         solver.update(ASK)
@@ -125,7 +125,7 @@ def test_prefetched_answer_is_unused_after_another_update(here, pool, solver, va
     assert pool.pid == pid
 
 
-def test_prefetched_answer_is_waited_for_until_a_stop(pool, solver):
+def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
     slow = onward(2, "slow")
     assert not solver.has_prefetched(slow, lambda: False), "nobody prefetches"
     os.kill(pool.standby_pid, signal.SIGSTOP)
@@ -179,7 +179,7 @@ def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("again", [True, False])
-def test_improved_plan_is_prefetched_for_again(here, again):
+def test_improved_plan_causes_prefetching_once_more(here, again):
     """The search for the update after a failure begins with it; an answer from before is one, too."""
     with pool_of(plan_time=0.0, standby=True) as pool:
         solver = ProcessSolver(pool)
@@ -329,7 +329,7 @@ def test_new_worker_begins_with_the_plan_in_force():
         assert Plan.from_result(again).rest(2).actions == worse.rest(2).actions
 
 
-def test_worker_answers_what_would_be():
+def test_worker_answers_hypothetical_questions_like_a_solver():
     program = ReactiveProgram.from_text("#external e/1.\n#program cumulative(t).\n:- e(1), e(2), not e(3).\n")
     first, update = (parse_update(f"#step {text} #endstep.") for text in ("1 : 1.", '2 : 1. e(1). e(2). e("3").'))
     facts = frozenset(map(parse_atom, ["e(1)", "e(2)", 'e("3")']))

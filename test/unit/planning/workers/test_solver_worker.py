@@ -25,7 +25,7 @@ def worker():
 
 
 @pytest.mark.slow
-def test_worker_that_hangs_is_not_waited_for(worker):
+def test_pool_does_not_wait_for_hanging_workers(worker):
     worker.wait_until_ready(never)
     os.kill(worker.pid, signal.SIGSTOP)
     for _ in range(3):
@@ -36,7 +36,7 @@ def test_worker_that_hangs_is_not_waited_for(worker):
     assert not worker.is_busy()
 
 
-def test_worker_that_hangs_can_be_killed(worker):
+def test_hanging_worker_can_be_killed(worker):
     assert worker.memory > 0
     os.kill(worker.pid, signal.SIGSTOP)
     worker.begin(load(f'b("{"x" * 2**20}").'))
