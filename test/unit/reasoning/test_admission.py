@@ -1,10 +1,10 @@
-"""Whose turn it is: how many goals there is room for, who waits when there is no plan in time, who is not overtaken."""
+"""Admission: how many goals fit, which of them are deferred without a plan in time, and fairness to old goals."""
 
 import pytest
 from core_scripts import perform, scripts
 from goal_clients import Clients, crowd
 
-#: The number of goals at first, their limits, and what comes.
+#: The initial number of goals, their limits, and the events.
 TIMED = {"search_timeout": 10.0}
 ROOM = {
     "at first for a few": (30, TIMED, "has 1-8; plan old; has 1-8"),
@@ -98,7 +98,7 @@ DROPPED = {
     **{f"overtaking: {name}": row for name, row in OVERTAKING.items()},
     **{f"dropped: {name}": row for name, row in DROPPED.items()},
 })  # fmt: skip
-def test_admission(row):
+def test_admission_follows_the_script(row):
     goals, limits, script = row
     perform(crowd(goals, **limits), script)
 
@@ -107,30 +107,30 @@ def test_admission(row):
     ("seconds", "size"),
     [(0.0, 32), (0.1, 32), (0.375, 32), (1.5, 16), (3.0, 12), (3.2, 11), (6.0, 8), (24.0, 4), (90.0, 4)],
 )
-def test_room_follows_from_the_time_of_a_plan(seconds, size):
-    """A plan takes four times as long for twice as many goals; there is room for four times or half as many then."""
+def test_admission_window_follows_planning_time(seconds, size):
+    """A plan for twice as many goals takes four times as long; the window then grows fourfold or shrinks to half."""
     clients = crowd(60, **TIMED).plan(seconds)
     assert clients.goals.queue.size == size
     assert len(clients.served) == (size if size >= 16 else 8), "goals join once half of the room is free"
 
 
 @pytest.mark.parametrize(("kept", "more"), [(1, 1), (2, 1), (7, 2), (8, 2), (9, 3), (12, 3)])
-def test_room_grows_slowly_after_a_loss(kept, more):
+def test_admission_window_grows_slowly_after_a_loss(kept, more):
     perform(crowd(40), f"put_off {kept + 1}-40; has 1-{kept}; size {kept}; plan; size {kept + more}")
 
 
-def test_older_goals_are_let_in_before_the_one_that_comes_first():
+def test_admission_prefers_older_goals_to_the_nearest():
     clients = perform(crowd(3, overtaking_limit=1), "put_off 1; end 3")
     clients.goal(1).overtaken, clients.goal(2).overtaken = 0, 2
     perform(clients, "tick 1; add 4; tells 4 go(2) has priority; plan; has 1 2")
 
 
-def test_a_goal_that_alone_could_not_be_accepted_rests_longer_each_time():
+def test_admission_delays_unacceptable_goal_longer_each_time():
     clients, now, rests = Clients().add(1), 100.0, []
     clients.tick(now)
     for _ in range(9):
         clients.leave_out()
-        now, rest = now + 1000.0, 0  # the search took its time, which is no rest
+        now, rest = now + 1000.0, 0  # the search used its time, so this is no pause
         clients.tick(now)
         assert not clients.served
         while not clients.served:
@@ -141,7 +141,7 @@ def test_a_goal_that_alone_could_not_be_accepted_rests_longer_each_time():
     assert rests == [10, 20, 40, 80, 160, 320, 640, 640, 640]
 
 
-def test_goals_that_were_accepted_or_have_ended_are_not_left_out():
+def test_admission_does_not_skip_accepted_or_ended_goals():
     clients = Clients().add(1, 2)
     batch = clients.feeder.next_update(1)
     clients.feeder.taken(batch)
@@ -151,20 +151,20 @@ def test_goals_that_were_accepted_or_have_ended_are_not_left_out():
     assert clients.waits(1) == clients.waits(2) == []
 
 
-# -- searches that are interrupted by arrivals
+# -- searches that arrivals interrupt
 
 
 @pytest.mark.parametrize(
     ("cancelled", "why"),
     [("", ""), ("g9", ""), ("g5", ""), ("g2", "a goal was cancelled"), ("g5 g2", "a goal was cancelled")],
 )
-def test_a_search_is_left_for_cancels_of_goals_that_it_is_for(cancelled, why):
+def test_admission_stops_search_if_its_goals_are_cancelled(cancelled, why):
     queue = crowd(5, at_once=3).goals.queue
     assert queue.why_left(set(cancelled.split()), new=True) == why
 
 
 @pytest.mark.parametrize("end", ["plan", "no_plan 2 3", "give_time"])
-def test_after_a_search_that_was_left_the_next_one_has_its_time(end):
+def test_admission_gives_full_time_after_a_stopped_search(end):
     clients = crowd(3)
     queue = clients.goals.queue
     queue.left = True
@@ -174,7 +174,7 @@ def test_after_a_search_that_was_left_the_next_one_has_its_time(end):
     assert queue.why_left({"g1", "g2", "g3"}, new=False) == "a goal was cancelled"
 
 
-def test_a_goal_in_vain_is_left_for_a_new_one_unless_it_comes_first():
+def test_admission_drops_hopeless_goal_for_new_one_unless_first():
     clients = crowd(1, overtaking_limit=2)
     queue = clients.goals.queue
     assert queue.why_left((), new=True) == ""

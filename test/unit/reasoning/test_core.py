@@ -1,4 +1,4 @@
-"""The cycle: batching, idling, waiting, returns, cancels, time-outs; what is reported, and what is not."""
+"""The cycle: batching, idling, deferral, returns, cancels, time-outs, and the reported problems."""
 
 import re
 from dataclasses import replace
@@ -15,7 +15,7 @@ from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.returns import MOST_FACTS
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Two arms work in one cycle.
+#: Two arms act in the same cycle.
 ARMS = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -23,10 +23,10 @@ _action_lib(left,I,t) :- _request(both(I),t+1).
 _action_lib(right,I,t) :- _request(both(I),t+1).
 """
 
-#: Plans by itself, without any goal: one action in cycle 2. It knows no returns.
+#: Plans one action in cycle 2 without any goal, and reads no returns.
 ALONE = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
 
-#: Says of ``told(Id)`` how it is in the request's cycle, or in each one, and of ``asked(Id)`` nothing.
+#: Reports the status ``told(Id)`` in the request's cycle or in each cycle, and none for ``asked(Id)``.
 WORDS = """
 #external _request/2. #external _seen/1.
 #program cumulative(t).
@@ -57,7 +57,7 @@ DECLARED = "#external _request(do(walk,1..2),1..20). #external _request(cancel(1
 
 
 class Procrastinator:
-    """A solver whose plan always begins in the cycle after this one."""
+    """A solver whose plan always begins in the next cycle."""
 
     def __init__(self):
         self.log = History()
@@ -74,7 +74,7 @@ class Procrastinator:
 
 
 class Dawdler(Procrastinator):
-    """Has something to do in every fourth cycle as well."""
+    """Acts in every fourth cycle as well."""
 
     def update(self, update, stopped=None):
         result = super().update(update, stopped)
@@ -83,7 +83,7 @@ class Dawdler(Procrastinator):
 
 
 class Relenting(Procrastinator):
-    """Defers its plan until the fifth cycle, where there is nothing left to do."""
+    """Defers its plan until the fifth cycle, in which nothing is left to do."""
 
     def update(self, update, stopped=None):
         result = super().update(update, stopped)
@@ -91,7 +91,7 @@ class Relenting(Procrastinator):
 
 
 def deferring(solver, text=ERRANDS):
-    """A driver, which has not begun, with solvers of its own; a plan can be deferred for five cycles."""
+    """Return a driver, not yet started, with its own solvers; a plan can be deferred for five cycles."""
     return Driver(text, CoreSettings(horizon_limit=5), solver=lambda _program: solver(), start=False)
 
 
@@ -143,12 +143,12 @@ CYCLES = {
 
 
 @scripts(CYCLES)
-def test_cycle(row):
+def test_core_cycle_follows_the_script(row):
     text, settings, script = row
     play(Driver(text, CoreSettings(**{"horizon_limit": 8, **settings})), script)
 
 
-def test_a_plan_of_which_something_is_done_now_and_then_is_not_given_up():
+def test_core_keeps_a_plan_that_acts_occasionally():
     driver = deferring(Dawdler, ERRANDS.replace("#external _return/3.", ""))
     driver.core.start()
     driver.core.add_goal("a", "do(walk,1)")
@@ -159,18 +159,18 @@ def test_a_plan_of_which_something_is_done_now_and_then_is_not_given_up():
     assert [goal.key for goal in driver.core.live_goals] == ["a"]
 
 
-def test_a_plan_is_deferred_for_a_limited_number_of_cycles_after_an_arrival():
+def test_core_defers_a_plan_for_limited_cycles_after_arrival():
     driver = deferring(Procrastinator).begin().facts("_seen(ball)")
     assert driver.core.cycle == 5 + 1 + 5
     assert driver.problems == ["the plan was deferred 5 times in a row: it is dropped"] * 2
 
 
-def test_a_plan_that_comes_to_nothing_at_the_limit_is_not_given_up():
+def test_core_keeps_a_plan_that_becomes_empty_at_the_limit():
     driver = deferring(Relenting).begin()
     assert (driver.core.cycle, driver.problems) == (5, [])
 
 
-def test_a_core_that_has_not_begun_has_no_plan():
+def test_core_has_no_plan_before_it_begins():
     driver = deferring(Procrastinator)
     core = driver.core
     assert (core.cycle, core.plan.actions, core.live_goals, core.awaited) == (1, (), [], ())
@@ -178,7 +178,7 @@ def test_a_core_that_has_not_begun_has_no_plan():
     assert not driver.journal.events
 
 
-def test_events_of_a_goal_in_their_order():
+def test_core_reports_events_of_a_goal_in_order():
     driver = Driver().goal("a", "do(walk,1)").facts("_return(walk,1,1)")
     assert [f"{type(event).__name__} {event.cycle}" for event in driver.journal.events] == [
         *("PlanMade 1", "StateChanged 1"),
@@ -187,7 +187,7 @@ def test_events_of_a_goal_in_their_order():
     ]
 
 
-def test_an_update_without_an_answer_has_no_plan_but_the_past():
+def test_core_plan_without_answer_holds_only_the_past():
     driver = Driver()
     driver.core.add_goal("a", "do(walk,1)")
     driver.goal("b", "do(run,2)").goal("c", "do(never,3)").succeed()
@@ -195,11 +195,11 @@ def test_an_update_without_an_answer_has_no_plan_but_the_past():
     assert told == [(1, 0), (1, 2), (2, 1), (3, 2)]
 
 
-def test_the_first_update_says_nothing_of_the_past():
+def test_core_first_update_contains_no_past():
     assert Driver().facts("_seen(ball)").journal.stream == "#step 1 : 8.\n_seen(ball).\n#end step.\n"
 
 
-def test_cycles_that_an_open_request_saw_are_kept():
+def test_core_remembers_cycles_that_an_open_request_saw():
     driver = Driver(UNDER_WAY)
     for number in range(40):
         if number in (12, 20):
@@ -224,7 +224,7 @@ def test_cycles_that_an_open_request_saw_are_kept():
         *((fact, "1:") for fact in ("_seen(X)", "garbage(((", "")),
     ],
 )
-def test_facts_that_make_no_sense_are_reported_and_ignored(fact, reason):
+def test_core_reports_and_ignores_senseless_facts(fact, reason):
     driver = Driver().goal("a", "do(walk,1)").facts(fact, "_seen(ball)")
     (problem,) = driver.problems
     assert reason in problem
@@ -234,7 +234,7 @@ def test_facts_that_make_no_sense_are_reported_and_ignored(fact, reason):
     assert driver.states("a")[-1] == "succeeded"
 
 
-def test_a_fact_has_a_greatest_length():
+def test_core_limits_the_length_of_a_fact():
     longest = f'_seen("{"x" * (LONGEST - 9)}")'
     driver = Driver().facts(longest, longest.replace("x", "xx", 1))
     (problem,) = driver.problems
@@ -243,7 +243,7 @@ def test_a_fact_has_a_greatest_length():
     assert f"{longest}." in driver.journal.updates[0]
 
 
-def test_a_message_has_a_greatest_number_of_facts():
+def test_core_limits_the_number_of_facts_per_message():
     driver = Driver().facts(*(f"_seen({number})" for number in range(MOST_FACTS + 7)))
     assert driver.problems == [
         f"a message from 'interface' has {MOST_FACTS + 7} facts, only the first {MOST_FACTS} are accepted:"
@@ -253,7 +253,7 @@ def test_a_message_has_a_greatest_number_of_facts():
     assert f"_seen({MOST_FACTS})." not in driver.journal.updates[0]
 
 
-def test_facts_that_wait_while_an_action_runs_are_bounded(monkeypatch):
+def test_core_limits_facts_queued_during_an_action(monkeypatch):
     monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_WAITING", 5)
     driver = Driver().goal("a", "do(walk,1)").facts(*(f"_seen({number})" for number in range(8)))
     assert driver.problems == [
@@ -263,13 +263,13 @@ def test_facts_that_wait_while_an_action_runs_are_bounded(monkeypatch):
     assert driver.succeed().states("a")[-1] == "succeeded", "a return is accepted whatever waits"
 
 
-def test_feedback_after_each_answer():
+def test_core_sends_feedback_after_each_answer():
     driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").succeed()
     told = [(one.key, one.cycle, len(one.actions), one.position) for one in driver.journal.of(GoalProgress)]
     assert told == [("a", 1, 1, 0), ("a", 2, 2, 1), ("b", 2, 2, 1)]
 
 
-def test_abandon_ends_every_goal():
+def test_core_abandon_ends_every_goal():
     driver = Driver(settings=CoreSettings(horizon_limit=8, goals_at_once=1))
     driver.goal("a", "do(walk,1)").goal("b", "do(run,2)").core.abandon("is aborted: the core shuts down")
     assert driver.states("a")[-1] == driver.states("b")[-1] == "aborted", "also one that waits"

@@ -1,4 +1,4 @@
-"""Searches that are ended by arrivals or by time, and updates that the solver drops or refuses: nothing is lost."""
+"""Interrupted searches and updates that the solver drops or refuses lose no goal, action or return."""
 
 import os
 import signal
@@ -87,7 +87,7 @@ FAULTS = {
 
 
 @scripts(FAULTS)
-def test_faults_of_the_solver(row):
+def test_core_handles_faults_of_the_solver(row):
     text, script = row
     driver = play(FaultyDriver(text), script)
     assert driver.core.live_goals == []
@@ -104,11 +104,11 @@ def test_faults_of_the_solver(row):
     ],
     ids=["left", "dropped"],
 )  # fmt: skip
-def test_first_search_that_is_ended(text, script):
+def test_core_interrupts_the_first_search(text, script):
     play(FaultyDriver(text, start=False), script)
 
 
-def test_time_does_not_count_while_the_solver_is_made_ready():
+def test_core_ignores_time_while_solver_is_prepared():
     waits, looks = [], iter([Halt("too long")] * 3)
 
     class Late(PlanSolver):
@@ -123,7 +123,7 @@ def test_time_does_not_count_while_the_solver_is_made_ready():
     play(driver, "goal a do(walk,1); finish; is a succeeded; problems 0")
 
 
-def test_a_solver_that_accepts_nothing_any_more_ends_all_goals():
+def test_core_ends_all_goals_if_solver_accepts_nothing():
     why = "is aborted: the solver accepts no more updates"
     driver = FaultyDriver(settings=CoreSettings(horizon_limit=8, goals_at_once=1))
     play(
@@ -135,14 +135,14 @@ def test_a_solver_that_accepts_nothing_any_more_ends_all_goals():
 
 
 def three_walks(text=ERRANDS):
-    """A driver with three goals, of which the first is under way, and their numbers in the order of the plan."""
+    """Return a driver with three goals, the first under way, and their numbers in the order of the plan."""
     driver = FaultyDriver(text)
     for number in (1, 2, 3):
         driver.core.add_goal(str(number), f"do(walk,{number})")
     return driver, [str(action.parameter) for action in driver.run().core.plan.actions]
 
 
-def test_a_plan_that_is_kept_is_deferred_by_the_cycles_in_which_nothing_was_done():
+def test_core_defers_kept_plan_by_its_idle_cycles():
     driver, (first, one, last) = three_walks()
     play(driver, f"leave 1; hear interface _return(walk,{first},1) _seen(ball); once; cycle 2")
     assert driver.core.plan.actions == (), "the search was left"
@@ -160,7 +160,7 @@ DECLARED = ERRANDS.replace(
 
 
 @pytest.mark.parametrize(("text", "state"), [(ERRANDS, "succeeded"), (DECLARED, "rejected")])
-def test_a_goal_that_the_solver_cannot_accept_is_no_reason_to_defer_others(text, state):
+def test_core_defers_no_goal_for_an_unacceptable_one(text, state):
     driver, (first, second, _) = three_walks(text)
     slow = driver.fail_for(SolveOutcome.INTERRUPTED, unless="#volatile").fault
     drops = text is ERRANDS
@@ -172,7 +172,7 @@ def test_a_goal_that_the_solver_cannot_accept_is_no_reason_to_defer_others(text,
     play(driver, f"fault none; finish; is 9 {state}")
 
 
-def test_a_program_that_begins_again_keeps_the_new_goals_only():
+def test_core_restarted_program_has_only_new_goals():
     driver = play(
         Driver(IMPOSSIBLE),
         """
@@ -186,7 +186,7 @@ def test_a_program_that_begins_again_keeps_the_new_goals_only():
     play(driver, "facts _battery(high,9) _return(run,2,4); sends ..._battery(high,9)...; is b succeeded")
 
 
-def test_each_update_by_which_a_program_begins_again_is_reported(monkeypatch):
+def test_core_reports_each_update_that_restarts_a_program(monkeypatch):
     monkeypatch.setattr(stream_planner, "MANY_STEPS", 20)
     driver = Driver(IMPOSSIBLE + "#external _tick/1.", settings=CoreSettings(horizon_limit=4))
     for number in range(20):
@@ -199,21 +199,21 @@ def test_each_update_by_which_a_program_begins_again_is_reported(monkeypatch):
     ]
 
 
-# -- actions and their returns, however an update is fed
+# -- actions and their returns, in every way that an update reaches the solver
 
 
-#: What is seen or loud is heeded by no plan.
+#: No plan depends on ``seen`` or ``loud``.
 PROGRAM = ReactiveProgram.from_text(fetch(", not failed(t)", rules=FAILED + STATUS))
 
 
 class Arm:
-    """The world apart from the program: it has what was grasped with success."""
+    """The world, independent of the program: the things that were grasped with success."""
 
     def __init__(self, driver):
         self.driver, self.things, self.told = driver, set(), []
 
     def answer(self, fails, *facts):
-        """The action under way ends; ``facts`` come in the same message."""
+        """End the action under way; ``facts`` come in the same message."""
         (action,) = self.driver.core.awaited
         thing = str(action.parameter)
         self.things |= set() if fails else {thing}
@@ -222,7 +222,7 @@ class Arm:
         self.go_on()
 
     def go_on(self):
-        """Advance until the core waits for an action; time passes while it does not."""
+        """Advance until the core waits for an action, and let time pass until then."""
         for _ in range(40):
             self.driver.run()
             if self.driver.core.awaited or not self.driver.core.live_goals:
@@ -231,7 +231,7 @@ class Arm:
         raise AssertionError("the core waits for ever")
 
     def finish(self):
-        """All succeeds, and the facts that rest come."""
+        """Let all actions succeed and deliver the remaining facts."""
         while self.driver.core.awaited:
             self.answer(False)
         for _ in range(20):
@@ -240,11 +240,11 @@ class Arm:
 
     @property
     def heads(self):
-        """The facts of the stream."""
+        """Return the facts of the stream."""
         return {str(head) for update in parse_updates(self.driver.journal.stream) for head in update.heads}
 
     def check(self):
-        """All actions are told together with what came of them."""
+        """Check that the stream reports each action together with its return."""
         assert self.heads.issuperset(self.told), self.driver.problems
         for update in parse_updates(self.driver.journal.stream):
             returns = [one for one in update.heads if one is not None and one.match("_return", 3)]
@@ -262,7 +262,7 @@ FATES = st.lists(st.sampled_from(["accepted", "dropped", "without facts", "refus
 @example(fates=["accepted", "accepted", *["dropped"] * 9], steps=[(True, 1)])
 @example(fates=["accepted", "accepted", *["refused"] * 9], steps=[(True, 3)])
 @given(fates=FATES, steps=STEPS)
-def test_each_return_is_in_the_history_whatever_becomes_of_updates(fates, steps):
+def test_core_history_has_each_return_whatever_update_is_accepted(fates, steps):
     left = iter(fates)
 
     class FatedDriver(FaultyDriver):
@@ -290,7 +290,7 @@ def test_each_return_is_in_the_history_whatever_becomes_of_updates(fates, steps)
     assert arm.heads.issuperset(set(facts) - set(dropped)), "other facts come later, or are reported as dropped"
 
 
-def test_a_failure_is_told_though_a_fact_of_its_message_is_too_costly():
+def test_core_reports_failure_beside_a_too_costly_fact():
     driver = play(FaultyDriver(program=PROGRAM), "goal a fetch(cup,1); fault dropped _loud(400")
     arm = Arm(driver)
     arm.answer(True, "_seen(dog)", "_loud(400,now)", "_seen(cat)")
@@ -302,7 +302,7 @@ def test_a_failure_is_told_though_a_fact_of_its_message_is_too_costly():
     play(driver, "goal b fetch(mug,2); finish; is b succeeded")
 
 
-def test_a_return_that_the_solver_refuses_is_left_out_with_its_action():
+def test_core_leaves_out_refused_return_with_its_action():
     driver = play(
         FaultyDriver(program=PROGRAM),
         """
@@ -313,7 +313,7 @@ def test_a_return_that_the_solver_refuses_is_left_out_with_its_action():
 
 
 class Killer:
-    """Kills the worker now and then, before it has answered an update; now and then the one after it as well."""
+    """Kills the worker now and then before it has answered an update, and sometimes the next worker as well."""
 
     def __init__(self, process, draw):
         self.process, self.draw = process, draw
@@ -342,7 +342,7 @@ class Killer:
 
 
 @pytest.mark.slow
-def test_no_failure_is_lost_with_a_process_that_is_killed():
+def test_core_loses_no_failure_with_a_killed_worker():
     draw, goals = Random(0), [str(number) for number in range(sized(12, 36))]
     process = WorkerPool(PROGRAM, shortest=True, standby=True)
     process.start()

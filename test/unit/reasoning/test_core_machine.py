@@ -1,7 +1,7 @@
-"""Random goals, cancels, returns, failures, duplicates, delays and garbage for the core with the mailbot's program.
+"""Random goals, cancels, returns, failures, duplicates, delays and garbage for a core with the mailbot's program.
 
-The world is modelled apart from the program: a robot, packages, and what the interfaces do. Each step is followed by
-the checks of what must hold at any time; at the end all that is under way succeeds, and every goal must have ended.
+The world is modelled independently of the program: a robot, packages, and interfaces. Invariants are checked after
+each step; at the end all actions under way succeed, and every goal must have ended.
 """
 
 from contextlib import ExitStack
@@ -26,14 +26,14 @@ from rosoclingo.reasoning.stream_planner import unwatched
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
 TIMEOUT = 50.0
 
-#: How soon cycles are over for the solver, so that a short run meets what otherwise only a long one does.
+#: Cycles after which the solver compacts, small so that a short run reaches what otherwise only a long run does.
 FORGETFUL = (
     (stream_planner, "RECENT", 2),
     (solver, "LEAST_STEPS", 2),
     (compaction, "SHOWN_STEPS", 1),
 )
 
-#: actionlib's own diagram of a goal's life on the server, by its words; the first state is pending.
+#: actionlib's state diagram of a goal on the server, in its words; the first state is pending.
 FOLLOWS = {
     "pending": {"active", "recalling", "rejected", "recalled"},
     "recalling": {"preempting", "recalled", "rejected"},
@@ -43,7 +43,7 @@ FOLLOWS = {
 
 
 class CoreMachine(RuleBasedStateMachine):
-    """The core between clients and interfaces that do anything."""
+    """The core between clients and interfaces that behave arbitrarily."""
 
     @initialize(preempt=st.booleans(), forgetful=st.booleans(), delay=st.sampled_from([None, 0, 1, 2, 5, NEVER]))
     def begin(self, preempt, forgetful, delay):
@@ -58,7 +58,7 @@ class CoreMachine(RuleBasedStateMachine):
         )
         self.world = World()
         self.goals = {}  # key -> (from, to, package)
-        self.executed = {}  # cycle -> actions, from what was sent out
+        self.executed = {}  # cycle -> actions, from the messages that were sent
         self.checked = 0
         self.seen = []
         self.failures = 0
@@ -167,10 +167,10 @@ class CoreMachine(RuleBasedStateMachine):
         self.seen.append(f"_return({action.interface},{value},{action.cycle})")
         self.driver.facts(self.seen[-1])
 
-    # ---- what holds at any time
+    # ---- invariants
 
     def account(self):
-        """What led here, for the message of a failure: the stream that was taken, and the problems."""
+        """Return the accepted stream and the problems, for the message of a failure."""
         return "\n".join((self.driver.journal.stream, *self.driver.problems))
 
     def lives(self, key):
@@ -219,7 +219,7 @@ class CoreMachine(RuleBasedStateMachine):
             self.come_to_an_end()
 
     def come_to_an_end(self):
-        """All that is under way succeeds; then every goal has ended as it should."""
+        """Let all actions under way succeed; then every goal has the right end."""
         for _ in range(300):
             if not self.driver.core.awaited:
                 break
@@ -238,7 +238,7 @@ class CoreMachine(RuleBasedStateMachine):
                 self.check_package(goal, self.driver.states(key)[-1])
 
     def check_package(self, goal, state):
-        """A package is at its destination, its origin, or where a failure left it."""
+        """Check that a package is at its destination, its origin, or where a failure left it."""
         start, end, package = goal
         place = self.world.places[package]
         if state == "succeeded":

@@ -1,4 +1,4 @@
-"""What a core keeps does not grow with the number of goals, nor with the length of their texts."""
+"""The memory of a core grows neither with the number of goals nor with the length of their texts."""
 
 import gc
 
@@ -10,12 +10,12 @@ from rosoclingo.oclingo import parse_atom
 from rosoclingo.planning.history import Plan
 from rosoclingo.reasoning.records import CACHED, text_of
 
-#: Goals after which all that is bounded in number is full; the solver retires steps more often than that.
-GOALS = 90  # in which the solver retires steps at all the places that it ever will
+#: Goals after which all bounded containers are full; the solver compacts more often than that.
+GOALS = 90  # after these goals the solver has compacted at every place where it can
 
 
 def objects(driver, first, last):
-    """Let goals come one after the other, each of which is met; return how few objects there were meanwhile."""
+    """Run goals to success one after the other; return the lowest number of objects meanwhile."""
     found = []
     for number in range(first, last):
         driver.goal(f"key{number}", f"do({number})")
@@ -27,7 +27,7 @@ def objects(driver, first, last):
 
 
 @pytest.mark.slow
-def test_core_keeps_as_much_after_many_goals_as_after_some():
+def test_core_memory_does_not_grow_with_goals():
     driver = Driver(FORGETFUL, events=10)
     objects(driver, 0, GOALS)
     more = sized(50, GOALS)
@@ -35,7 +35,7 @@ def test_core_keeps_as_much_after_many_goals_as_after_some():
     assert objects(driver, GOALS + more, GOALS + 2 * more) - before < more, "an object or more is kept for each goal"
 
 
-def test_plans_of_many_answers_keep_no_symbols():
+def test_core_plans_of_many_answers_share_no_symbols():
     gc.collect()
     before = len(gc.get_objects())
     for number in range(300):
@@ -45,7 +45,7 @@ def test_plans_of_many_answers_keep_no_symbols():
     assert len(gc.get_objects()) - before < 1000
 
 
-def test_texts_of_long_symbols_are_not_cached():
+def test_core_does_not_cache_texts_of_long_symbols():
     long = [parse_atom("seen({}{})".format("x" * 50000, number)) for number in range(10)]
     gc.collect()
     assert [text_of(one) is text_of(one) for one in long] == [False] * 10

@@ -1,4 +1,4 @@
-"""The core's state in values, and its problems as lines of a log."""
+"""The core's state as values, and its problems as lines of a log."""
 
 import pickle
 
@@ -11,7 +11,7 @@ from rosoclingo.reasoning.keywords import shortened
 from rosoclingo.reasoning.log_throttle import FEW, MANY, MOST_ORIGINS, QUIET, LogThrottle
 
 
-def test_the_same_is_said_once():
+def test_core_state_reports_the_same_problem_once():
     throttle = LogThrottle()
     assert (
         throttle.take(Problem(3, "'_return(a,1,2)' is ignored", "arm"), 0.0) == "cycle 3: '_return(a,1,2)' is ignored"
@@ -24,7 +24,7 @@ def test_the_same_is_said_once():
     assert throttle.take(Problem(9, "'_return(a,1,2)' is ignored", "arm"), QUIET + 1.0)
 
 
-def test_the_cores_own_problems_are_the_same_if_their_texts_are():
+def test_core_problems_with_equal_text_are_equal():
     throttle = LogThrottle()
     assert throttle.take(Problem(1, "update 1 is refused"), 0.0)
     assert throttle.take(Problem(2, "update 2 is refused"), 0.0)
@@ -32,7 +32,7 @@ def test_the_cores_own_problems_are_the_same_if_their_texts_are():
 
 
 @pytest.mark.parametrize("origin", ["", "eye"])
-def test_many_of_a_kind_are_counted(origin):
+def test_core_state_counts_repeated_problems_of_a_kind(origin):
     throttle = LogThrottle()
     texts = [f'Head _blocked({"x" * number},hall,"(") came too late' for number in range(1, 501)]
     said = [line for line in (throttle.take(Problem(7, text, origin), 0.1) for text in texts) if line]
@@ -46,7 +46,7 @@ def test_many_of_a_kind_are_counted(origin):
 
 
 @pytest.mark.parametrize(("origin", "whose"), [("arm", "from 'arm'"), ("", "of the core's own")])
-def test_problems_beyond_the_limit_of_an_origin_are_counted(origin, whose):
+def test_core_state_counts_problems_beyond_the_limit(origin, whose):
     throttle = LogThrottle()
     lines = [throttle.take(Problem(1, "x" * (number + 1), origin), 0.0) for number in range(100)]
     said = [line for line in lines if line]
@@ -58,11 +58,11 @@ def test_problems_beyond_the_limit_of_an_origin_are_counted(origin, whose):
 
 
 @pytest.mark.parametrize(("long", "told"), [(20, "x" * 20), (21, f"{'x' * 10} ... {'x' * 10} (21 characters)")])
-def test_long_texts_are_told_without_their_middle(long, told):
+def test_core_state_shortens_long_texts_in_the_middle(long, told):
     assert shortened("x" * long, 20) == told
 
 
-def test_report():
+def test_core_state_makes_a_diagnostics_report():
     health = Health()
     assert health.report(1, 0, [], 0.0).level is Level.OK
     assert health.report(1, 0, [], 0.0).message == "idle"
@@ -85,18 +85,18 @@ def test_report():
     }
 
 
-def test_levels_are_those_of_diagnostics():
+def test_core_state_levels_match_diagnostics():
     assert (Level.OK, Level.WARN) == (0, 1)
 
 
-def test_an_interface_is_missing():
+def test_core_state_reports_a_missing_interface():
     report = Health().report(4, 2, ["_action_lib(a,b,4)"], 0.0, ["c", "d"], "no interface 'a'")
     assert report.level is Level.WARN
     assert report.message == "no interface 'a'"
     assert report.values["interfaces"] == "c, d"
 
 
-def test_a_problem_is_a_warning_for_a_while():
+def test_core_state_shows_a_problem_for_a_while():
     health = Health()
     health.problem(Problem(4, "all is lost"), 100.0)
     assert health.report(4, 0, [], 100.0 + FRESH / 2) == (
@@ -108,7 +108,7 @@ def test_a_problem_is_a_warning_for_a_while():
     assert health.report(4, 0, [], 100.0 + FRESH).values["last error"] == "cycle 4: all is lost"
 
 
-def test_what_is_said_of_problems():
+def test_core_state_describes_problems_in_words():
     health = Health()
     assert health.problem(Problem(4, "all is lost"), 100.0) == "cycle 4: all is lost"
     assert health.problem(Problem(5, "all is lost"), 101.0) == "", "it was said before"
@@ -116,14 +116,14 @@ def test_what_is_said_of_problems():
     assert health.counted(101.0 + QUIET) == ["1 more of this kind in a minute, the last: cycle 5: all is lost"]
 
 
-def test_problems_name_the_interface_that_they_are_about():
+def test_core_problems_name_their_interface():
     driver = Driver().goal("a", "do(walk,1)").facts("garbage((", "_unheard(1)")
     driver.now += 1e6
     driver.run()
     assert [problem.origin for problem in driver.journal.of(Problem)] == ["interface", "interface", "walk"]
 
 
-def test_a_long_problem_is_told_by_its_beginning_and_its_end():
+def test_core_state_shows_both_ends_of_long_problem():
     throttle = LogThrottle()
     line = throttle.take(Problem(1, f"'seen({'9' * 100_000})' is ignored: it makes no sense", "eye"), 0.0)
     assert len(line) < 1000
@@ -131,14 +131,14 @@ def test_a_long_problem_is_told_by_its_beginning_and_its_end():
     assert "it makes no sense (" in line
 
 
-def test_log_throttle_tells_a_bounded_number_of_interfaces_apart():
+def test_log_throttle_distinguishes_a_bounded_number_of_interfaces():
     throttle = LogThrottle()
     lines = [throttle.take(Problem(1, "'x(' is ignored", f"eye{'x' * number}"), 0.0) for number in range(3000)]
     assert MOST_ORIGINS <= len([line for line in lines if line]) <= MOST_ORIGINS + MANY
     assert throttle.count == 3000
 
 
-def test_log_throttle_keeps_no_long_texts():
+def test_log_throttle_stores_no_long_texts():
     throttle = LogThrottle()
     for number in range(10_000):
         throttle.take(Problem(1, "x" * (number % 100) + "y" * (number // 100), "eye"), 0.0)

@@ -1,4 +1,4 @@
-"""Which goals are taken out of the program again, on a planner that knows only what is in hand and what takes long."""
+"""Which goals are withdrawn from the program, with a planner that only knows goals in hand and slow searches."""
 
 from types import SimpleNamespace
 
@@ -11,20 +11,20 @@ from rosoclingo.oclingo.progression.updates import Withdraw
 from rosoclingo.reasoning.deferral import defer
 from rosoclingo.reasoning.keywords import action_of, success_of
 
-#: The cycle of the last update, how many steps a plan may have, and how many it has once all goals are cancelled.
+#: The cycle of the last update, the horizon bound, and the bound once all goals are cancelled.
 STEP, STEPS, LEAST = 7, 20, 5
 
 WHY = "it took too long"
 
-#: The last action, after which only the fresh goals came.
+#: The last action, after which only the new goals arrived.
 LAST = action_of(parse_term(f"_action_lib(walk,far,{STEP - 1})"))
 
 
 class World:
-    """A planner for goals 1 to ``goals``, the ``fresh`` ones of them new with the last update, and their manager.
+    """A planner for goals 1 to ``goals``, of which ``fresh`` are new with the last update, and their manager.
 
-    Goals that are ``bound`` ("1" or "2 3") cannot be withdrawn together without a longer plan. ``refused`` are sets of
-    the goals withdrawn for which the solver takes no update; ``over`` is what comes too late.
+    Withdrawing ``bound`` goals ("1" or "2 3") together makes the plan longer. The solver refuses the update if one of
+    the sets ``refused`` is withdrawn; ``over`` arrives too late.
     """
 
     def __init__(self, goals, fresh="", bound=(), **others):
@@ -42,11 +42,11 @@ class World:
         self.planners, self.updates, self.bounds = [], [], []
 
     def restarted(self, without):
-        self.planners.append(Beside(self, without))
+        self.planners.append(TrialPlanner(self, without))
         return self.planners[-1]
 
     def put_off(self, *chosen, told=STEP):
-        """Take out the chosen goals or others: the planner that goes on, and what was done."""
+        """Withdraw the chosen goals or others; return the planner that continues, and the outcome."""
         goals = [self.clients.goal(number) for number in chosen]
         return defer(self, self.clients.goals, goals, WHY, told, [LAST], lambda: None)
 
@@ -55,8 +55,8 @@ class World:
         return [" ".join(map(str, update.items)) for update in self.updates]
 
 
-class Beside:
-    """A planner beside that of the world, which was never told of some requests."""
+class TrialPlanner:
+    """A trial planner derived from that of the world, which never received some of the requests."""
 
     def __init__(self, world, without):
         self.world, self.without, self.lookahead = world, without, STEPS
@@ -84,7 +84,7 @@ def requests(*terms):
     return frozenset(map(parse_term, terms))
 
 
-def test_goals_that_nothing_was_done_for_wait():
+def test_deferral_queues_goals_without_any_action():
     world = World(4)
     planner, told = world.put_off(3, 4)
     assert told == "it took too long: 2 of 4 goals wait"
@@ -100,7 +100,7 @@ def test_goals_that_nothing_was_done_for_wait():
     assert world.clients.feed(STEP + 1)[:2] == ["#withdraw _request(go(3),5)", "#withdraw _request(go(4),5)"]
 
 
-def test_goals_that_are_new_wait_without_a_question():
+def test_deferral_queues_new_goals_without_a_question():
     world = World(4, fresh="3 4")
     planner, _ = world.put_off(3, 4)
     assert world.clients.waiting == [3, 4]
@@ -110,7 +110,7 @@ def test_goals_that_are_new_wait_without_a_question():
     assert world.clients.feed(STEP + 1) == [], "an update with their requests was never told"
 
 
-def test_new_goals_are_left_out_of_all_questions():
+def test_deferral_leaves_new_goals_out_of_questions():
     world = World(5, fresh="2 5")
     world.put_off(4, 5)
     assert world.clients.waiting == [4, 5]
@@ -139,14 +139,14 @@ UNKNOWN = [
     ("world", "chosen", "waiting"),
     [
         *((World(6, bound=bound), "3-6", waiting) for bound, waiting in HAND),
-        *((World(2, over=over), "2", waiting) for over, waiting in ((4, "2"), (5, ""))),  # what is over stays
+        *((World(2, over=over), "2", waiting) for over, waiting in ((4, "2"), (5, ""))),  # past goals stay
         (World(4, refused=["3 4", "3"]), "3 4", "4"),  # refused or too long: in hand
         (World(4, bound=["3"], outcome=SolveOutcome.INTERRUPTED), "3 4", "4"),
-        *((World(2, **others), "2", "") for others in UNKNOWN),  # what is not new stays, and so does the other one
+        *((World(2, **others), "2", "") for others in UNKNOWN),  # an older goal stays, and so does the other
         *((World(3, fresh="3", **others), "2 3", "3") for others in UNKNOWN),
     ],
 )
-def test_goals_in_hand_do_not_wait(world, chosen, waiting):
+def test_deferral_leaves_goals_in_hand_alone(world, chosen, waiting):
     total = len(world.clients.live)
     _, told = world.put_off(*numbers_of(chosen.split()))
     assert world.clients.waiting == numbers_of(waiting.split())
@@ -155,7 +155,7 @@ def test_goals_in_hand_do_not_wait(world, chosen, waiting):
     assert waiting or total > 2 or len(world.updates) <= 2
 
 
-def test_where_all_are_in_hand_the_others_wait():
+def test_deferral_queues_the_others_if_all_are_in_hand():
     world = World(5, bound=["4", "5", "2"])
     world.clients.goals.cancel("g1")
     world.put_off(4, 5)
@@ -163,7 +163,7 @@ def test_where_all_are_in_hand_the_others_wait():
     assert world.clients.served == [1, 2, 4, 5], "those that are being cancelled go on"
 
 
-def test_where_everything_is_in_hand_the_search_goes_on():
+def test_deferral_continues_search_if_everything_is_in_hand():
     world = World(3, bound=["1", "2", "3"])
     queue = world.clients.goals.queue
     planner, told = world.put_off(2, 3)
@@ -172,13 +172,13 @@ def test_where_everything_is_in_hand_the_search_goes_on():
     assert world.clients.feed(STEP + 1) == []
 
 
-def test_where_none_is_chosen_the_search_goes_on():
+def test_deferral_continues_search_if_no_goal_is_chosen():
     world = World(2)
     assert world.put_off() == (world, "it took too long: the search goes on")
     assert (world.clients.waiting, world.planners) == ([], [])
 
 
-def test_the_chosen_goals_stay_in_order():
+def test_deferral_preserves_order_of_chosen_goals():
     world = World(4, fresh="2")
     world.put_off(1, 2, 3)
     assert numbers(world.clients.goals.queue.waiting) == [1, 2, 3]

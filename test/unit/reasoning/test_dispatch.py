@@ -1,4 +1,4 @@
-"""Returns of the actions of one cycle: which action each is about, which are missing, which have failed."""
+"""Returns of the actions of one cycle: the action of each return, missing returns, and failures."""
 
 import pytest
 from core_scripts import perform, scripts
@@ -9,25 +9,25 @@ from rosoclingo.reasoning.returns import Dispatch, ReturnError
 
 
 class Actions:
-    """Actions of cycle 1, as INTERFACE,PARAMETER, and what comes of them; the words of scripts."""
+    """Actions of cycle 1, as INTERFACE,PARAMETER, and their returns: the words of scripts."""
 
     def __init__(self, actions):
         parsed = (action_of(parse_atom(f"_action_lib({one},1)")) for one in actions.split())
         self.dispatch = Dispatch(1, tuple(parsed), 0.0)
 
     def back(self, *values):
-        """Returns, as INTERFACE,VALUE."""
+        """Return actions, as INTERFACE,VALUE."""
         for value in values:
             assert self.dispatch.missing
             self.dispatch.take(return_of(parse_atom(f"_return({value},1)")))
 
     def stray(self, value, cycle, *reason):
-        """A return of a cycle that is refused for a reason."""
+        """Expect a return of the cycle to be refused for a reason."""
         with pytest.raises(ReturnError, match=" ".join(reason)):
             self.dispatch.take(return_of(parse_atom(f"_return({value},{cycle})")))
 
     def expire(self, *expected):
-        """All time out; expect these actions with their values, as PARAMETER:VALUE."""
+        """Let all actions time out; expect these actions with their values, as PARAMETER:VALUE."""
         found = [f"{one.parameter}:{answer.value}" for one, answer in self.dispatch.expire(TIMEOUT)]
         assert found == list(expected)
 
@@ -35,7 +35,7 @@ class Actions:
         assert [f"{one.interface},{one.parameter}" for one in self.dispatch.missing] == list(expected)
 
     def failures(self, *expected):
-        """Expect these failures, each with the actions that it can be about, as INTERFACE,VALUE:ACTION:ACTION."""
+        """Expect these failures, each with its candidate actions, as INTERFACE,VALUE:ACTION:ACTION."""
         found = [
             ":".join([f"{answer.interface},{answer.value}", *(str(one.parameter) for one in actions)])
             for answer, actions in self.dispatch.failures
@@ -43,7 +43,7 @@ class Actions:
         assert found == list(expected)
 
 
-#: The actions, and what comes.
+#: The actions, and the events.
 RETURNS = {
     "each returns": ("drive,a arm,b", "back arm,b; missing drive,a; back drive,failed; missing"),
     "stray ones": ("drive,a", """
@@ -71,6 +71,6 @@ RETURNS = {
 
 
 @scripts(RETURNS)
-def test_returns(row):
+def test_dispatch_matches_returns_with_actions(row):
     actions, script = row
     perform(Actions(actions), script)

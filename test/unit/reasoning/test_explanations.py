@@ -20,11 +20,11 @@ from rosoclingo.reasoning.observations import Observation
         ('f("a")', 'f("a")'),
     ],
 )
-def test_terms_as_text(term, text):
+def test_explanation_terms_become_text(term, text):
     assert text_of(parse_term(term)) == text
 
 
-def test_the_latest_explanation_counts():
+def test_explanation_that_came_last_counts():
     atoms = [
         "_explain(1,old,2)",
         "_explain(1,new,10)",
@@ -42,13 +42,13 @@ def test_the_latest_explanation_counts():
     assert explanations.faults == []
 
 
-def test_of_explanations_of_one_cycle_it_is_always_the_same():
+def test_explanation_of_a_cycle_is_deterministic():
     atoms = [f"_explain({number},{letter},2)" for number in range(9) for letter in "abcdefghijkl"]
     explanations = Explanations(frozenset(map(parse_term, atoms)))
     assert {explanations.of(parse_term(str(number))) for number in range(9)} == {"l"}
 
 
-def test_what_is_no_explanation():
+def test_explanation_ignores_other_terms():
     explanations = Explanations(frozenset(parse_term(atom) for atom in ("_explain(1,a)", "_explain(1,a,soon)")))
     assert [fault.count("write _explain(What,Text,C)") for fault in explanations.faults] == [1, 1]
 
@@ -82,11 +82,11 @@ TOLD = Observation(parse_term("_shut(d)"), 5)
         ),
     ],
 )
-def test_losses_in_generic_words(loss, text):
+def test_explanation_of_losses_in_generic_words(loss, text):
     assert loss.text(Explanations(), "there is none") == text
 
 
-def test_losses_in_the_programs_words():
+def test_explanation_of_losses_in_words_of_program():
     atoms = ['_explain(3,(office4," is unreachable"),5)', '_explain(_return(go,blocked,3),("the way was blocked"),3)']
     explanations = Explanations(frozenset(parse_term(atom) for atom in atoms))
     loss = UnmetGoal(goal("go(a,3)"), (goal("go(b,2)"),), (FAILED, FAILED, TOLD))
@@ -96,7 +96,7 @@ def test_losses_in_the_programs_words():
     )
 
 
-def test_a_failure_that_may_be_about_two_actions():
+def test_explanation_of_failure_with_two_candidate_actions():
     actions = tuple(action_of(parse_term(f"_action_lib(go,{what},3)")) for what in "ab")
     seen = Observation(parse_term("_return(go,lost,3)"), 3, actions)
     assert str(seen) == "go(a) or go(b) returned lost in cycle 3"

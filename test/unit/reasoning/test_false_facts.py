@@ -1,4 +1,4 @@
-"""Facts that contradict what was done, or one another: as few as can be are withheld, compared with every subset."""
+"""Facts that contradict the executed actions or one another: the fewest are withheld, checked against every subset."""
 
 from itertools import combinations
 
@@ -11,7 +11,7 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, Statement, StreamU
 from rosoclingo.reasoning.events import UpdateSent
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: A goal go(Room,Id) is met by one action. What is seen in a cycle may deny what was done then, or what else is seen.
+#: One action meets a goal go(Room,Id). Observations of a cycle can deny its actions or other observations.
 SIGHTS = """
 #external _request/2. #external _return/3. #external _seen/2.
 #program cumulative(t).
@@ -38,12 +38,12 @@ SEEN = st.lists(st.tuples(st.sampled_from(SIGHT_NAMES), st.integers(1, 3)), min_
 
 
 def denied(driver):
-    """The facts that were told to contradict something, each of which was taken otherwise."""
+    """Return the facts that were reported as contradicted and redated or withheld."""
     return {text.split()[0] for text in driver.journal.problems if " contradicts " in text}
 
 
 def has_answer(program, stream, kept):
-    """Whether a solver of its own has an answer after the stream whose last update tells of the facts ``kept``."""
+    """Return whether a separate solver has an answer if the last update of the stream contains the facts ``kept``."""
     solver, updates = shortest(program), parse_updates(stream)
     for update in updates[:-1]:
         solver.update(update)
@@ -58,7 +58,7 @@ def has_answer(program, stream, kept):
 @settings(max_examples=settings.default.max_examples // 4)
 @example({"denies": [("fog", "hall")], "rivals": [("glow", "smoke")]}, [("fog", 1), ("glow", 2), ("smoke", 2)], True)
 @given(st.fixed_dictionaries(PAIRS), SEEN, st.booleans())
-def test_as_few_facts_as_can_be_are_taken_otherwise(pairs, seen, asked):
+def test_repair_withholds_the_fewest_contradicting_facts(pairs, seen, asked):
     facts = " ".join(f"{name}({one},{other})." for name, some in pairs.items() for one, other in some)
     program = ReactiveProgram.from_text(SIGHTS.format(facts=facts))
     driver = Driver(settings=CoreSettings(horizon_limit=8), program=program)

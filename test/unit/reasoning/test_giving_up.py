@@ -1,4 +1,4 @@
-"""Which goals are given up and why, on a planner that only knows what can't be had together and what takes too long."""
+"""Which goals are aborted and why, with a planner that only knows conflicts and slow searches."""
 
 from itertools import combinations
 
@@ -20,7 +20,7 @@ from rosoclingo.reasoning.stream_planner import Halt
 #: The cycle that is to start.
 STEP = 5
 
-#: How many steps a plan may have.
+#: The horizon bound.
 STEPS = 10
 
 SATISFIABLE, UNSATISFIABLE, INTERRUPTED = SolveOutcome.SATISFIABLE, SolveOutcome.UNSATISFIABLE, SolveOutcome.INTERRUPTED
@@ -37,7 +37,7 @@ def seen(letter):
 
 
 def name(fact):
-    """The goal or observation that a fact is about."""
+    """Return the goal or observation that a fact is about."""
     return str(fact.arguments[0].arguments[0] if fact.name == "_request" else fact.arguments[0])
 
 
@@ -46,12 +46,11 @@ def request(number):
 
 
 class World:
-    """A planner for goals 1, 2, ... and observations a, b, ..., which has no plan, and the question what to do.
+    """A planner without a plan for goals 1, 2, ... and observations a, b, ..., and the recovery's question.
 
-    No ``conflicts``, sets of both such as "1 2 a", can be had. ``slow`` are sets of the goals that are left for which
-    the search is interrupted, ``refused`` those for which the solver refuses the update. ``ways`` tells, by whether
-    goals are withheld, how a search without any goal ends. With ``cores`` a question that is refuted comes with the
-    facts of one conflict.
+    No set in ``conflicts``, such as "1 2 a", can hold together. ``slow`` are sets of remaining goals for which the
+    search is interrupted; ``refused`` are those for which the solver refuses the update. ``ways`` gives the end of a
+    search without goals, by whether goals are withheld. With ``cores`` a refuted question returns one conflict.
     """
 
     def __init__(self, goals=3, observations="", conflicts=(), **others):
@@ -79,7 +78,7 @@ class World:
         return Impasse(STEP, *newest, self.watch, STEPS)
 
     def restarted(self, without=frozenset()):
-        return Beside(self, without)
+        return TrialPlanner(self, without)
 
     def outcome(self, goals, observations, withheld, steps):
         self.left = None if self.left is None else self.left - 1
@@ -97,8 +96,8 @@ class World:
         return UNSATISFIABLE if any(one <= goals | observations for one in self.conflicts) else SATISFIABLE
 
 
-class Beside:
-    """A planner beside that of the world."""
+class TrialPlanner:
+    """A trial planner derived from that of the world."""
 
     def __init__(self, world, without):
         self._world, self._without, self.lookahead = world, without, world.lookahead
@@ -133,7 +132,7 @@ class Beside:
 
 
 def lost(world):
-    """The goals given up, each with its reasons in the order of the words, and ? where they are not sure."""
+    """Return the aborted goals, each with its ordered reasons, and ? where these are not certain."""
     found = recover(world, world.impasse)
     assert found.met
     return [
@@ -150,7 +149,7 @@ def text(update):
     return " ".join(str(update).split())
 
 
-def test_goals_are_cancelled_oldest_first_in_the_cycle_that_starts():
+def test_recovery_cancels_oldest_goals_first_in_starting_cycle():
     world = World(3, "a", ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
     assert recover(world, world.impasse) is None
     assert [text(update) for update in world.updates] == [
@@ -159,7 +158,7 @@ def test_goals_are_cancelled_oldest_first_in_the_cycle_that_starts():
     ]
 
 
-def test_withdrawals_are_in_order():
+def test_recovery_withdraws_goals_in_order():
     goals = " ".join(map(str, range(1, 13)))
     world = World(12, conflicts=goals.split(), ways={False: UNSATISFIABLE})
     withdrawn = [item.atom for item in recover(world, world.impasse).update.items]
@@ -168,11 +167,11 @@ def test_withdrawals_are_in_order():
 
 
 @pytest.mark.parametrize("withheld", [False, True])
-def test_the_way_on_is_a_planner_with_its_update(withheld):
+def test_recovery_returns_a_planner_with_its_update(withheld):
     world = World(3, conflicts=["1 3"], ways={False: UNSATISFIABLE} if withheld else {})
     found = recover(world, world.impasse)
     assert found.way is (Way.WITHHELD if withheld else Way.CANCELLED)
-    assert isinstance(found.planner, Beside)
+    assert isinstance(found.planner, TrialPlanner)
     assert found.result.horizon == STEP + 3
     mark = "#withdraw _request(go(3),3)." if withheld else "_request(cancel(3),5)."
     assert text(found.update) == f"#step 5. {mark} #end step."
@@ -189,16 +188,16 @@ def test_the_way_on_is_a_planner_with_its_update(withheld):
         (["1", "2 3 b"], ["1", "3 2 b"]),
         (["3 a b"], ["3 a b"]),
         (["1 2 a", "3 b"], ["2 1 a", "3 b"]),
-        (["3 a b c d"], ["3 a b c d"]),  # as many as they are, if they are sure
+        (["3 a b c d"], ["3 a b c d"]),  # their number, if it is certain
     ],
 )
-@pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])  # they are cancelled, or that does not help
-def test_the_fewest_goals_are_given_up_and_what_they_are_at_odds_with_is_told(conflicts, losses, ways):
+@pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])  # the goals are cancelled, or cancelling does not help
+def test_recovery_aborts_fewest_goals_and_reports_conflicts(conflicts, losses, ways):
     assert lost(World(3, "abcd", conflicts, ways=ways)) == losses
 
 
 @given(st.lists(st.frozensets(st.sampled_from("1234"), min_size=1, max_size=3), min_size=1, max_size=4))
-def test_each_goal_that_is_given_up_is_at_odds_only_with_goals_that_are_kept(conflicts):
+def test_recovery_reasons_name_only_goals_that_stay(conflicts):
     losses = [one.split() for one in lost(World(4, conflicts=map(" ".join, conflicts)))]
     gone = {one[0] for one in losses}
     choices = [set(some) for size in range(5) for some in combinations("4321", size)]
@@ -209,7 +208,7 @@ def test_each_goal_that_is_given_up_is_at_odds_only_with_goals_that_are_kept(con
 
 
 @pytest.mark.parametrize("slow", [True, False])
-def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(slow):
+def test_recovery_is_undecided_if_a_search_is_incomplete(slow):
     world = World(2, ways={slow: INTERRUPTED, not slow: UNSATISFIABLE})
     with pytest.raises(UndecidedError):
         recover(world, world.impasse)
@@ -218,13 +217,13 @@ def test_where_one_of_the_two_ways_is_not_searched_to_its_end_nothing_is_known(s
     assert recover(world, world.impasse)
 
 
-def test_without_goals_there_is_nothing_to_give_up():
+def test_recovery_without_goals_aborts_nothing():
     world = World(0)
     assert recover(world, world.impasse) is None
     assert world.asked == []
 
 
-def test_with_goals_it_counts_whether_there_is_an_answer_without_them():
+def test_recovery_with_goals_requires_answer_without_them():
     world = World(2, ways={True: UNSATISFIABLE, False: UNSATISFIABLE})
     assert recover(world, world.impasse) is None
 
@@ -236,18 +235,18 @@ def test_with_goals_it_counts_whether_there_is_an_answer_without_them():
         (3, {"conflicts": ["3"], "refused": ["12"]}),
         (4, {"conflicts": ["1 3"], "time": 2}),
         (4, {"conflicts": ["1 3"], "slow": ["124"]}),
-        (3, {"conflicts": ["1 2", "1 3"], "late": ["23"]}),  # it takes too long the second time
-        (3, {"conflicts": ["1 3"], "slow": ["23"]}),  # it may be 2 as well
+        (3, {"conflicts": ["1 2", "1 3"], "late": ["23"]}),  # the second search takes too long
+        (3, {"conflicts": ["1 3"], "slow": ["23"]}),  # it can be 2 as well
     ],
 )
-def test_nothing_is_given_up_that_is_not_known_to_be_impossible(goals, others):
+def test_recovery_aborts_only_goals_proven_impossible(goals, others):
     world = World(goals, **others)
     with pytest.raises(UndecidedError):
         recover(world, world.impasse)
 
 
-def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
-    """Within the steps of both, that is; and a single goal has no more than its own."""
+def test_recovery_keeps_goals_that_can_be_met_in_turn():
+    """Within the steps of both; a single goal has only its own steps."""
     for steps, met in ((2 * STEPS, True), (2 * STEPS + 1, False)):
         world = World(3, conflicts=["1 3"], steps={"13": steps})
         if met:
@@ -259,7 +258,7 @@ def test_goals_that_can_be_met_one_after_the_other_are_not_given_up():
 
 
 @pytest.mark.parametrize("ways", [{}, {False: UNSATISFIABLE}])
-def test_what_follows_from_the_facts_that_a_refutation_names_is_not_asked(ways):
+def test_recovery_skips_searches_implied_by_unsat_core(ways):
     world = World(8, "ab", conflicts=["5 a", "6", "7", "8"], cores=True, ways=ways)
     assert lost(world) == ["5 a", "6", "7", "8"]
     asked = [set(one.split()) for one in world.asked]
@@ -269,7 +268,7 @@ def test_what_follows_from_the_facts_that_a_refutation_names_is_not_asked(ways):
             assert not any(conflict <= later for later in asked[number + 1 :]), conflict
 
 
-def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
+def test_recovery_replans_long_after_an_old_choice():
     world = World(4, conflicts=["1 2", "3 4", "1 4"])
     found = recover(world, world.impasse)
     gone = {loss.goal.key for loss in found.unmet}
@@ -284,15 +283,15 @@ def test_of_a_choice_that_was_known_long_before_the_plan_is_made_again():
     ("observations", "time", "losses"),
     [
         ("abcd", 6, ["4? b c d"]),
-        ("abcde", 6, ["4?"]),  # too many that may not matter
-        ("abcd", 7, ["4 b c"]),  # the time for the reasons begins when the goals are known
+        ("abcde", 6, ["4?"]),  # too many facts that are perhaps irrelevant
+        ("abcd", 7, ["4 b c"]),  # the time for the reasons begins once the goals are known
     ],
 )
-def test_time_for_the_fewest_goals_and_time_for_the_reasons(observations, time, losses):
+def test_recovery_has_time_limits_for_goals_and_reasons(observations, time, losses):
     world = World(4, observations, conflicts=["4 b c"], time=time)
     assert lost(world) == losses
     assert FEW == 3
 
 
-def test_a_reason_that_is_not_found_out_is_not_sure():
+def test_recovery_marks_unproven_reasons_as_uncertain():
     assert lost(World(3, "a", conflicts=["1 3 a"], slow_without={"a": "13"})) == ["3? 1"]

@@ -1,4 +1,4 @@
-"""Any event in any state of a goal has the effect that doc/statuses.md says: its tables are read and tried."""
+"""Every event in every state of a goal has the effect in the tables of doc/statuses.md, which the test reads."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ STATES = ("pending", "recalling", "active", "preempting", "ended")
 
 
 def table():
-    """(event, state, cell) of each cell of the page's table of events and states."""
+    """Return (event, state, cell) for each cell of the page's table of events and states."""
     lines = PAGE.split("| | pending |")[1].split("\n\n")[0].splitlines()[2:]
     for line in lines:
         event, *cells = [cell.strip() for cell in line.strip("|").split("|")]
@@ -27,7 +27,7 @@ def table():
 
 
 def a_goal(state):
-    """A goal manager with a goal that was fed and is in a state, what it went through from there, and the manager."""
+    """Return a goal manager with a fed goal in a state, the goal's states from then on, and the manager."""
     told = []
     manager = GoalManager(PROGRAM, InputFeeder(), told.append, lambda: 5, CoreSettings())
     manager.add("key", "go(1)")
@@ -47,7 +47,7 @@ def a_goal(state):
 
 
 def happen(event, manager):
-    """Let it happen to all goals that live."""
+    """Apply an event to all live goals."""
     word = event.partition("the program: ")[2]
     if word:
         statuses = GoalStatuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
@@ -61,7 +61,7 @@ def happen(event, manager):
 
 
 @pytest.mark.parametrize(("event", "state", "cell"), list(table()))
-def test_the_table(event, state, cell):
+def test_goal_events_have_the_documented_effect(event, state, cell):
     manager, goal, told = a_goal(state)
     happen(event, manager)
     expected = [] if cell == "–" else cell.split(";")[0].split(", ")
@@ -71,12 +71,12 @@ def test_the_table(event, state, cell):
     assert (goal.outcome is not None and bool(goal.message)) == (ended and state != "ended")
 
 
-def test_the_table_is_whole():
+def test_goal_event_table_is_complete():
     assert len(list(table())) == 8 * len(STATES)
     live = {state for _, state, _ in table()} - {"ended"}
     assert live == {state.value for state in set(GoalState) - TERMINAL}
 
 
-def test_outcomes_are_those_of_the_page():
+def test_goal_outcomes_match_the_document():
     for outcome in Outcome:
         assert f"`{outcome.name}` {int(outcome)}" in PAGE

@@ -1,4 +1,4 @@
-"""The goal manager: who is let in, who waits, who is told what."""
+"""The goal manager: admission, queued goals, and reports to clients."""
 
 import pytest
 from core_scripts import perform
@@ -8,7 +8,7 @@ from rosoclingo.reasoning.events import GoalRefused
 from rosoclingo.reasoning.goals import GoalState, Outcome
 
 
-def test_the_end_of_one_lets_the_next_in():
+def test_goal_manager_admits_next_goal_after_an_end():
     clients = crowd(4, at_once=2)
     clients.goals.end(clients.goals.fed[:1], Outcome.SUCCEEDED, "is done")
     assert clients.feed(2) == ["_request(go(3),3)"]
@@ -17,13 +17,13 @@ def test_the_end_of_one_lets_the_next_in():
     assert clients.live == ["g4"]
 
 
-def test_goals_that_the_program_does_not_have_are_cancelled_at_once():
+def test_goal_manager_cancels_unsent_goals_at_once():
     clients = perform(Clients(at_once=1), "add 1-3; lacks 2 3; cancel 2; lacks 3; cancel 1")
     assert clients.feed() == ["_request(go(3),2)"]
     assert clients.ends() == [("g2", Outcome.CANCELED), ("g1", Outcome.CANCELED)]
 
 
-def test_goals_that_the_program_has_are_cancelled_once_in_its_updates():
+def test_goal_manager_cancels_program_goals_once_by_update():
     clients = perform(crowd(2), "cancel 1; cancel 1")
     assert clients.feed(2) == ["_request(cancel(1),2)"]
     clients.goals.drop(clients.goals.fed[1:], "cannot be met")
@@ -32,7 +32,7 @@ def test_goals_that_the_program_has_are_cancelled_once_in_its_updates():
     assert clients.live == ["g1"]
 
 
-def test_goals_that_have_ended_stay_as_they_are():
+def test_goal_manager_leaves_ended_goals_unchanged():
     clients = Clients().add(1, 2)
     goals = clients.goals.live
     clients.goals.end(goals[:1], Outcome.SUCCEEDED, "is done")
@@ -41,7 +41,7 @@ def test_goals_that_have_ended_stay_as_they_are():
     assert clients.feed() == []
 
 
-def test_undeclared_requests_end_their_goals_alone():
+def test_goal_manager_ends_only_undeclared_requests():
     clients = crowd(2)
     warning = "Head _request(go(2),2) has not been declared external. The entire rule will be ignored."
     clients.goals.reject_undeclared(clients.goals.fed, ["something else", warning])
@@ -58,7 +58,7 @@ def test_undeclared_requests_end_their_goals_alone():
         ("g2", "(go,2)", "names no goal"),
     ],
 )
-def test_refused(key, text, reason):
+def test_goal_manager_rejects_goals(key, text, reason):
     clients = Clients().add(1)
     clients.goals.add(key, text)
     refused = [event for event in clients.told if isinstance(event, GoalRefused)]
@@ -67,13 +67,13 @@ def test_refused(key, text, reason):
     assert clients.live == ["g1"]
 
 
-def test_a_program_that_takes_no_requests():
+def test_goal_manager_rejects_all_without_declared_requests():
     clients = Clients("#external _request/1.").add(1)
     assert "no external _request/2" in clients.told[0].message
     assert clients.live == []
 
 
-def test_a_program_that_begins_again_hears_of_the_live_goals():
+def test_goal_manager_resends_live_goals_to_restarted_program():
     clients = crowd(3)
     goals = clients.goals.live
     clients.end(1).goals.again(goals)

@@ -25,7 +25,7 @@ def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=Fals
     return goal
 
 
-def test_plan_is_ordered_and_split_by_cycle():
+def test_goal_status_plan_is_ordered_by_cycle():
     plan = extract_plan(answer("_action_lib(b,x,2)", "_action_lib(a,x,10)", "_action_lib(a,x,2)", "_other(1)"))
     texts = [str(action.atom) for action in plan.actions]
     assert texts == ["_action_lib(a,x,2)", "_action_lib(b,x,2)", "_action_lib(a,x,10)"]
@@ -34,7 +34,7 @@ def test_plan_is_ordered_and_split_by_cycle():
     assert len(plan.remaining(2)) == 3
 
 
-def test_malformed_actions_are_faults():
+def test_goal_status_malformed_action_is_a_fault():
     plan = extract_plan(answer("_action_lib(a,x)", "_action_lib(a,x,soon)", "_action_lib(a,x,1)"))
     assert len(plan.actions) == 1
     assert len(plan.faults) == 2
@@ -43,14 +43,14 @@ def test_malformed_actions_are_faults():
     assert [fault[:18] for fault in plan.faults] == [f"'_action_lib(a,{letter})'" for letter in "abcdefgh"]
 
 
-def test_malformed_statuses_are_faults():
+def test_goal_status_malformed_status_is_a_fault():
     statuses = GoalStatuses(answer("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)"))
     assert len(statuses.faults) == 4
     assert all("write _status(Id,S,C)" in fault for fault in statuses.faults)
     assert statuses.faults == sorted(statuses.faults)
 
 
-def test_a_goal_ends_with_words_of_its_own():
+def test_goal_status_ends_goal_with_words_of_program():
     assert judged("_status(1,succeeded,5)").message == "go(1) is met"
     assert judged("_status(1,aborted(tired),5)").message == "the program aborts go(1): tired"
     assert judged("_status(1,rejected(unknown(a)),5)").message == "the program rejects go(1): unknown(a)"
@@ -62,19 +62,19 @@ def test_a_goal_ends_with_words_of_its_own():
         ("succeeded", 4, True),
         ("aborted", 5, True),
         ("canceled", 5, True),
-        ("succeeded", 3, False),  # before the request's own cycle all but a rejection would be a prediction
+        ("succeeded", 3, False),  # before the request's own cycle any status except a rejection would be a prediction
         ("rejected", 3, True),
-        ("rejected", 2, False),  # the goal was not there yet: that is of another with its Id
+        ("rejected", 2, False),  # the goal did not exist yet: the status is about another goal with its Id
         ("accepted", 5, False),
     ],
 )
-def test_an_end_that_was_told_in_a_cycle_without_an_answer_counts(word, told, ends):
+def test_goal_status_end_counts_in_cycle_without_answer(word, told, ends):
     atoms = f"_status(1,{word},{told})", "_status(1,accepted,6)"
     assert judged(*atoms, cycle=6, since=2).live is not ends
     assert judged(*atoms, cycle=6, since=told + 1).live
 
 
-def test_of_missed_ends_the_first_counts():
+def test_goal_status_first_of_missed_ends_counts():
     atoms = "_status(1,aborted(tired),4)", "_status(1,succeeded,5)", "_status(1,canceled,6)"
     assert judged(*atoms, cycle=6, since=1).message == "the program aborts go(1): tired"
 
@@ -82,13 +82,13 @@ def test_of_missed_ends_the_first_counts():
 @pytest.mark.parametrize(
     ("worse", "better"), list(combinations(["aborted", "rejected", "canceled", "succeeded", "accepted"], 2))
 )
-def test_of_two_statuses_the_worse_counts(worse, better):
+def test_goal_status_worse_of_two_statuses_counts(worse, better):
     statuses = GoalStatuses(answer(f"_status(1,{better}(a),2)", f"_status(1,{worse}(z,x),2)"))
     assert statuses.read(parse_term("1"), 2) == Status(worse, "z, x")
     assert statuses.read(parse_term("1"), 3) is statuses.read(parse_term("2"), 2) is None
 
 
-def test_malformed_statuses_of_cycles_that_are_over_are_told_no_more():
+def test_goal_status_malformed_past_status_is_not_reported_again():
     statuses = GoalStatuses(answer("_status(1,odd,1)", "_status(2,odd,2)", "_status(3,odd,3)"), since=2)
     assert [fault[:14] for fault in statuses.faults] == ["'_status(2,odd", "'_status(3,odd"]
 
@@ -97,7 +97,7 @@ def test_malformed_statuses_of_cycles_that_are_over_are_told_no_more():
     ("cycle", "cancelling", "state"),
     [(5, False, "active"), (4, False, "succeeded"), (5, True, "preempting"), (4, True, "preempted")],
 )
-def test_without_statuses_a_goal_ends_when_nothing_is_left(cycle, cancelling, state):
+def test_goal_status_without_statuses_ends_with_empty_plan(cycle, cancelling, state):
     assert judged(f"_action_lib(a,x,{cycle})", cancelling=cancelling).state.value == state
 
 
@@ -113,11 +113,11 @@ def test_without_statuses_a_goal_ends_when_nothing_is_left(cycle, cancelling, st
         (["_status(1,rejected,5)"], 6, "rejected"),
     ],
 )
-def test_before_the_requests_own_cycle(atoms, horizon, state):
+def test_goal_status_before_cycle_of_request(atoms, horizon, state):
     assert judged(*atoms, cycle=5, request_cycle=6, horizon=horizon).state.value == state
 
 
-def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
+def test_goal_status_unknown_if_program_never_mentioned_goal():
     unknown = judged("_status(2,accepted,5)", speaks=True)
     assert unknown.state.value == "rejected"
     assert unknown.message == "the program rejects go(1): it has rules for _status, but none gives this goal a status"
@@ -127,7 +127,7 @@ def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of
     assert judged("_status(1,accepted,5)", speaks=True).known
 
 
-def test_text_of_an_accepted_goal_is_its_remark():
+def test_goal_status_text_of_accepted_goal_is_remark():
     goal = judged('_status(1,accepted(("waits for the lift at ",3)),5)')
     assert (goal.state.value, goal.remark) == ("active", "waits for the lift at 3")
     assert judged("_status(1,accepted,5)", "_status(1,accepted(tired),5)").remark == "tired"
@@ -153,7 +153,7 @@ _status(I,accepted,t) :- open(I,t), lift(0,t).
 """
 
 
-def test_remark_of_a_goal_that_waits_changes_with_the_programs_text():
+def test_goal_status_remark_of_queued_goal_follows_program():
     driver = Driver(LIFT).goal("a", "ride(1)")
     for floor in (3, 2, 2, 0):
         driver.facts(f"_lift({floor},now)")

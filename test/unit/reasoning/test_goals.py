@@ -33,7 +33,7 @@ def at(state):
 
 @pytest.mark.parametrize("state", list(GoalState))
 @pytest.mark.parametrize("event", list(GoalEvent))
-def test_every_transition_is_in_the_table_or_an_error(state, event):
+def test_goal_transition_is_in_table_or_an_error(state, event):
     one = at(state)
     if (state, event) in TRANSITIONS:
         one.apply(event)
@@ -44,7 +44,7 @@ def test_every_transition_is_in_the_table_or_an_error(state, event):
         assert one.state is state
 
 
-def test_terminal_states_are_those_of_actionlib():
+def test_goal_terminal_states_are_those_of_actionlib():
     names = {"RECALLED", "REJECTED", "PREEMPTED", "SUCCEEDED", "ABORTED"}
     assert {state.name for state in TERMINAL} == names
     assert not TERMINAL & (CANCELLING | UNDECIDED)
@@ -52,21 +52,21 @@ def test_terminal_states_are_those_of_actionlib():
 
 @pytest.mark.parametrize("state", sorted(set(GoalState) - TERMINAL, key=str))
 @pytest.mark.parametrize("outcome", list(Outcome))
-def test_every_live_goal_can_end_with_every_outcome(state, outcome):
+def test_goal_that_lives_can_have_every_outcome(state, outcome):
     one = at(state)
     one.end(outcome, "why")
     assert one.state in TERMINAL
     assert one.message == "why"
 
 
-def test_accepted_goal_is_aborted_instead_of_rejected():
+def test_goal_that_was_accepted_is_aborted_not_rejected():
     one = at(GoalState.ACTIVE)
     one.end(Outcome.REJECTED, "why")
     assert (one.state, one.outcome) == (GoalState.ABORTED, Outcome.ABORTED)
 
 
 @pytest.mark.parametrize("outcome", list(Outcome))
-def test_a_goal_ends_once(outcome):
+def test_goal_ends_once(outcome):
     one = at(GoalState.SUCCEEDED)
     with pytest.raises(TransitionError):
         one.end(outcome, "again")
@@ -90,12 +90,12 @@ def test_a_goal_ends_once(outcome):
         ("goal(" * 2000, "cannot be a goal"),
     ],
 )
-def test_goals_that_cannot_be_taken(text, reason):
+def test_goal_that_cannot_be_read_is_rejected(text, reason):
     with pytest.raises(GoalError, match=reason):
         read_goal(text)
 
 
-def test_a_goal_has_a_greatest_length():
+def test_goal_length_is_limited():
     longest = f'goal("{"x" * (LONGEST - 10)}",1)'
     assert len(longest) == LONGEST
     assert str(read_goal(longest)) == longest
@@ -105,7 +105,7 @@ def test_a_goal_has_a_greatest_length():
     assert len(str(error.value)) < 400
 
 
-def test_deep_nesting_is_refused_and_harms_nothing():
+def test_goal_with_deep_nesting_is_rejected_harmlessly():
     for text in ("f(" * 10_000 + "1" + ")" * 10_000, "(" * 10_000 + "," * 10_000, "-f(" * 10_000, "f((" * 10_000):
         driver = Driver().goal("deep", text).facts("_seen(" + text + ")")
         assert "nested deeper than 256 levels" in driver.message("deep")
@@ -115,7 +115,7 @@ def test_deep_nesting_is_refused_and_harms_nothing():
 
 
 @pytest.mark.parametrize("rests_until", [float("-inf"), 0.0, 12.5, float("inf")])
-def test_what_is_kept_of_a_goal(rests_until):
+def test_goal_keeps_its_documented_fields(rests_until):
     one, twin = goal(), goal()
     one.state, one.request_cycle, one.known, one.refused = GoalState.PREEMPTING, 4, True, True
     one.overtaken, one.together, one.tries, one.rests_until = 2, 5, 3, rests_until
@@ -136,7 +136,7 @@ def test_what_is_kept_of_a_goal(rests_until):
         ("fetch(cup)", "rules look at goal(From,To,Id)"),
     ],
 )
-def test_goals_that_no_rule_sees_are_rejected(text, advice):
+def test_goal_that_no_rule_reads_is_rejected(text, advice):
     play(
         Driver.of_shipped("paper.lp"),
         f"""
@@ -144,13 +144,13 @@ def test_goals_that_no_rule_sees_are_rejected(text, advice):
     )
 
 
-def test_long_goals_that_no_rule_sees_are_rejected_soon():
+def test_goal_that_is_long_and_unread_is_rejected_fast():
     message = Driver.of_shipped("paper.lp").goal("key", f"{'g' * 30000}({'a' * 30000})").message("key")
     assert message.startswith("no rule of the program can see ggg")
     assert len(message) < 1000
 
 
-def test_goals_of_the_papers_program_are_planned_for():
+def test_goal_of_the_paper_is_planned():
     play(
         Driver.of_shipped("paper.lp"),
         """
@@ -172,7 +172,7 @@ wanted(R,t) :- asked(R,t), room(R).
 """
 
 
-def test_goals_about_other_things_are_rejected():
+def test_goal_about_unknown_things_is_rejected():
     advice = {
         "visit(attic)": "attic is none of hall, study",
         'visit("hall")': "did you mean visit(hall)?",

@@ -1,4 +1,4 @@
-"""What a program hears of what it is asked, and what may be meant by what it does not."""
+"""Which requests the rules of a program can see, and suggestions for those that they cannot see."""
 
 import pytest
 from shipped import shipped
@@ -61,7 +61,7 @@ def heard(hearing, goal, cycle=2):
         *("cond(kitchen)", "halt(home)", 'text("abc",1)', "range(2)", "sum(3,2)"),
     ],
 )
-def test_hearing_of_what_some_rule_can_see(visits, goal):
+def test_hearing_accepts_requests_that_some_rule_sees(visits, goal):
     assert heard(visits, goal)
 
 
@@ -95,18 +95,18 @@ def test_hearing_of_what_some_rule_can_see(visits, goal):
         ("17", None),
     ],
 )
-def test_hearing_not_of_what_no_rule_can_see(visits, goal, advice):
+def test_hearing_rejects_requests_that_no_rule_sees(visits, goal, advice):
     assert not heard(visits, goal)
     told = visits.advice(parse_atom(f"_request({goal},2)"))
     assert told == advice if advice else told
 
 
-def test_hearing_of_a_cycle_that_a_rule_names(visits):
+def test_hearing_accepts_a_cycle_named_by_a_rule(visits):
     assert heard(visits, "early(1)", 2)
     assert not heard(visits, "early(1)", 3)
 
 
-def test_advice_names_the_form_where_an_argument_is_missing():
+def test_hearing_suggests_form_with_missing_argument():
     hearing = Hearing(shipped("paper.lp"))
     assert hearing.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules look at goal(From,To,Id)"
     assert hearing.advice(parse_atom("_request(gaol(office3,office2,1),2)")) == "did you mean goal(office3,office2,1)?"
@@ -138,7 +138,7 @@ STEPS = "#external _request/2.\n#program cumulative(t).\n"
 @pytest.mark.parametrize(
     ("rules", "goal"),
     [
-        ("wanted(G,t) :- _request(G,t).", "anything(1)"),  # seen, whatever comes of it
+        ("wanted(G,t) :- _request(G,t).", "anything(1)"),  # seen, regardless of the consequences
         ("wanted(G,t) :- _request(G,t). wanted(G,t) :- wanted(G,t-1).", "anything(1)"),
         ("wanted(G,t) :- _request(G,C), C <= t. :- wanted(G,t), not p(G,t). p(G,t) :- wanted(G,t).", "anything(1)"),
         ("p(X,t) :- _request(do(X),t), known(X,t). known(X,t) :- _told(X,t). #external _told/2.", "do(it)"),
@@ -165,11 +165,11 @@ def test_hearing_of_unusual_rules(rules, goal):
         ("", "do(7)"),
     ],
 )
-def test_hearing_of_nothing_where_rules_hand_on_in_vain(rules, goal):
+def test_hearing_rejects_requests_whose_chain_ends_unused(rules, goal):
     assert not heard(Hearing(ReactiveProgram.from_text(STEPS + rules)), goal)
 
 
-def test_stream_is_checked_for_what_base_excludes():
+def test_hearing_checks_stream_for_excluded_base_facts():
     program = ReactiveProgram.from_text(VISITS, "visits.lp")
     stream = "#step 1.\n_request(visit(hall),2).\n_request(visit(attic),2).\n#end step.\n"
     found = [(one.line, one.message) for one in lint_stream(program, stream, "day.txt")]

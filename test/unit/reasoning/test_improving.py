@@ -1,4 +1,4 @@
-"""A better plan goes out while actions run; what arrives ends the search for one."""
+"""Improved plans are sent out while actions run; an arrival ends the search for them."""
 
 from functools import partial
 
@@ -8,7 +8,7 @@ from core_driver import Driver, Leaving
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import GoalProgress, PlanMade
 
-#: A goal do(N,Id) takes the actions do(1) to do(N) one after the other; all but the first are put off, for no reason.
+#: A goal do(N,Id) takes the actions do(1) to do(N) in order; all except the first are deferred for no reason.
 SLOW = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -28,20 +28,20 @@ done(M,t) :- _action_lib(do,M,t).
 """
 
 
-#: Makes solvers that are content with the first plan.
+#: Makes solvers that return the first plan.
 quickest = partial(PlanSolver, plan_time=0.0)
 
 
 @pytest.fixture
 def driver():
-    """A core whose first action is under way, with a plan that is not the shortest."""
+    """Return a core whose first action is under way, with a plan that is not the shortest."""
     one = Driver(SLOW, solver=quickest).goal("a", "do(4,1)")
     assert len(one.core.awaited) == 1
     return one
 
 
 def rest(driver):
-    """The actions that are planned for later, with their cycles from the present one on."""
+    """Return the actions that are planned for later, with their cycles counted from the present one."""
     return [(str(one.parameter), one.cycle - driver.core.cycle) for one in driver.core.plan.after(driver.core.cycle)]
 
 
@@ -50,7 +50,7 @@ def improve(driver):
         pass
 
 
-def test_a_better_plan_is_told_and_goes_out(driver):
+def test_core_reports_and_sends_an_improved_plan(driver):
     assert rest(driver) != [("2", 1), ("3", 2), ("4", 3)]
     running, plans, progress = driver.awaited, len(driver.journal.of(PlanMade)), len(driver.feedback("a"))
     improve(driver)
@@ -66,7 +66,7 @@ def test_a_better_plan_is_told_and_goes_out(driver):
     assert driver.states("a")[-1] == "succeeded"
 
 
-def test_an_arrival_ends_it_and_it_goes_on_with_the_next_action(driver):
+def test_core_stops_improving_on_arrival_and_resumes_later(driver):
     plan = driver.core.plan
     assert driver.core.improve(lambda: True)
     assert driver.core.plan == plan
@@ -76,22 +76,22 @@ def test_an_arrival_ends_it_and_it_goes_on_with_the_next_action(driver):
     assert driver.core.improve(lambda: True)
 
 
-def test_nothing_is_asked_where_nothing_is_left_to_try(driver):
+def test_core_asks_nothing_if_no_improvement_is_left(driver):
     improve(driver)
     assert not driver.core.improve(lambda: pytest.fail("asked again"))
     driver.finish()
     assert not driver.core.improve(lambda: pytest.fail("nothing runs"))
 
 
-def test_a_log_is_kept_short_while_actions_run_though_no_plan_gets_shorter():
-    """What was predicted takes no search, after which that is done else."""
+def test_core_compacts_log_during_actions_without_improvement():
+    """A predicted update takes no search, and searches are otherwise the occasion to compact."""
     stops = []
 
-    class Noting(PlanSolver):
+    class RecordingSolver(PlanSolver):
         def compact(self, stopped=None):
             stops.append(stopped)
 
-    driver = Driver(SLOW, solver=Noting).goal("a", "do(4,1)")
+    driver = Driver(SLOW, solver=RecordingSolver).goal("a", "do(4,1)")
     assert not driver.core.improve(stop := lambda: False)
     assert stops == [stop]
     driver.core.add_goal("b", "do(2,2)")
@@ -101,7 +101,7 @@ def test_a_log_is_kept_short_while_actions_run_though_no_plan_gets_shorter():
     assert stops == [stop], "something waits, or nothing runs"
 
 
-def test_nothing_is_asked_while_nothing_runs():
+def test_core_does_not_improve_while_nothing_runs():
     watch = Leaving()
     driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")
     driver.core.receive("interface", [f"_return(do,1,{driver.core.cycle})"])

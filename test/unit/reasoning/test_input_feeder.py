@@ -1,4 +1,4 @@
-"""The input feeder: what has arrived becomes the next update, in its order; what waits goes on in another feeder."""
+"""The input feeder: arrivals become the next update in order; queued ones move to another feeder."""
 
 import json
 
@@ -19,7 +19,7 @@ def action(text):
 
 
 def body(update):
-    """An update in one line without its frame."""
+    """Return an update in one line without its frame."""
     return " ".join(str(update).split()[2:-2])
 
 
@@ -48,12 +48,12 @@ class Feeder(InputFeeder):
         self.add_rejection(parse_term(identifier))
 
     def foresee(self, step, *words):
-        """Keep the update with success of these actions, and these new goals."""
+        """Store the update with success of these actions and these new goals as the prediction."""
         actions = [action(one) for one in words if one not in self.goals]
         self.update = self.predicted(int(step), actions, [self.goals[one] for one in words if one in self.goals])
 
     def foreseen(self, step, truth="yes"):
-        """Expect the update of a step to be the one that was foreseen, or ``no``."""
+        """Expect the update of a step to be the predicted one, or ``no``."""
         assert (self.next_update(int(step)).update == self.update) == (truth == "yes")
 
     def next(self, step, *words):
@@ -63,16 +63,16 @@ class Feeder(InputFeeder):
         assert parse_update(str(self.batch.update)) == self.batch.update
 
     def take(self):
-        """The update of the last expectation is in force."""
+        """Accept the update of the last expectation."""
         self.taken(self.batch)
 
     def ends(self, text):
-        """A goal ends before it was fed."""
+        """End a goal before it was fed."""
         self.goals[text].end(Outcome.CANCELED, "is cancelled")
         self.withdraw(self.goals[text])
 
     def is_pending(self, truth, waiting=None):
-        """Expect that there is reason for an update, ``yes`` or ``no``, and so many facts that wait."""
+        """Expect ``yes`` or ``no`` for a pending update, and the number of queued facts."""
         assert self.pending == (truth == "yes")
         assert waiting is None or self.waiting == int(waiting)
 
@@ -133,12 +133,12 @@ UPDATES = {
 
 
 @scripts(UPDATES)
-def test_update(row):
+def test_feeder_makes_the_expected_update(row):
     clock, script = row
     perform(Feeder(clock), script)
 
 
-def test_a_goal_that_is_fed_has_the_cycle_of_its_request():
+def test_feeder_dates_a_goal_with_its_request():
     feeder = perform(Feeder(), "goal g(1); next 1 _request(g(1),2).")
     first = feeder.goals["g(1)"]
     assert feeder.batch.goals == (first,)
@@ -147,7 +147,7 @@ def test_a_goal_that_is_fed_has_the_cycle_of_its_request():
     assert first.request_cycle == 2
 
 
-def test_arrivals_beside_the_expected_ones():
+def test_feeder_separates_expected_from_other_arrivals():
     feeder, seen = Feeder(), parse_atom("_return(go,a,1)")
     assert not feeder.has_beside(())
     feeder.add_fact(seen)
@@ -163,7 +163,7 @@ def heads(update):
     return [str(item.head) for item in update.items if isinstance(item, Statement) and item.head is not None]
 
 
-def test_facts_of_cycles_that_are_over_are_redated():
+def test_feeder_redates_facts_of_past_cycles():
     feeder = Feeder(Clock(lambda name, arity: None if name == "_kind" else 1))
     for text in ("_seen(ball,2)", "_seen(dog,9)", "_seen(cat,now)", "_kind(2)", "_return(a,x,2)"):
         feeder.add_fact(parse_atom(text), "eye", 10)
@@ -176,14 +176,14 @@ def test_facts_of_cycles_that_are_over_are_redated():
     assert [str(feeder.next_update(10, over).update.items[0]) for over in (0, 1)] == ["_seen(ball,2).", "#over 1."]
 
 
-def test_a_preview_takes_nothing():
+def test_feeder_preview_consumes_nothing():
     feeder = perform(Feeder(), "facts _seen(ball)")
     further = [parse_atom("_seen(dog)"), parse_atom("_seen(ball)")]
     assert heads(feeder.preview(2, [], further)) == ["_seen(ball)", "_seen(dog)"]
     assert heads(feeder.next_update(2).update) == ["_seen(ball)"]
 
 
-def test_cycles_of_facts():
+def test_feeder_assigns_cycles_to_facts():
     clock = Clock(lambda name, arity: {"_late": 1, "_seen": 0}.get(name), first=1)
     late, seen = parse_atom("_late(x,now)"), parse_atom("_seen(now)")
     assert [str(clock.dated(seen, 5)), str(clock.dated(late, 5)), str(clock.dated(late, 1))] == [
@@ -201,7 +201,7 @@ def test_cycles_of_facts():
     assert Clock().dated(parse_atom("_rain"), 3) == parse_atom("_rain")
 
 
-def test_parts_of_an_update():
+def test_feeder_sorts_update_into_parts():
     fed, unfed = goal("g(1)"), goal("g(2)")
     fed.feed(6)
     update = parse_update("#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). _request(g(1),6). #endstep.")
@@ -211,7 +211,7 @@ def test_parts_of_an_update():
     assert Batch(StreamUpdate(None, None, ())).request_cycle == 1, "an update without a step is of the first cycle"
 
 
-def test_what_waits_goes_on_in_another_feeder():
+def test_feeder_hands_queue_to_another_feeder():
     feeder = perform(Feeder(), """
         goal g(1); cancel f(7); goal g(2); reject 8; facts _seen(ball) _battery(low,2) _seen(b) _seen(a)
         done a,x,4 b,y,4""")  # fmt: skip

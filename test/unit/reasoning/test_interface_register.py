@@ -1,4 +1,4 @@
-"""Which interfaces there are, and which actions wait for one that is not there."""
+"""Which interfaces are registered, and which actions wait for a missing one."""
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.interface_register import GRACE, MOST_NAMES, REPORTED, InterfaceRegister, ReportedInterfaces
@@ -17,12 +17,12 @@ def register(**announced):
 
 
 def looked(found, awaited, listening=NODES, speaking=NODES, first=0.0):
-    """What is missing after GRACE."""
+    """Return the missing interfaces after GRACE."""
     assert found.look(awaited, listening, speaking, first) == []
     return [(one.action, one.text, one.new) for one in found.look(awaited, listening, speaking, first + GRACE)]
 
 
-def test_an_action_without_an_interface_is_told_with_those_that_there_are():
+def test_register_reports_action_without_interface_and_alternatives():
     found = register(a="move_base pickup", b="deliver")
     text = "no interface 'hold' for _action_lib(hold,cup,3): the interfaces are deliver, move_base, pickup"
     assert looked(found, [HOLD, MOVE]) == [(HOLD, text, True)]
@@ -34,23 +34,23 @@ def test_an_action_without_an_interface_is_told_with_those_that_there_are():
     assert found.names == ["deliver", "hold", "move_base", "pickup"]
 
 
-def test_a_node_that_ends_takes_its_interfaces_along():
+def test_register_removes_interfaces_with_their_node():
     found = register(a="move_base", b="hold")
     assert looked(found, [HOLD]) == []
     assert [one.action for one in found.look([HOLD], {"/a"}, {"/a"}, GRACE)] == [HOLD]
     assert found.names == ["move_base"]
 
 
-def test_a_node_that_does_not_hear_the_core_serves_nothing():
+def test_register_ignores_node_that_does_not_receive_actions():
     assert [one[0] for one in looked(register(a="move_base", b="hold"), [HOLD], {"/a", "/recorder"})] == [HOLD]
 
 
-def test_nobody_listens():
+def test_register_reports_that_nobody_listens():
     text = "no interface 'hold' for _action_lib(hold,cup,3): no node subscribes to out_rosoclingo"
     assert looked(register(), [HOLD], frozenset(), frozenset()) == [(HOLD, text, True)]
 
 
-def test_nodes_that_announce_nothing_may_have_it_until_they_have_answered():
+def test_register_waits_for_answer_of_unannounced_nodes():
     found = register(a="move_base")
     ((_, text, _),) = looked(found, [HOLD])
     assert text.endswith("the interfaces are move_base, and /b may have others")
@@ -59,7 +59,7 @@ def test_nodes_that_announce_nothing_may_have_it_until_they_have_answered():
     assert found.look([HOLD], {"/a"}, NODES, 20.0), "the one that answered is gone"
 
 
-def test_nodes_that_may_have_it_are_those_that_hear_and_answer():
+def test_register_counts_only_nodes_that_receive_and_answer():
     ((_, text, _),) = looked(register(a="move_base"), [HOLD], {"/a", "/recorder"}, {"/a", "/joystick"})
     assert text.endswith("the interfaces are move_base")
     nodes = frozenset("/" + letter for letter in "badgcefh")
@@ -68,7 +68,7 @@ def test_nodes_that_may_have_it_are_those_that_hear_and_answer():
     assert register(a="z k b m", b="y c a x").names == list("abckmxyz")
 
 
-def test_client_knows_what_the_core_reports():
+def test_register_client_matches_report_of_core():
     found = ReportedInterfaces()
     assert (found.known, found.fault(MOVE, 0.0)) == (False, None), "a core that reports nothing is believed"
     register_ = register(a="move_base")
@@ -88,7 +88,7 @@ def test_client_knows_what_the_core_reports():
     assert found.fault(long, 0.0) == missing[1]
 
 
-def test_interface_register_bounds_the_names_of_a_node():
+def test_register_limits_the_names_of_a_node():
     found = register()
     for number in range(MOST_NAMES + 10):
         found.announce("/a", f"arm{number}")

@@ -15,14 +15,14 @@ from rosoclingo.reasoning.keywords import (
 )
 
 
-def test_action_reads_and_prints():
+def test_keyword_action_reads_and_prints():
     action = action_of(parse_atom("_action_lib(move_base,office2,1)"))
     assert action == Action(parse_term("move_base"), parse_term("office2"), 1)
     assert str(action.atom) == "_action_lib(move_base,office2,1)"
     assert action.interface_name == "move_base"
 
 
-def test_return_reads_and_prints():
+def test_keyword_return_reads_and_prints():
     answer = return_of(parse_atom("_return(pickup,failed(grip),3)"))
     assert str(answer.atom) == "_return(pickup,failed(grip),3)"
     assert answer.interface_name == "pickup"
@@ -40,39 +40,39 @@ def test_return_reads_and_prints():
         "a",
     ],
 )
-def test_other_forms_are_errors(text):
+def test_keyword_in_other_form_is_an_error(text):
     with pytest.raises(KeywordError):
         action_of(parse_atom(text))
 
 
-def test_malformed_return_is_an_error():
+def test_keyword_return_that_is_malformed_is_an_error():
     with pytest.raises(KeywordError, match="positive integer"):
         return_of(parse_atom("_return(a,b,now)"))
 
 
-def test_requests():
+def test_keyword_requests_are_read():
     assert str(request(parse_term("goal(a,b,1)"), 2)) == "_request(goal(a,b,1),2)"
     assert str(cancellation(parse_term("1"), 3)) == "_request(cancel(1),3)"
 
 
-def test_a_run_is_a_fact_that_reads_back():
+def test_keyword_run_is_a_fact_that_reads_back():
     assert str(run_of("2013-09-15T10:00:00-0a1b2c3d")) == '_run("2013-09-15T10:00:00-0a1b2c3d")'
     assert parse_atom(str(run_of('it\'s \\ "mine"'))) == run_of('it\'s \\ "mine"')
 
 
 @pytest.mark.parametrize("text", ["7", '"_action_lib"', "#sup"])
-def test_what_is_no_function_is_no_keyword(text):
+def test_keyword_must_be_a_function(text):
     assert not is_keyword(parse_term(text), "_action_lib")
 
 
 @pytest.mark.parametrize(
     ("goal", "identifier"), [("goal(a,b,1)", "1"), ("g(f(x))", "f(x)"), ("g", None), ("7", None), ("(g,1)", None)]
 )
-def test_identity_is_the_last_argument(goal, identifier):
+def test_keyword_identity_is_the_last_argument(goal, identifier):
     found = identifier_of(parse_term(goal))
     assert (None if found is None else str(found)) == identifier
 
 
-def test_names_of_strings_lose_their_quotes():
+def test_keyword_names_from_strings_lose_quotes():
     assert name_of(parse_term('"arm/left"')) == "arm/left"
     assert name_of(parse_term("robot(1)")) == "robot(1)"

@@ -1,4 +1,4 @@
-"""Facts that come late, early, in turns or are false: none leaves the program without an answer or ends a goal."""
+"""Facts that are late, early, reordered or false never make the program unsatisfiable or end a goal."""
 
 import pytest
 from core_driver import ERRANDS, Driver
@@ -43,7 +43,7 @@ FACTS = {
 
 
 @scripts(FACTS)
-def test_facts(row):
+def test_late_facts_follow_the_script(row):
     text, script = row
     driver = play(Driver(text), script)
     assert driver.core.live_goals == []
@@ -51,7 +51,7 @@ def test_facts(row):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_facts_of_cycles_long_over_are_redated():
+def test_late_facts_of_long_past_cycles_are_redated():
     goals = sized(60, 130)
     now = 2 * goals + 1
     driver = Driver(BATTERY)
@@ -69,8 +69,8 @@ def test_facts_of_cycles_long_over_are_redated():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("cycle", [6, 7])
-def test_a_fact_of_a_later_cycle_that_leaves_nothing_to_do_ends_a_cancelled_goal(cycle):
-    """Nothing is done meanwhile, but the answer ends later than now: its end is waited for."""
+def test_early_fact_without_work_ends_cancelled_goal(cycle):
+    """Nothing is executed meanwhile; the answer ends later than now, and the core waits for its end."""
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office3,office1,1)").until("pickup")
     driver.succeed().succeed()
     assert driver.awaited == ["_action_lib(move_base,office1,5)"]
@@ -81,10 +81,10 @@ def test_a_fact_of_a_later_cycle_that_leaves_nothing_to_do_ends_a_cancelled_goal
     assert driver.core.live_goals == []
 
 
-# -- several messages of one origin during one cycle: the program knows which was the last word
+# -- several messages of one origin in one cycle: the program knows the last word
 
 
-#: Goals ``visit(Room)``; where persons are; nobody drives through a door that is shut.
+#: Goals ``visit(Room)`` and locations of persons; the robot cannot pass a closed door.
 VISITS = """
 #external _request/2. #external _return/3. #external _in/2. #external _gone/2. #external _shut/2. #external _open/2.
 #program base.
@@ -107,19 +107,19 @@ at(R,t) :- at(R,t-1), not moved(t).
 :- wanted(R,t), not at(R,t).
 """
 
-#: Who finds a door shut may knock instead.
+#: The robot can knock instead at a closed door.
 KNOCK = """
 #program cumulative(t).
 { _action_lib(knock,R,t) } :- wanted(R,t), shut(R,t-1).
 at(R,t) :- _action_lib(knock,R,t).
 """
 
-#: The same, but with a goal open something is done in each cycle.
+#: The same, except that an open goal has an action in each cycle.
 RESTLESS = VISITS.replace("{ _action_lib(go", "1 { _action_lib(go").replace("not at(R,t-1) }", "R != none }")
 
 COMMIT = ":- not _action_lib(go,study,1)."
 
-#: What comes while the robot is on its way to the study.
+#: The messages while the robot drives to the study.
 TURNS = {
     "turns of one update which starts the last cycle": f"""
         facts _in(study,now) _in(hall,now); facts _gone(study,now); succeed; cycle 3
@@ -142,36 +142,36 @@ TURNS = {
 
 
 def driving(text=VISITS, **more):
-    """A core whose robot is on its way to the study."""
+    """Return a core whose robot is on its way to the study."""
     return play(Driver(text, CoreSettings(horizon_limit=10, **more)), "goal a visit(study); does go,study,1")
 
 
 def believed(driver):
-    """What the program believes of persons."""
+    """Return the program's beliefs about persons."""
     return sorted(str(atom) for atom in driver.journal.of(StateChanged)[-1].atoms if atom.name == "in")
 
 
 @scripts(TURNS)
-def test_turns(row):
+def test_message_turns_follow_the_script(row):
     driver = play(driving(), row)
     assert parse_update(driver.journal.of(UpdateSent)[-1].stream).step == driver.core.cycle
 
 
-def test_turns_before_the_first_cycle_are_cycles_of_their_own():
+def test_message_turns_before_first_cycle_are_separate_cycles():
     driver = Driver(VISITS, CoreSettings(horizon_limit=10), start=False)
     play(driver, "hear door _shut(study,now); hear door _open(study,now); add a visit(study)")
     play(driver.begin(), "finish; is a succeeded; problems 0")
 
 
 @pytest.mark.parametrize(("words", "ended"), [(["_shut", "_open"], 0), (["_open", "_shut"], 1)])
-def test_turns_decide_whether_an_action_is_still_wanted(words, ended):
+def test_message_turns_decide_whether_action_is_still_wanted(words, ended):
     driver = driving(VISITS + KNOCK, preempt=True)
-    for word in words:  # the core looks at what runs once both have come
+    for word in words:  # the core examines the running actions once both messages are there
         driver.core.receive("door", [f"{word}(study,now)"])
     assert len(driver.run().journal.of(ActionsPreempted)) == ended
 
 
-def test_turns_are_bounded_and_the_last_ones_keep_their_order():
+def test_message_turns_are_bounded_and_last_ones_stay_ordered():
     driver = driving()
     for number in range(200):
         driver.facts(f"_in({number},now)")
@@ -185,7 +185,7 @@ def test_turns_are_bounded_and_the_last_ones_keep_their_order():
     st.lists(st.tuples(st.sampled_from(["_in", "_gone"]), st.sampled_from(["hall", "study"])), max_size=8),
     st.booleans(),
 )
-def test_turns_leave_the_beliefs_that_one_message_a_cycle_leaves(words, restless):
+def test_message_turns_give_same_beliefs_as_separate_cycles(words, restless):
     driver, expected = driving(RESTLESS if restless else VISITS), {}
     for name, room in words:
         driver.facts(f"{name}({room},now)")

@@ -1,4 +1,4 @@
-"""Random programs of the delivery kind, and the shipped ones, under random facts of old, present and future cycles."""
+"""Random delivery programs and the shipped ones, with random facts of past, present and future cycles."""
 
 from functools import lru_cache
 
@@ -14,7 +14,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 ROOMS = ("hall", "den", "attic", "loft")
 
-#: A robot goes from room to room; doors are shut and batteries low for some cycles, so a plan may always wait.
+#: A robot moves between rooms; doors are closed and batteries low for some cycles, so a plan can always wait.
 PROGRAM = """
 #external _request/2. #external _return/3. #external _shut/3. #external _low/1.
 #program base.
@@ -53,7 +53,7 @@ POWER = {"no battery": "", "same step": " :- not low(t)", "next step": " :- not 
 
 @lru_cache(maxsize=None)
 def program(doors, shut, power):
-    """One of the programs; ``doors`` are pairs of rooms."""
+    """Return one of the programs; ``doors`` are pairs of rooms."""
     facts = " ".join(f"door({one},{other})." for one, other in doors)
     return ReactiveProgram.from_text(PROGRAM.format(doors=facts, doors_rules=SHUT[shut], power=POWER[power]))
 
@@ -79,39 +79,39 @@ EVENTS = st.lists(
 
 
 class Play:
-    """Does events to a driver."""
+    """Applies events to a driver."""
 
     def __init__(self, driver, ask):
         self.driver, self.ask, self.goals, self.told = driver, ask, 0, []
 
     def do(self, event, *values):
-        """One event."""
+        """Apply one event."""
         getattr(self, event)(*values)
 
     def goal(self, place):
-        """Another goal."""
+        """Send another goal."""
         self.goals += 1
         self.driver.goal(f"key{self.goals}", self.ask(place, self.goals))
 
     def cancel(self, number):
-        """A goal is cancelled, if there is one."""
+        """Cancel a goal, if there is one."""
         self.driver.cancel(f"key{number}")
 
     def facts(self, facts):
-        """Facts come, dated around the present cycle."""
+        """Send facts that are dated around the present cycle."""
         self.driver.facts(*map(self.text, facts))
 
     def batch(self, facts, place):
-        """Facts and a goal come together."""
+        """Send facts and a goal together."""
         self.driver.core.receive("sensor", [self.text(fact) for fact in facts])
         self.goal(place)
 
     def again(self):
-        """What was told is told again."""
+        """Send an earlier message again."""
         self.driver.facts(*self.told[-3:])
 
     def text(self, fact):
-        """A fact's text; small cycles are the first ones, others count from now."""
+        """Return a fact's text; small cycles are absolute, others relative to now."""
         *words, cycle = fact
         if cycle != "now":
             cycle = cycle if 0 <= cycle <= 1 else max(0, self.driver.core.cycle + cycle)
@@ -119,23 +119,23 @@ class Play:
         return self.told[-1]
 
     def succeed(self):
-        """What is under way succeeds."""
+        """Let the actions under way succeed."""
         self.driver.succeed()
 
     def finish(self):
-        """All succeeds."""
+        """Let all actions succeed."""
         self.driver.finish()
 
     def __getattr__(self, name):
         return {"return": self.answer}[name]
 
     def answer(self, value):
-        """What is under way returns something."""
+        """Return a value for an action under way."""
         for action in self.driver.core.awaited:
             self.driver.facts(f"_return({action.interface},{value},{action.cycle})")
 
     def ends(self, key):
-        """How a goal ended."""
+        """Return the end of a goal."""
         events = self.driver.journal.of(GoalChanged)
         return [one.state.value for one in events if one.key == key and one.outcome is not None]
 
@@ -143,7 +143,7 @@ class Play:
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 2, suppress_health_check=[HealthCheck.too_slow])
 @given(FLOORS, st.sampled_from(sorted(SHUT)), st.sampled_from(sorted(POWER)), EVENTS)
-def test_no_fact_ends_a_goal(doors, shut, power, events):
+def test_random_facts_end_no_goal(doors, shut, power, events):
     driver = Driver(settings=CoreSettings(horizon_limit=30), program=program(doors, shut, power))
     play = Play(driver, lambda place, number: f"visit({place},{number})")
     for event in events:
@@ -179,7 +179,7 @@ HOUSE_EVENTS = st.lists(
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 10, suppress_health_check=[HealthCheck.too_slow])
 @given(HOUSE_EVENTS)
-def test_the_house_goes_on(events):
+def test_random_facts_leave_house_program_alive(events):
     driver = Driver.of_shipped("house.lp", "home.lp")
     play = Play(driver, lambda what, number: f"bring({what[0]},{what[1]})")
     for event in events:

@@ -1,4 +1,4 @@
-"""What was done stays in the plan that is told, whatever the solver has let go of meanwhile."""
+"""Executed actions stay in the published plan, whatever the solver has compacted meanwhile."""
 
 import pytest
 from core_driver import ERRANDS, Driver
@@ -12,21 +12,21 @@ from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.returns import DONE
 from rosoclingo.reasoning.stream_planner import Halt
 
-#: So many cycles without an action that the solver no longer grounds the one before them.
+#: Cycles without an action after which the solver no longer grounds the cycle before them.
 IDLE = 40
 
-#: Nothing can follow an errand ``do(trap,Id)``: everything begins anew after it.
+#: Nothing can follow an errand ``do(trap,Id)``: the program restarts after it.
 TRAP = ERRANDS + "#program cumulative(t).\n:- _action_lib(trap,I,t-2).\n"
 
 
 def be_idle(driver, cycles=IDLE):
-    """Let cycles go by in which nothing is done, for facts that nobody has told yet."""
+    """Let cycles without an action pass, for facts that nobody has sent yet."""
     for _ in range(cycles):
         driver.facts(f"_seen({driver.core.cycle})")
 
 
 def check_past(driver):
-    """Each plan and each feedback holds the last actions done, and nothing else of the past; so does the answer."""
+    """Check that each plan, feedback and answer holds the last executed actions and nothing else of the past."""
     actions = [action_of(parse_atom(text)) for text in driver.journal.actions]
     for event in (*driver.journal.of(PlanMade), *driver.journal.of(GoalProgress)):
         past = [action for action in event.actions if action.cycle < event.cycle]
@@ -34,7 +34,7 @@ def check_past(driver):
     assert {one for one in driver.core.plan.actions if one.cycle < driver.core.cycle} <= set(actions)
 
 
-def test_it_stays_when_nothing_has_been_done_for_long():
+def test_plan_keeps_past_after_long_idling():
     driver = Driver().goal("a", "do(walk,1)").finish()
     be_idle(driver)
     driver.goal("b", "do(run,2)")
@@ -44,7 +44,7 @@ def test_it_stays_when_nothing_has_been_done_for_long():
     check_past(driver)
 
 
-def test_it_stays_when_everything_begins_anew():
+def test_plan_keeps_past_after_program_restart():
     driver = Driver(TRAP).goal("a", "do(trap,1)").finish().goal("b", "do(run,2)")
     assert any("it forgets its history" in event.message for event in driver.journal.of(Problem))
     cycle = driver.core.cycle
@@ -67,19 +67,19 @@ EVENTS = st.lists(
 
 
 class Play:
-    """Does what the events say; ``halts`` are how the coming searches end: by themselves, for time, or left."""
+    """Applies events; ``halts`` are the ends of the coming searches: by themselves, by time, or dropped."""
 
     def __init__(self):
         self.goals, self.halts = 0, []
         self.driver = Driver(TRAP, watch=self.watch)
 
     def watch(self):
-        """Tell of the next search when it is to end."""
+        """Choose when the next search is to end."""
         word = self.halts.pop(0) if self.halts else ""
         return lambda: Halt("the test", disturbed=word == "left") if word else None
 
     def do(self, kind, what):
-        """One event happens."""
+        """Apply one event."""
         if kind == "goal":
             self.goals += 1
             self.driver.goal(str(self.goals), f"do({what},{self.goals})")
@@ -99,7 +99,7 @@ class Play:
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 4)
 @given(EVENTS)
-def test_it_stays_whatever_happens(events):
+def test_plan_keeps_past_after_any_events(events):
     play = Play()
     for event in events:
         play.do(*event)

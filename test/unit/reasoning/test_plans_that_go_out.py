@@ -1,8 +1,8 @@
-"""Each plan that goes out is one, by rules written apart from the program: on any floor, with failures, and improved.
+"""Each published plan is valid by an independent model: on any floor, with failures, and after improvement.
 
-With ``~plan: shortest`` each has as few steps as a search from scratch finds. Improving changes nothing that is done or
-under way. With a standby worker the answer is prefetched should an action fail, and new goals and cancels join a plan
-that goes on once a plan with them is there: the robot waits for no search.
+With ``~plan: shortest`` each plan has as few steps as a search from scratch finds. Improving leaves executed actions
+and those under way alone. With a standby worker, answers for failing actions are prefetched, and new goals and
+cancels join a running plan once a plan with them exists: the robot waits for no search.
 """
 
 from functools import partial
@@ -25,7 +25,7 @@ from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, unwatched
 
-LOOKS = 300  # of an improvement at whether it is to stop
+LOOKS = 300  # calls in which an improvement checks whether to stop
 
 SOLVERS = {"shortest": shortest, "first": partial(soon, plan_time=0.0), "soon": partial(soon, plan_time=0.05)}
 
@@ -36,7 +36,7 @@ RING = (4, ((1, 2), (2, 3), (3, 4), (1, 4)), 1, 2)
 
 @st.composite
 def floors(draw):
-    """A connected floor."""
+    """Generate a connected floor."""
     count = draw(st.integers(3, 5))
     corridors = {(draw(st.integers(1, number - 1)), number) for number in range(2, count + 1)}
     if draw(st.booleans()):
@@ -45,7 +45,7 @@ def floors(draw):
 
 
 class Run:
-    """A core on a floor, its goals, and failures, no more than two in a row of an action."""
+    """A core on a floor, its goals, and failures, at most two in a row per action."""
 
     def __init__(self, floor, solver, search_timeout=10.0, **watches):
         _, corridors, start, capacity = floor
@@ -55,14 +55,14 @@ class Run:
         self.core = self.driver.core
 
     def ask(self, *errands):
-        """Further goals; the core goes on with the next step."""
+        """Send further goals; the core advances at the next step."""
         for origin, destination in errands:
             number = len(self.office.packages) + 1
             self.office.packages[number] = ("waits", f"o{origin}", f"o{destination}")
             self.core.add_goal(str(number), f"goal(o{origin},o{destination},{number})")
 
     def end(self, fails=False):
-        """The action under way is done, or fails, unless it has failed twice; the core has not gone on."""
+        """End the action under way, with a failure at most twice; the core does not advance."""
         (action,) = self.core.awaited
         times = self.failed.get(action.parameter, 0)
         fails = fails and times < 2
@@ -73,7 +73,7 @@ class Run:
         self.core.receive("world", [f"_return({action.interface},{value},{action.cycle})"])
 
     def finish(self):
-        """All that is asked for is done, and reported."""
+        """Execute and report all goals."""
         while self.driver.run().core.awaited:
             self.end()
         assert set(self.office.packages.values()) <= {None}
@@ -82,14 +82,14 @@ class Run:
 
 
 class JudgedRun(Run):
-    """Each plan is judged, and improved unless it is to be shortest."""
+    """Judge each plan, and improve it unless it is to be shortest."""
 
     def __init__(self, floor, solver, is_shortest=False):
         super().__init__(floor, solver)
         self.is_shortest = is_shortest
 
     def step(self, fails):
-        """The core goes on, its plan is judged, and its action ends."""
+        """Advance the core, judge its plan, and end its action."""
         core = self.driver.run().core
         steps = self.office.judge(core.plan.actions, core.cycle)
         if self.is_shortest:
@@ -99,7 +99,7 @@ class JudgedRun(Run):
         self.end(fails)
 
     def improve(self, steps):
-        """Plans only get shorter, and are plans; what is done or under way is left alone."""
+        """Check that plans only get shorter and stay valid, and that executed and running actions stay."""
         core, looks = self.core, iter(range(LOOKS))
         fixed = [one for one in core.plan.actions if one.cycle <= core.cycle], core.awaited, core.cycle
         more = True
@@ -119,7 +119,7 @@ class JudgedRun(Run):
 @pytest.mark.slow
 @settings(max_examples=max(1, settings.default.max_examples // 8))
 @given(st.sampled_from(sorted(SOLVERS)), st.data())
-def test_each_plan_that_goes_out_is_one(kind, data):
+def test_plan_that_goes_out_is_valid(kind, data):
     floor = data.draw(floors())
     run, ways = JudgedRun(floor, SOLVERS[kind], kind == "shortest"), st.permutations(range(1, floor[0] + 1))
     for _ in range(data.draw(st.integers(1, 4), label="batches")):
@@ -131,11 +131,11 @@ def test_each_plan_that_goes_out_is_one(kind, data):
     run.finish()
 
 
-# ---- What is prefetched
+# ---- Prefetching
 
 
-class Noting(PlanSolver):
-    """A solver that notes what it is to prefetch, and what comes."""
+class RecordingSolver(PlanSolver):
+    """A solver that records the updates that it prefetches and receives."""
 
     noted, came = [], []  # type: list, list
 
@@ -149,15 +149,15 @@ class Noting(PlanSolver):
 
 
 def prefetched(driver):
-    """The updates that are to be prefetched now."""
-    Noting.noted.clear()
+    """Return the updates that are to be prefetched now."""
+    RecordingSolver.noted.clear()
     driver.core.prepare()
-    return [str(one) for one in Noting.noted]
+    return [str(one) for one in RecordingSolver.noted]
 
 
-def test_answers_to_failures_and_arrivals_are_prefetched():
-    Noting.noted, Noting.came = [], []
-    driver = Driver(ERRANDS, solver=lambda one: shortest(one, Noting))
+def test_core_prefetches_answers_to_failures_and_arrivals():
+    RecordingSolver.noted, RecordingSolver.came = [], []
+    driver = Driver(ERRANDS, solver=lambda one: shortest(one, RecordingSolver))
     assert prefetched(driver) == [], "nothing runs"
     driver.goal("a", "do(x,1)")
     for expected, reason in [("failed", "stuck(door)"), ("stuck(door)", "stuck(door)")]:
@@ -165,13 +165,13 @@ def test_answers_to_failures_and_arrivals_are_prefetched():
         assert f",{expected}," in update, "as it failed last"
         assert prefetched(driver) == [], "nothing has changed"
         driver.fail(reason)
-        assert (str(Noting.came[-1]) == update) is (expected == reason)
+        assert (str(RecordingSolver.came[-1]) == update) is (expected == reason)
     prefetched(driver)
     driver.core.add_goal("b", "do(y,2)")
     (update,) = prefetched(driver)
     assert "_request(do(y,2)," in update, "with success"
     driver.succeed()
-    assert str(Noting.came[-1]) == update
+    assert str(RecordingSolver.came[-1]) == update
     assert prefetched(driver.finish()) == []
 
 
@@ -182,14 +182,14 @@ def ring_process():
 
 
 def prepare(run, process, waits=True):
-    """Prefetch, and wait until that is done where it is so."""
+    """Prefetch, and wait for the result if it is asynchronous."""
     run.driver.run().core.prepare()
     if waits:
         wait_until_prepared(process, run.core.prepare)
 
 
 @pytest.mark.slow
-def test_a_goal_that_comes_while_an_action_runs_has_its_plan_as_that_returns(ring_process):
+def test_goal_arriving_during_action_has_plan_at_its_return(ring_process):
     run = JudgedRun(RING, lambda _: ProcessSolver(ring_process))
     run.ask((1, 3))
     run.driver.run()
@@ -210,7 +210,7 @@ STEPS = st.lists(st.tuples(st.booleans(), st.sampled_from(["no", "begun", "done"
 @pytest.mark.once
 @settings(max_examples=max(1, settings.default.max_examples // 20))
 @given(st.lists(st.tuples(ASKED, STEPS), min_size=1, max_size=2))
-def test_each_plan_that_goes_out_is_one_whether_it_was_prefetched_or_not(ring_process, batches):
+def test_plan_that_goes_out_is_valid_with_prefetching(ring_process, batches):
     run = JudgedRun(RING, lambda _: ProcessSolver(ring_process))
     for asked, steps in batches:
         run.ask(*asked)
@@ -221,7 +221,7 @@ def test_each_plan_that_goes_out_is_one_whether_it_was_prefetched_or_not(ring_pr
                 prepare(run, ring_process, waits=prepares == "done")
             before = ring_process.pid
             run.step(fails)
-            if number + 1 < len(steps):  # else goals may come with the return
+            if number + 1 < len(steps):  # otherwise goals could come with the return
                 has_failed = ",failed," in str(run.driver.run().journal.of(ReturnTaken)[-1].atom)
                 assert prepares != "done" or (ring_process.pid != before) is has_failed
     run.finish()
@@ -231,7 +231,7 @@ def test_each_plan_that_goes_out_is_one_whether_it_was_prefetched_or_not(ring_pr
 
 
 class JoiningRun(Run):
-    """A core whose solver's standby worker is late by some cycles."""
+    """A core whose standby worker answers some cycles late."""
 
     def __init__(self, delay=0, solver=None, watch_joining=unwatched, search_timeout=0.0):
         self.standby = Standby(delay)
@@ -239,7 +239,7 @@ class JoiningRun(Run):
 
     @property
     def fed(self):
-        """The goals that the program knows."""
+        """Return the goals that the program knows."""
         return [goal.key for goal in self.core.live_goals if goal.fed]
 
     def ask(self, *errands):
@@ -248,28 +248,28 @@ class JoiningRun(Run):
         return self
 
     def step(self, fails=False):
-        """The action ends, and the core goes on."""
+        """End the action and advance the core."""
         self.end(fails)
         self.driver.run()
 
     def go_on(self, times=1):
-        """The action is done; if the plan in force has another action, that goes out without a search."""
+        """End the action; if the plan in force has another action, it goes out without a search."""
         for _ in range(times):
             due, before = self.core.plan.at(self.core.cycle + 1), self.standby.searches
             self.step()
             assert not due or (self.core.awaited and self.standby.searches == before)
 
     def until(self, key):
-        """It goes on until the program knows a goal."""
+        """Continue until the program knows a goal."""
         while key not in self.fed:
             self.go_on()
 
     def waits(self, key):
-        """The reasons that a client heard while its goal waited."""
+        """Return the reasons that a client received while its goal was queued."""
         return [one.waits for one in self.driver.feedback(key) if one.waits]
 
 
-def test_new_goal_is_in_the_next_update_if_its_plan_is_there():
+def test_new_goal_joins_next_update_if_prefetched():
     run = JoiningRun(delay=0).ask((2, 4)).ask((3, 1))
     run.go_on()
     heads = [str(one.head) for _, one in parse_update(run.driver.journal.updates[-1]).sections() if one.head]
@@ -288,7 +288,7 @@ def test_new_goal_joins_later_without_a_search(delay, cycles):
     run.finish()
 
 
-def test_new_goal_joins_when_the_plan_is_over():
+def test_new_goal_joins_when_the_plan_ends():
     run = JoiningRun(delay=NEVER).ask((1, 2)).ask((3, 1))
     while run.core.plan.at(run.core.cycle + 1):
         run.go_on()
@@ -296,7 +296,7 @@ def test_new_goal_joins_when_the_plan_is_over():
     run.finish()
 
 
-def test_goals_that_come_before_others_join_wait_for_the_next_time():
+def test_new_goals_wait_while_others_are_about_to_join():
     run = JoiningRun(delay=2).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
     run.go_on(4)
     run.ask((3, 2)).until("4")
@@ -305,7 +305,7 @@ def test_goals_that_come_before_others_join_wait_for_the_next_time():
     run.finish()
 
 
-def test_next_cycle_for_joining_is_nearer_after_each_success():
+def test_next_cycle_for_joining_is_nearer_after_success():
     run = JoiningRun(delay=3).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
     run.until("4")
     run.standby.delay, cycles = 0, []
@@ -318,15 +318,15 @@ def test_next_cycle_for_joining_is_nearer_after_each_success():
 
 
 @pytest.mark.parametrize("limits", [{"watch_joining": None}, {"solver": shortest}], ids=["no limit", "no standby"])
-def test_new_goals_are_in_the_next_update(limits):
-    """Without a limit of the wait, as with plans that are to be shortest, or without a standby worker."""
+def test_new_goals_join_next_update_without_wait_limit(limits):
+    """There is no limit of the wait with shortest plans, or without a standby worker."""
     run = JoiningRun(delay=NEVER, **limits).ask((2, 4)).ask((3, 1))
     run.step()
     assert run.fed == ["1", "2"]
     run.finish()
 
 
-def test_goals_without_room_join_while_the_robot_acts(monkeypatch):
+def test_queued_goals_join_while_the_robot_acts(monkeypatch):
     monkeypatch.setattr(admission, "FIRST", 2)
     run = JoiningRun(delay=0, search_timeout=600.0).ask((1, 4), (4, 1), (1, 3), (3, 1), (2, 3))
     assert run.fed == ["1", "2"]
@@ -335,8 +335,8 @@ def test_goals_without_room_join_while_the_robot_acts(monkeypatch):
     run.finish()
 
 
-def test_failure_brings_new_goals_into_the_update():
-    """There is no plan that goes on."""
+def test_failure_brings_new_goals_into_next_update():
+    """No plan continues."""
     run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3))
     run.go_on(2)
     run.step(fails=True)
@@ -345,7 +345,7 @@ def test_failure_brings_new_goals_into_the_update():
     run.finish()
 
 
-def test_fact_is_in_the_next_update_without_new_goals():
+def test_fact_is_in_next_update_without_new_goals():
     run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3))
     run.go_on()
     run.driver.facts("_blocked(o4,o1,now)")
@@ -369,7 +369,7 @@ def test_cancel_does_not_stop_the_robot(delay):
     assert run.driver.states("1")[-1] == "succeeded"
 
 
-def test_cancel_of_a_goal_that_is_to_join_ends_it():
+def test_cancel_of_a_joining_goal_ends_it():
     run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3), (3, 2))
     run.go_on(2)
     run.driver.cancel("3")
@@ -387,7 +387,7 @@ EVENTS = st.lists(st.sampled_from(["done", "done", "done", "failed", "asked", "p
 @pytest.mark.mostly_slow
 @settings(max_examples=max(1, settings.default.max_examples // 20))
 @given(EVENTS, st.lists(st.permutations(range(1, 5)).map(lambda way: way[:2]), min_size=18, max_size=18), st.data())
-def test_robot_acts_and_all_goals_are_met_however_late_answers_are(events, errands, data):
+def test_robot_meets_all_goals_however_late_answers_are(events, errands, data):
     run, ways = JoiningRun(), iter(errands)
     run.ask(*(next(ways) for _ in range(3)))
     for event in events:
@@ -411,8 +411,8 @@ def row_process():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("waits", [True, False])
-def test_standby_worker_that_has_the_plan_takes_over(row_process, waits):
-    """A plan that is not there yet is waited for until the watch ends that."""
+def test_standby_worker_with_the_plan_takes_over(row_process, waits):
+    """The core waits for a missing plan until the watch ends the wait."""
     looks = []
     run = JoiningRun(solver=lambda _: ProcessSolver(row_process), watch_joining=lambda: lambda: looks.append(1))
     run.ask((2, 4))

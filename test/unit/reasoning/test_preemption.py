@@ -1,4 +1,4 @@
-"""With preempt, an action under way that the new plan does not want is ended at once; any other is awaited as ever."""
+"""With preempt, an action under way that the new plan does not contain ends at once; all others are awaited."""
 
 import pytest
 from core_driver import ERRANDS, Driver, FaultyDriver
@@ -8,7 +8,7 @@ from shipped import shipped
 
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: A drive and an arm movement for each goal, in one cycle; the arm is of use only while the light is on.
+#: Each goal has a drive and an arm movement in one cycle; the arm is useful only while the light is on.
 TOGETHER = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -28,8 +28,8 @@ driven(I,t) :- open(I,t), not failed(t).
 #show _action_lib/3.
 """
 
-#: One way leads through two actions, ``far`` and ``end``; when ``_open`` tells of a shorter one, ``near`` is enough,
-#: and ``side(1..5)`` are as good as ``far``.
+#: One way leads through two actions, ``far`` and ``end``. After ``_open`` the action ``near`` is enough, and
+#: ``side(1..5)`` equal ``far``.
 WAYS = """
 #external _request/2. #external _return/3. #external _open/1.
 #program cumulative(t).
@@ -50,12 +50,12 @@ there(I,t) :- there(I,t-1).
 #show _action_lib/3.
 """
 
-#: As many as there are may be done at once, but not two of one kind in later cycles.
+#: Any number of actions can be executed at once, except two of one kind in later cycles.
 FREE_WAYS = WAYS.replace(
     " 1 :- asked(I,t).", " :- asked(I,t).\n:- _action_lib(X,I,t), _action_lib(Y,I,t), X != Y, t > 1."
 )
 
-#: The program hears which actions are ended, and no action returns ``preempted`` otherwise.
+#: The program observes which actions are ended; no action returns ``preempted`` otherwise.
 HEARS = ERRANDS + "#external _cancel/3.\n#program cumulative(t).\n:- _return(W,preempted,t), not _cancel(W,_,t).\n"
 
 PREEMPTIONS = {
@@ -92,12 +92,12 @@ PREEMPTIONS = {
 
 
 @scripts(PREEMPTIONS)
-def test_preemption(row):
+def test_preemption_follows_the_script(row):
     text, script = row
     play(FaultyDriver(text, CoreSettings(horizon_limit=8, preempt=True)), script)
 
 
-def test_the_stream_is_not_touched():
+def test_preemption_leaves_the_stream_unchanged():
     runs = [Driver(settings=CoreSettings(horizon_limit=8, preempt=preempt)) for preempt in (True, False)]
     for one in runs:
         play(one, "goal a do(walk,1); cancel a; goal b do(run,2); facts _return(walk,preempted,1); finish")
@@ -115,7 +115,7 @@ class Office(Driver):
         super().__init__(settings=CoreSettings(preempt=preempt), program=shipped("mailbot.lp", "office.lp"))
 
     def ask(self, start, end, package):
-        """A goal, whose key is the package's number, and its package."""
+        """Send a goal, whose key is the package's number, and create its package."""
         self.world.places[package] = f"office{start}"
         return self.goal(package, f"goal(office{start},office{end},{package})")
 
@@ -125,22 +125,22 @@ class Office(Driver):
         return super().succeed()
 
     def until(self, action):
-        """All succeeds until an action of this interface and parameter is under way."""
+        """Let all actions succeed until an action of this interface and parameter is under way."""
         while not any(one.startswith(f"_action_lib({action},") for one in self.awaited):
             assert self.awaited, f"{action} is never under way"
             self.succeed()
         return self
 
     def preempts(self, *actions):
-        """Expect these actions to be ended by now, with preempt."""
+        """Expect these actions to be preempted by now."""
         assert preempted(self) == [f"_cancel({one})" for one in actions if self.preempt]
 
     def obey(self):
-        """What is under way ends early with preempt."""
+        """End the actions under way early with preempt."""
         return self.fail("preempted") if self.preempt else self.succeed()
 
     def break_off(self):
-        """The first goal is cancelled and its action fails before the core goes on."""
+        """Cancel the first goal and fail its action before the core advances."""
         self.core.cancel_goal("1")
         return self.fail("failed")
 
@@ -189,7 +189,7 @@ PREEMPT = pytest.mark.parametrize("preempt", [False, True])
 
 @PREEMPT
 @scripts(PHASES)
-def test_cancel_in_each_phase(preempt, row):
+def test_preemption_by_cancel_in_each_phase(preempt, row):
     play(Office(preempt), row)
 
 
@@ -197,13 +197,13 @@ def test_cancel_in_each_phase(preempt, row):
 @pytest.mark.once
 @PREEMPT
 @scripts(SLOW_PHASES)
-def test_cancel_in_further_phases(preempt, row):
+def test_preemption_by_cancel_in_further_phases(preempt, row):
     play(Office(preempt), row)
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_actions_that_the_core_ends_are_no_failures():
+def test_preemption_by_the_core_is_no_failure():
     office = Office(preempt=True)
     for package in range(1, 6):
         play(office, f"ask 3 2 {package}; cancel {package}; fail preempted; is {package} preempted")

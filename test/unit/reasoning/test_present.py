@@ -1,4 +1,4 @@
-"""What holds now, out of answers: of small programs, and of the shipped ones in the core's cycles."""
+"""Beliefs about the present, extracted from answers: of small programs, and of the shipped ones in the core's cycles."""
 
 import pytest
 from clingo import Number, String, parse_term
@@ -22,11 +22,11 @@ lit(L,t)  :- lit(L,t-1).
 
 
 def present(driver):
-    """What holds now by the last that was told."""
+    """Return the beliefs that were published last."""
     return sorted(map(str, driver.journal.of(StateChanged)[-1].atoms))
 
 
-def test_the_atoms_of_the_cycle_and_those_without_a_time():
+def test_beliefs_are_atoms_of_cycle_or_without_time():
     position = {("at", 2): 1, ("first", 2): 0, ("", 2): 1, ("odd", 1): 0}
     reader = Present(lambda name, arity: position.get((name, arity)))
     answer = frozenset(
@@ -43,7 +43,7 @@ def test_the_atoms_of_the_cycle_and_those_without_a_time():
     ("show", "terms"),
     [("", set()), ("#show lamp/1.", {"lamp(hall)", "lamp(yard)"}), ("#show on(L,(t)) : lit(L,t).", {"on(hall,now)"})],
 )
-def test_what_is_told_is_believed_from_its_cycle_on(show, terms):
+def test_beliefs_follow_a_fact_from_its_cycle_on(show, terms):
     driver = Driver(LAMP.format(show=show))
     driver.facts("_seen(hall,now)")
     assert set(present(driver)) == {"lit(hall,now)", "-lit(yard,now)", *terms}
@@ -55,7 +55,7 @@ def test_what_is_told_is_believed_from_its_cycle_on(show, terms):
 
 
 @pytest.mark.parametrize("plan", PLANS)
-def test_the_papers_program_shows_its_actions(plan):
+def test_beliefs_of_the_paper_include_its_actions(plan):
     driver = Driver(program=shipped("paper.lp"), solver=PLANS[plan])
     driver.goal("a", "goal(office2,office1,1)")
     assert present(driver) == ["_action_lib(move_base,office2,now)"]
@@ -66,7 +66,7 @@ def test_the_papers_program_shows_its_actions(plan):
 
 
 @pytest.mark.parametrize("plan", PLANS)
-def test_delivery(plan):
+def test_beliefs_of_a_delivery(plan):
     driver = Driver(program=shipped("mailbot.lp", "office.lp"), solver=PLANS[plan])
     assert present(driver) == ["robot_at(office1,now)"]
     driver.goal("a", "goal(office2,office3,1)")
@@ -83,7 +83,7 @@ def test_delivery(plan):
     assert present(driver) == ["_status(1,succeeded,now)", "robot_at(office3,now)"]
 
 
-def test_a_way_that_is_shut():
+def test_beliefs_of_a_blocked_way():
     driver = Driver.of_shipped("house.lp", "home.lp")
     driver.facts("_blocked(hallway,study,now)")
     driver.goal("a", "bring(hallway,book)")
@@ -92,14 +92,14 @@ def test_a_way_that_is_shut():
     assert not [atom for atom in present(driver) if atom.startswith("shut")]
 
 
-def test_the_house_tells_where_things_are():
+def test_beliefs_of_the_house_name_locations_of_things():
     driver = Driver.of_shipped("house.lp", "home.lp")
     assert {"robot_at(hallway,now)", "thing_at(book,study,now)"} <= set(present(driver))
     driver.facts("_seen(book,bedroom,now)").goal("a", "bring(hallway,book)").finish()
     assert "thing_at(book,hallway,now)" in present(driver)
 
 
-def test_what_was_foreseen_and_what_is_improved_is_told_as_well():
+def test_beliefs_include_predicted_and_improved_answers():
     driver = Driver(program=shipped("mailbot.lp", "office.lp"), solver=lambda program: soon(program, 0.0))
     driver.goal("a", "goal(office4,office1,1)").goal("b", "goal(office4,office2,2)")
     while driver.core.awaited:
@@ -111,7 +111,7 @@ def test_what_was_foreseen_and_what_is_improved_is_told_as_well():
         driver.succeed()
 
 
-def test_a_program_that_shows_all():
+def test_beliefs_of_a_program_that_shows_all():
     program = ReactiveProgram.from_text("#program base. big(1..3). #program cumulative(t). step(t). twice(t,t+1).")
     driver = Driver(program=program)
     assert present(driver) == ["big(1)", "big(2)", "big(3)", "step(now)"]

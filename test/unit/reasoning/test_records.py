@@ -1,4 +1,4 @@
-"""What the core keeps of its solver's log: as much as it takes to go on, also instead of the last update."""
+"""The part of the solver's log that the core keeps: enough to continue, also from before the last update."""
 
 import json
 
@@ -37,7 +37,7 @@ def log_with(*names):
 
 
 def names_of(log):
-    """The names of all entries, oldest first."""
+    """Return the names of all entries, oldest first."""
     found = []
     while log is not None and log.entry is not None:
         found.append(next(name for name, one in ENTRIES.items() if one == log.entry))
@@ -65,8 +65,8 @@ def written(record):
         (["update 1", "checkpoint 1", "search", "checkpoint 2", "update 2", "checkpoint 3", "search"], 3),
     ],
 )
-def test_what_is_kept_begins_at_a_checkpoint_before_the_last_update(entries, passed):
-    """Or without an update at the last one, or at the start: from there the update may as well be left out."""
+def test_records_begin_at_checkpoint_before_last_update(entries, passed):
+    """Without an earlier update they begin at the last one or the start, from where it can be left out as well."""
     log = log_with(*entries)
     kept = log_of(written(LogRecorder().record(log)))
     assert names_of(kept) == entries[passed:]
@@ -76,7 +76,7 @@ def test_what_is_kept_begins_at_a_checkpoint_before_the_last_update(entries, pas
     assert names_of(log_of(written(LogRecorder().record(log)))) == entries[passed:]
 
 
-def test_each_entry_has_a_name_of_its_own_as_long_as_it_is_kept():
+def test_records_name_each_entry_uniquely_while_kept():
     recorder = LogRecorder()
     log = log_with("plan 1", "update 1")
     first = recorder.record(log)
@@ -93,13 +93,13 @@ def test_each_entry_has_a_name_of_its_own_as_long_as_it_is_kept():
 
 
 @pytest.mark.parametrize("entries", [["plan 1", "update 1", "plan 2"], ["plan 1", "update 1"], ["update 1"]])
-def test_log_record_keeps_the_plan_of_both_histories(entries):
+def test_records_of_log_keep_plan_of_both_histories(entries):
     log = log_with(*entries)
     kept = log_of(written(LogRecorder().record(log)))
     assert (kept.before_update.plan, kept.plan) == (log.before_update.plan, log.plan)
 
 
-def test_task_plans():
+def test_records_of_task_plans():
     actions = tuple(action_of(parse_atom(f'_action_lib(say,"{word}",1)')) for word in ("a, b", "c"))
     for plan in (TaskPlan(), TaskPlan(actions), TaskPlan(actions, ("no cycle", "no cycle, either"))):
         assert plan_of(written(plan_to_value(plan))) == plan

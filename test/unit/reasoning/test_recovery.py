@@ -1,4 +1,4 @@
-"""Goals without a plan: as few as can be are aborted, with smallest conflicts as reasons, against every subset."""
+"""Goals without a plan: the fewest are aborted, with minimal conflicts as reasons, checked against every subset."""
 
 import re
 from itertools import combinations
@@ -30,11 +30,11 @@ done_or_dropped(I) :- _request(cancel(I),_).
 """
 )
 
-#: Cancelling is not understood.
+#: A program that ignores cancels.
 STUBBORN = ERRANDS.replace("done(I,t) :- _request(cancel(I),t).", "")
 
-#: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` shuts for good, lead to rooms. A room is entered once at most
-#: where that failed, and not at all after one that it clashes with.
+#: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` closes for good, lead to rooms. A room is entered at most once
+#: where that failed, and never after a room that it clashes with.
 ROOMS = """
 #external _request/2. #external _return/3. #external _shut/1.
 #program base.
@@ -77,7 +77,7 @@ def rooms(doors=(), clashes=(), words=""):
 
 
 def halting(looks):
-    """A watch that ends a search after so many looks."""
+    """A watch that ends a search after a number of calls."""
 
     def watch():
         left = iter([None] * looks)
@@ -86,7 +86,7 @@ def halting(looks):
     return watch
 
 
-#: The program, what bounds the search for reasons, and the script.
+#: The program, the bounds of the search for reasons, and the script.
 RECOVERIES = {
     "goal that cannot be met is aborted": (ERRANDS, None, """
         goal a do(never,1); all a active aborted; sends _request(cancel(1),2).
@@ -132,7 +132,7 @@ RECOVERIES = {
 
 
 @scripts(RECOVERIES)
-def test_recovery(row):
+def test_recovery_follows_the_script(row):
     text, watch, script = row
     driver = play(Driver(text, **({} if watch is None else {"watch_recovery": watch})), script)
     assert driver.core.live_goals == []
@@ -151,7 +151,7 @@ INSTANCES = st.fixed_dictionaries(
 
 
 def can_be_met(program, goals, shut):
-    """Whether there is a plan for goals (Id to room) with some doors shut."""
+    """Return whether there is a plan for goals (Id to room) with some doors closed."""
     solver = PlanSolver(program, horizon_limit=8)
     items = [fact(parse_atom(f"_request(reach({room},{one}),2)")) for one, room in goals]
     items += [fact(parse_atom(f"_shut({door})")) for door in shut]
@@ -165,7 +165,7 @@ def parts_of(things):
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 8)
 @given(INSTANCES)
-def test_recovery_against_every_subset(instance):
+def test_recovery_agrees_with_search_over_all_subsets(instance):
     driver = Driver(rooms(instance["doors"], instance["clashes"]))
     program = driver.program
     goals = [(number, room) for number, room in enumerate(instance["goals"], 1)]
@@ -193,8 +193,8 @@ def test_recovery_against_every_subset(instance):
 
 
 @pytest.mark.parametrize("make", ["own", "process"])
-def test_a_state_without_a_failed_action(make):
-    """Without its return and itself a failed action was not tried: the plan is as if nothing had happened."""
+def test_state_without_failed_action_forgets_its_attempt(make):
+    """Without the failed action and its return, the plan equals that of an uneventful run."""
     program = ReactiveProgram.from_text(ERRANDS)
     with WorkerPool(program, shortest=True) as process:
         solver = ProcessSolver(process) if make == "process" else PlanSolver(program)
@@ -206,7 +206,7 @@ def test_a_state_without_a_failed_action(make):
     assert [str(one) for one in actions if one.name == "_action_lib"] == ["_action_lib(walk,1,3)"]
 
 
-# -- what is said of shipped programs' goals in cycles without a plan
+# -- statuses that the shipped programs report in cycles without a plan
 
 
 UNHEARD = {
@@ -224,7 +224,7 @@ UNHEARD = {
 
 @pytest.mark.slow
 @scripts(UNHEARD)
-def test_statuses_of_cycles_without_a_plan_are_read(row):
+def test_statuses_of_cycles_without_plan_are_read(row):
     play(Driver.of_shipped("mailbot.lp", "office.lp"), row)
 
 
@@ -252,7 +252,7 @@ shut(P,t) :- shut(P,t-1).
 
 
 @pytest.mark.slow
-def test_a_goal_that_is_given_up_comes_with_its_stream():
+def test_aborted_goal_comes_with_its_stream():
     driver = Driver(WALK)
     driver.core.receive("sensor", ["_shut(c,now)"])
     driver.run()
@@ -270,7 +270,7 @@ def test_a_goal_that_is_given_up_comes_with_its_stream():
     assert not Driver(WALK).goal("a", "go(c,1)").journal.of(GoalUnmet), "a goal that is met has no reasons"
 
 
-#: Goals ``fetch(Thing)``: things are known once they are seen, and taken off by ``_gone``; rooms may be shut.
+#: Goals ``fetch(Thing)``: things become known when they are seen, and ``_gone`` removes them; rooms can be closed.
 FETCH = """
 #external _request/2. #external _return/3. #external _thing/2. #external _gone/2. #external _shut/2.
 #program cumulative(t).
@@ -290,7 +290,7 @@ fetched(X,t) :- _action_lib(fetch,X,t), not _return(fetch,failed,t).
 """
 
 NOISE = " ".join(f"_thing(t{number},now)" for number in range(6))
-ANY = r"_(gone|shut)\(\w+,"  # of several that are each enough
+ANY = r"_(gone|shut)\(\w+,"  # each of several facts is sufficient
 
 
 @pytest.mark.parametrize(
@@ -305,7 +305,7 @@ ANY = r"_(gone|shut)\(\w+,"  # of several that are each enough
         *((facts, None) for facts in ("_gone(mug,now) _thing(cup,now)", NOISE, "")),
     ],
 )
-def test_unmet_goal_names_the_fact_though_it_needs_others(facts, why):
+def test_unmet_goal_names_the_fact_despite_other_needs(facts, why):
     driver = Driver(FETCH)
     for one in facts.split():
         driver.facts(one)

@@ -1,4 +1,4 @@
-"""Which observations are taken otherwise or withheld, on a planner that only knows what can't be so together."""
+"""Which observations are redated or withheld, with a planner that only knows conflicts."""
 
 import pytest
 from clingo import parse_term
@@ -22,9 +22,9 @@ STEP = 5
 class World:
     """A planner of an update with facts ``new``, after ``old`` ones and actions that were ``done``, all as text.
 
-    None of ``conflicts``, of facts, actions and goals (g1, ...), can be; of ``slow`` it is not known whether it can.
-    ``refused`` are taken by no solver, nor is anything after ``most`` searches. ``time`` is the number of searches
-    after which time is over. The update's own facts are among the observations already, as with the core.
+    No set in ``conflicts``, of facts, actions and goals (g1, ...), can hold; of ``slow`` sets this is unknown. No
+    solver accepts the ``refused`` ones, nor anything after ``most`` searches. ``time`` is the number of searches
+    until time runs out. The update's own facts are among the observations already, as with the core.
     """
 
     lookahead = 7
@@ -71,7 +71,7 @@ class World:
         return self
 
     def inquire(self, update, assumable, disabled, steps):
-        """As the planner does; facts that are neither actions nor requests are named as they are."""
+        """Answer as the planner does; facts that are neither actions nor requests stay as they are."""
         assert steps == self.lookahead
         assert disabled <= assumable
         requests = {parse_term(f"_request(go({one.key[1:]}),3)"): one.key for one in self.goals}
@@ -103,7 +103,7 @@ class World:
 
 
 def changes(world):
-    """What becomes of the observations that are doubted: as which fact they are taken, and what they deny."""
+    """Return the fate of the suspected observations: the fact with which each is replaced, and what it denies."""
     found = repair(world, world.impasse)
     return [
         f"{one.observation.atom}{'' if one.sure else '?'} {one.redated or '-'}"
@@ -115,7 +115,7 @@ def changes(world):
 @pytest.mark.parametrize(
     ("world", "changed"),
     [
-        # what comes late is doubted before what is new, that before what is older, and how actions ended at last
+        # late facts are suspected before new ones, these before older ones, and the ends of actions last
         (World("_a(2) _a(5)", ["_a(2) _a(5)"]), ["_a(2) _a(5)"]),
         (World("_a(5) _a(2)", ["_a(2) _a(5)"]), ["_a(2) _a(5)"]),
         (World("_a(5) _b(2)", ["_a(5) _b(2)"]), ["_b(2) _b(5)"]),
@@ -141,10 +141,10 @@ def changes(world):
             World("_rain _return(x,y,2)", ["_return(x,y,2)", "_request(cancel(1),5)"], requests="cancel(1),5"),
             ["_request(cancel(1),5) -", "_return(x,y,2) -"],
         ),
-        # the fewest
+        # the fewest facts
         (World("_a(1) _b(2) _c(3)", ["_a(1) _b(2)", "_a(1) _c(3)"]), ["_a(1) _a(5)"]),
         (World("_a(1) _b(2) _c(3)", ["_a(1)", "_c(3)"]), ["_a(1) _a(5)", "_c(3) _c(5)"]),
-        # taken for the present where that makes sense, all or some
+        # redated to the present where that is sensible, all or some
         (World("_a(1) _b(2)", ["_a(1)", "_b(2)", "_a(5)"]), ["_a(1) -", "_b(2) _b(5)"]),
         (World("_a(1) _b(2)", ["_a(1)", "_b(2)", "_a(5) _b(5)"]), ["_a(1) _a(5)", "_b(2) -"]),
         (World("_a(1)", ["_a(1)", "_a(5)"]), ["_a(1) -"]),
@@ -152,7 +152,7 @@ def changes(world):
         (World("_a(1) _a(2)", ["_a(1)", "_a(2)"]), ["_a(1) _a(5)", "_a(2) _a(5)"]),
         (World("_c(5)", ["_b(2)"], old="_b(2)"), ["_b(2) _b(5)"]),
         (World("_c(5)", ["_b(2)", "_b(5) _c(5)"], old="_b(2)"), ["_b(2) -"]),
-        # the first of what was done that can't be
+        # the first of the executed actions that is impossible
         (World("_a(2)", ["_a(2) go(x)"], done="go,w,1 go,x,2 go,y,3 go,z,4"), ["_a(2) _a(5) go(x)"]),
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1 go,x,2 go,y,3"), ["_a(2) _a(5) go(w)"]),
         (World("_a(2)", ["_a(2) go(y)"], done="go,w,1 go,x,2 go,y,3 pick,c,3 go,z,4"), ["_a(2) _a(5) go(y)"]),
@@ -169,7 +169,7 @@ def changes(world):
         (World("_a(2)", ["_a(2)", "g1", "_a(5)"], goals="1"), ["_a(2) -"]),
     ],
 )
-def test_what_is_doubted(world, changed):
+def test_repair_suspects_the_expected_observations(world, changed):
     assert changes(world) == changed
     assert all(world.asked.count(one) <= 3 for one in world.asked), world.asked
 
@@ -185,18 +185,18 @@ def test_what_is_doubted(world, changed):
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1", time=1), ["_a(2) _a(5)"]),
         (World("_a(2)", ["_a(2) go(w)"], done="go,w,1", time=2), ["_a(2) _a(5) go(w)"]),
         (World("_a(2) _a(5) _b(5)", ["_a(2)", "_b(5)"], time=0), ["_a(2)? -", "_a(5)? -", "_b(5)? -"]),
-        # as far as is known
+        # as far as the searches tell
         (World("_a(2) _b(2)", ["_b(2)"], slow=["_a(2)"]), ["_a(2)? _a(5)", "_b(2)? _b(5)"]),
         (World("_a(2)", ["_a(2)"], slow=["_a(5)"]), ["_a(2) -"]),
         (World("_a(2)", ["_a(2)"], refused=["_a(5)"]), ["_a(2) -"]),
         (World("_a(5)", ["_a(5)"], slow=["_b(5)"], old="_b(5)"), ["_b(5)? -", "_a(5)? -"]),
     ],
 )
-def test_what_is_doubted_where_searches_take_too_long(world, changed):
+def test_repair_with_searches_that_take_too_long(world, changed):
     assert changes(world) == changed
 
 
-def test_nothing_helps():
+def test_repair_reports_that_nothing_helps():
     world = World("_a(2) _b(5) _return(go,odd,2)", ["go(w)"], done="go,w,1", old="_c(5) _a(2)", requests="cancel(1),5")
     assert repair(world, world.impasse) is None
     assert len(world.asked) == 1, "it does not matter which facts are doubted"
@@ -205,14 +205,14 @@ def test_nothing_helps():
     assert world.asked == ["_request(go(1),6) go(w)"], "the last update's answer is known, and requests are no cancels"
 
 
-def test_of_many_facts_each_is_tried_once():
+def test_repair_tries_each_of_many_facts_once():
     facts = [f"_a({number})" for number in range(10, 22)]
     world = World(" ".join([*facts, "_b(5)"]), facts)
     assert len(changes(world)) == 12
     assert len(world.asked) < 20
 
 
-def test_a_solver_that_takes_nothing_any_more():
+def test_repair_ends_if_solver_accepts_nothing():
     world = World("_a(2)", ["_a(2)"], most=2)
     with pytest.raises(UndecidedError):
         repair(world, world.impasse)
@@ -239,12 +239,12 @@ WENT, TOOK = (action_of(parse_term(f"_action_lib({one},2)")) for one in ("go,den
         ),
     ],
 )
-def test_changes_in_words(change, text):
+def test_repair_describes_changes_in_words(change, text):
     assert str(change) == text
 
 
 @pytest.mark.parametrize("way", ["slow", "refused"])
-def test_it_is_not_known_whether_anything_helps(way):
+def test_repair_is_undecided_after_incomplete_searches(way):
     world = World("_a(2)", ["_a(2)"], old="_b(5)", done="go,w,1", **{way: ["go(w)"]})
     with pytest.raises(UndecidedError):
         repair(world, world.impasse)

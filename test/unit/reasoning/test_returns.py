@@ -1,4 +1,4 @@
-"""What interfaces tell the core, at the limits of what it takes and remembers."""
+"""Returns and facts of interfaces at the limits of what the core accepts and remembers."""
 
 import json
 
@@ -19,11 +19,11 @@ MOST_FACTS = 3
 
 @pytest.fixture(autouse=True)
 def few_facts(monkeypatch):
-    """Messages have few facts, to be quick."""
+    """Limit facts per message to keep the tests quick."""
     monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_FACTS", MOST_FACTS)
 
 
-def test_what_is_told_has_the_present_cycle_and_its_interface():
+def test_returns_are_dated_with_present_cycle_and_interface():
     driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").succeed()
     driver.facts("_seen(ball)", "garbage((", "_return(run,2,2)")
     driver.core.receive("door", [*["_seen(X)"] * MOST_FACTS, "_seen(ball)"])
@@ -37,7 +37,7 @@ def test_what_is_told_has_the_present_cycle_and_its_interface():
     assert told == [("interface", 2), *[("door", 3)] * (MOST_FACTS + 1)]
 
 
-def test_actions_that_time_out_are_told_one_by_one():
+def test_returns_of_actions_that_time_out_are_reported_singly():
     driver = Driver(settings=CoreSettings(horizon_limit=8, action_timeout=0.5))
     driver.core.add_goal("a", "do(quick,1)")
     driver.goal("b", "do(quick,2)")
@@ -52,7 +52,7 @@ def test_actions_that_time_out_are_told_one_by_one():
 @pytest.mark.parametrize(
     ("parameter", "value"), [("failed", "failed(failed)"), ("lost", "failed(lost)"), ("a", "lost")]
 )
-def test_the_likely_failure_of_an_action_is_no_success(parameter, value):
+def test_returns_predict_failure_that_differs_from_success(parameter, value):
     monitor = monitor_of([])
     if value != "failed(failed)":
         monitor.begin(1, (action_of(parse_atom("_action_lib(go,b,1)")),), 0.0)
@@ -63,7 +63,7 @@ def test_the_likely_failure_of_an_action_is_no_success(parameter, value):
     assert str(monitor.likely_return(succeeds=False)) == f"_return(go,{value},2)"
 
 
-def test_so_many_facts_that_name_their_cycle_are_remembered(monkeypatch):
+def test_returns_limit_remembered_facts_with_a_cycle(monkeypatch):
     monkeypatch.setattr("rosoclingo.reasoning.returns.KNOWN", 2)
     driver = Driver(BATTERY).facts("_battery(high,7)", "_battery(high,8)").facts("_battery(high,7)", "_battery(high,8)")
     assert len(driver.journal.updates) == 1, "told again they are nothing new"
@@ -73,7 +73,7 @@ def test_so_many_facts_that_name_their_cycle_are_remembered(monkeypatch):
     assert driver.journal.updates[2] == "#step 3.\n_battery(high,7).\n#end step.\n", "the oldest was forgotten"
 
 
-def test_what_was_done_was_done_though_all_that_was_told_is_forgotten():
+def test_returns_remember_executed_actions_after_facts_are_forgotten():
     program = ReactiveProgram.from_text("#external _return/3.")
     monitor = ExecutionMonitor(program, InputFeeder(), Clock(), lambda event: None, lambda: 1)
     actions = [action_of(parse_atom(f"_action_lib(go,a,{cycle})")) for cycle in range(1, EXECUTED + 3)]
@@ -94,7 +94,7 @@ def monitor_of(events):
     return ExecutionMonitor(ReactiveProgram.from_text(KEPT), InputFeeder(), Clock(), events.append, lambda: 2)
 
 
-def test_what_is_under_way_done_and_told_goes_on_in_another_monitor():
+def test_returns_monitor_restores_its_state():
     events, more = [], []
     monitor, twin = monitor_of(events), monitor_of(more)
     (walk,) = actions = [action_of(parse_atom("_action_lib(walk,a,1)"))]
@@ -127,7 +127,7 @@ def test_what_is_under_way_done_and_told_goes_on_in_another_monitor():
     assert twin.executed == monitor.executed == (walk, *actions)
 
 
-def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
+def test_returns_treat_unsent_facts_as_new_on_repeat():
     events = []
     monitor = monitor_of(events)
     low, high = parse_atom("_battery(low,2)"), parse_atom("_battery(high,2)")
@@ -147,7 +147,7 @@ def test_facts_that_an_update_did_not_carry_are_new_when_they_come_again():
     assert events[-1].atom == low, "it is known by what was told"
 
 
-def test_facts_that_wait_are_bounded_by_their_text_as_well(monkeypatch):
+def test_returns_limit_queued_facts_by_text_length(monkeypatch):
     monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_TEXT", 1000)
     driver = Driver().goal("a", "do(walk,1)")
     for number in range(4):

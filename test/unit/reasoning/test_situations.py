@@ -1,4 +1,4 @@
-"""The table of what the core tries in each situation: every row is reached, and the last of each situation applies."""
+"""The table of the core's attempts in each situation: every row is reached, and the last of each situation applies."""
 
 from itertools import groupby
 from pathlib import Path
@@ -19,20 +19,20 @@ DOCUMENT = Path(__file__).resolve().parents[3] / "doc" / "statuses.md"
 
 
 def busy(fault=None, *words):
-    """Goal a is under way; its failure comes with a new goal and a fact. Updates with the words have a fault."""
+    """Goal a is under way; its failure comes with a new goal and a fact. Updates with the given words have a fault."""
     driver = FaultyDriver().goal("a", "do(walk,1)").fail_for(fault, *words)
     driver.core.add_goal("b", "do(run,2)")
     return driver.facts("_return(walk,failed,1)", "_seen(sun)")
 
 
 def timed_out(number, *events):
-    """After these events, the search of this number takes too long; the driver goes on."""
+    """After these events, let the search of this number time out; the driver continues."""
     driver = play(FaultyDriver(), "; ".join(events))
     driver.end_search(number, slow=True)
     return driver.run()
 
 
-#: The first of two actions, whichever it is, has succeeded, and a goal is new.
+#: The first of two actions, in either order, has succeeded, and a goal is new.
 TWO_STEPS = (
     *("add a do(walk,1)", "goal b do(run,2)"),
     *("hear interface _return(walk,1,1) _return(run,2,1)", "add c do(jump,3)"),
@@ -41,7 +41,7 @@ TWO_STEPS = (
 
 S = Situation
 
-#: How each row is reached: the rows of a situation, in order.
+#: The events by which each row is reached: the rows of a situation, in order.
 WAYS = {
     S.DUE: [lambda: Driver().goal("a", "do(walk,1)")],
     S.REFUSED: [
@@ -78,7 +78,7 @@ ROWS = [(situation, number) for situation in WAYS for number in range(len(WAYS[s
 
 
 def record(monkeypatch, only_last_of=None):
-    """Record the rows that apply; of one situation all but the last can be left out."""
+    """Record the rows that apply; all but the last of a situation can be omitted."""
     used = []
 
     def recording(row, place):
@@ -99,20 +99,20 @@ def record(monkeypatch, only_last_of=None):
 
 
 def numbered(rows):
-    """The rows, each with its number in its situation."""
+    """Return the rows, each with its number in its situation."""
     seen = []
     for row in rows:
         yield row, seen.count(row.situation)
         seen.append(row.situation)
 
 
-def test_table_has_rows_for_each_situation_but_the_end():
+def test_situation_table_covers_each_situation_except_end():
     assert [(row.situation, number) for row, number in numbered(Core.responses)] == ROWS
     assert {row.situation for row in Core.responses} == set(Situation) - {S.SETTLED}
 
 
 @pytest.mark.parametrize(("situation", "number"), ROWS)
-def test_each_row_of_the_table_is_reached(monkeypatch, situation, number):
+def test_situation_table_rows_are_all_reached(monkeypatch, situation, number):
     used = record(monkeypatch)
     driver = WAYS[situation][number]()
     assert (situation, number) in used
@@ -122,7 +122,7 @@ def test_each_row_of_the_table_is_reached(monkeypatch, situation, number):
 
 
 @pytest.mark.parametrize("situation", list(WAYS))
-def test_last_row_of_a_situation_always_applies(monkeypatch, situation):
+def test_situation_table_last_row_always_applies(monkeypatch, situation):
     for way in WAYS[situation]:
         with monkeypatch.context() as patch:
             used = record(patch, only_last_of=situation)
@@ -130,7 +130,7 @@ def test_last_row_of_a_situation_always_applies(monkeypatch, situation):
             assert (situation, len(WAYS[situation]) - 1) in used
 
 
-def test_document_shows_the_table():
+def test_situation_table_matches_the_document():
     lines = ["| situation | tried in this order |", "|---|---|"]
     for situation, rows in groupby(Core.responses, lambda row: row.situation):
         steps = "; ".join(f"{number}. {row.text}" for number, row in enumerate(rows, 1))
@@ -138,7 +138,7 @@ def test_document_shows_the_table():
     assert "\n".join(lines) in DOCUMENT.read_text()
 
 
-# -- what is left of an update that the solver refuses or drops
+# -- the forms of an update that the solver refuses or drops
 
 
 DONE, REQUEST, RETURN, FACT = (
@@ -150,7 +150,7 @@ DONE, REQUEST, RETURN, FACT = (
 
 
 @pytest.mark.parametrize("word", ["do(run", "_seen"])
-def test_refused_update_is_sent_without_goals_then_without_facts(word):
+def test_refused_update_is_resent_without_goals_then_facts(word):
     driver = busy(SolverError, word)
     assert driver.failed[0] == f"search 2. {DONE} {REQUEST} {RETURN} {FACT}"
     play(
@@ -163,7 +163,7 @@ def test_refused_update_is_sent_without_goals_then_without_facts(word):
 
 
 @pytest.mark.parametrize(("word", "kept"), [("do(run", f"{DONE} {RETURN} {FACT}"), ("_seen", f"{DONE} {RETURN}")])
-def test_dropped_update_is_sent_without_goals_then_without_facts(word, kept):
+def test_dropped_update_is_resent_without_goals_then_facts(word, kept):
     play(
         busy(DroppedError, word),
         f"""

@@ -1,4 +1,4 @@
-"""The planner: what is over, what a search that was ended means, and planners beside it."""
+"""The stream planner: compaction, the meaning of a stopped search, and trial planners."""
 
 import pytest
 from core_driver import ERRANDS
@@ -23,7 +23,7 @@ from rosoclingo.reasoning.stream_planner import LONG_AGO, MANY_STEPS, RECENT, Di
 
 
 class Solver(PlanSolver):
-    """Asks once whether to stop, and drops or answers all the same, where it is told to."""
+    """Checks once whether to stop, and drops the update or answers anyway, as configured."""
 
     def __init__(self, program):
         super().__init__(program)
@@ -40,7 +40,7 @@ class Solver(PlanSolver):
 
 
 class Bench:
-    """A planner on such solvers, whose searches end for ``halt``."""
+    """A planner with such solvers, whose searches end for the reason ``halt``."""
 
     def __init__(self, text=ERRANDS, lookahead=8):
         self.program, self.halt, self.solvers = ReactiveProgram.from_text(text), None, []
@@ -65,19 +65,19 @@ def plan(result):
 @pytest.mark.parametrize(
     ("cycle", "since", "over"),
     [
-        (500, 499, 500 - RECENT),  # whatever is wanted, what happened just now may have to be explained
+        (500, 499, 500 - RECENT),  # recent events can need an explanation whatever is wanted
         (500, 500 - RECENT - 20, 500 - RECENT - 20),  # an open request looks back to its beginning
         (500, 1, 500 - LONG_AGO),  # but not for ever
     ],
 )
-def test_what_is_over(cycle, since, over):
-    planner = Planner(Told, 8)
+def test_planner_computes_past_steps(cycle, since, over):
+    planner = Planner(LoggingSolver, 8)
     assert planner.over(cycle + 1, since) == over
     planner.update(StreamUpdate(cycle + 1, items=(Over(over),)))
     assert planner.over(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
 
 
-def test_the_past_is_closed():
+def test_planner_closes_the_past():
     bench = Bench()
     bench.update("#step 1.")
     result = bench.update("#step 2. _request(do(walk,1),2). :- not _action_lib(walk,1,1).")
@@ -90,7 +90,7 @@ def test_the_past_is_closed():
         assert not planner.may_begin_with(parse_atom("_action_lib(run,2,2)"), 1), "cycle 2 is over"
 
 
-def test_without_looking_ahead_no_answer_means_none_was_found():
+def test_planner_without_lookahead_reports_no_answer_found():
     bench = Bench()
     update = parse_update("#step 1. _request(do(never,1),2). #endstep.")
     assert bench.planner.take(update).outcome is SolveOutcome.INTERRUPTED
@@ -98,7 +98,7 @@ def test_without_looking_ahead_no_answer_means_none_was_found():
     assert bench.planner.take(parse_update("#step 1. _seen(end). #endstep.")).outcome is SolveOutcome.UNSATISFIABLE
 
 
-def test_why_there_is_no_plan():
+def test_planner_names_reason_for_missing_plan():
     bench = Bench(lookahead=3)
     result = bench.update("#step 1. _request(do(never,1),2).")
     assert bench.planner.why_none(result) == "there is no plan of at most 3 steps"
@@ -109,14 +109,14 @@ def test_why_there_is_no_plan():
     assert bench.planner.why_none(result) == "no plan was found before the search was ended: it takes too long"
 
 
-def test_a_search_that_ends_all_the_same_was_not_ended():
+def test_planner_treats_completed_search_as_not_stopped():
     bench = Bench()
     bench.halt, bench.solver.ignores = Halt("it takes too long", disturbed=True), True
     assert plan(bench.update("#step 1. _request(do(walk,1),2).")) == ["_action_lib(walk,1,1)"]
     assert bench.planner.ended_by == ""
 
 
-def test_a_dropped_search_names_the_reason_where_there_is_one():
+def test_planner_names_reason_of_a_dropped_search():
     bench = Bench()
     bench.solver.drops, bench.halt = True, Halt("it takes too long")
     with pytest.raises(DroppedError):
@@ -129,7 +129,7 @@ def test_a_dropped_search_names_the_reason_where_there_is_one():
 
 
 @pytest.mark.parametrize("kept", [True, False])
-def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
+def test_planner_keeps_or_drops_update_of_stopped_search(kept):
     bench = Bench()
     bench.update("#step 1. _request(do(walk,1),2).")
     bench.halt, bench.solver.drops = Halt("news", disturbed=True), not kept
@@ -142,15 +142,15 @@ def test_a_disturbed_search_leaves_its_update_in_force_or_not(kept):
     assert any("run" in action for action in told) == kept
 
 
-def test_a_planner_beside_a_fresh_one():
+def test_planner_trial_agrees_with_a_fresh_planner():
     beside = Bench().planner.restarted()
     assert plan(beside.update(parse_update("#step 1. _request(do(walk,1),2). #endstep."))) == ["_action_lib(walk,1,1)"]
 
 
-class Told:
-    """A solver that keeps its log, asks a few times whether to stop, and has an answer ready.
+class LoggingSolver:
+    """A solver that keeps its log, checks a few times whether to stop, and has an answer ready.
 
-    In place of taking an update it raises the ``error``; it has the answer to one inquiry ready as well.
+    Instead of accepting an update it raises the ``error``; it also has the answer to one inquiry ready.
     """
 
     def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0, verdict=None):
@@ -192,19 +192,19 @@ def words(update):
 
 
 def told(planner):
-    """The entries of the planner's log, as texts."""
+    """Return the entries of the planner's log, as texts."""
     return [words(one.update) for one in planner.log.entries]
 
 
 def fed(planner, *texts):
-    """The planner, fed these updates."""
+    """Return the planner after these updates."""
     for text in texts:
         planner.update(parse_update(text + " #endstep."))
     return planner
 
 
-def test_what_the_solver_is_told():
-    planner = Planner(Told, 8)
+def test_planner_sends_expected_entries_to_solver():
+    planner = Planner(LoggingSolver, 8)
     assert planner.ended_by == ""
     assert words(planner.in_force) == "#step 1."
     planner.solve()
@@ -221,8 +221,8 @@ def test_what_the_solver_is_told():
     assert str(planner.in_force).startswith("#step 15 : 0.")
 
 
-def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
-    planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
+def test_planner_trial_repeats_last_update_without_lookahead():
+    planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     beside = planner.restarted(frozenset({parse_atom("_seen(b)")}))
     assert (planner.log.horizon, beside.log.horizon) == (11, 10)
     beside.update(parse_update("#step 3. #endstep."))
@@ -231,13 +231,13 @@ def test_a_planner_beside_takes_the_last_update_again_without_looking_ahead():
     assert len(told(planner)) == 2
 
 
-def test_a_planner_beside_has_the_horizon_that_the_step_needs():
-    planner = fed(Planner(Told, 8), "#step 1.", "#step 30.")
+def test_planner_trial_has_the_horizon_of_its_step():
+    planner = fed(Planner(LoggingSolver, 8), "#step 1.", "#step 30.")
     assert planner.restarted().log.horizon == 30, "what was looked ahead for cycle 1 lies before"
 
 
-def test_another_update_in_place_of_the_last_one():
-    planner = fed(Planner(Told, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
+def test_planner_replaces_the_last_update():
+    planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
     beside, result = planner.instead(other)
     assert told(beside) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(d). _seen(e)."]
@@ -245,13 +245,13 @@ def test_another_update_in_place_of_the_last_one():
     assert beside.in_force.step == 2
     again, _ = planner.instead(planner.in_force)
     assert told(again) == told(planner), "the past is told once"
-    beside, _ = Planner(Told, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
+    beside, _ = Planner(LoggingSolver, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
 
 
-def test_planner_with_a_corrected_update_withdraws_older_facts():
+def test_planner_with_corrected_update_withdraws_older_facts():
     lines = "#step 1. _seen(a). _seen(b).", "#step 2. :- not _action_lib(walk,1,1). _seen(c). _seen(d)."
-    planner = fed(Planner(Told, 8), *lines)
+    planner = fed(Planner(LoggingSolver, 8), *lines)
     wrong = parse_atom("_seen(a)"), parse_atom("_seen(c)"), parse_atom("_action_lib(walk,1,1)")
     right = parse_atom("_seen(e)"), parse_atom("_seen(d)"), parse_atom("_seen(e)")
     beside, _ = planner.corrected(frozenset(wrong), right)
@@ -267,7 +267,7 @@ def test_planner_with_a_corrected_update_withdraws_older_facts():
     ("goals", "alone", "steps"),
     [(0, 100, 100), (1, 100, 100), (2, 100, 110), (5, 100, 140), (3, 8, 10), (2, 11, 13), (2, 10, 11)],
 )
-def test_each_further_goal_has_a_tenth_more_steps(goals, alone, steps):
+def test_planner_adds_tenth_of_horizon_per_goal(goals, alone, steps):
     assert steps_for(goals, alone) == steps
 
 
@@ -275,16 +275,16 @@ def test_each_further_goal_has_a_tenth_more_steps(goals, alone, steps):
     ("goals", "left", "fresh", "steps"),
     [(1, 300, 1, 100), (2, 0, 2, 110), (2, 20, 1, 110), (28, 302, 0, 400), (36, 302, 8, 600), (36, 299, 8, 600)],
 )
-def test_a_plan_may_go_on_from_the_one_that_there_is(goals, left, fresh, steps):
+def test_planner_continues_from_the_present_plan(goals, left, fresh, steps):
     assert steps_for(goals, 100, left, fresh) == steps
 
 
 @pytest.mark.parametrize("outcome", SolveOutcome)
-def test_whether_a_plan_still_is_one_is_asked_beside(outcome):
+def test_planner_trial_checks_whether_plan_is_valid(outcome):
     made = []
 
     def make():
-        made.append(Told(outcome))
+        made.append(LoggingSolver(outcome))
         return made[-1]
 
     planner = fed(Planner(make, 8), "#step 1. _seen(a).", "#step 2. _seen(b).")
@@ -296,8 +296,8 @@ def test_whether_a_plan_still_is_one_is_asked_beside(outcome):
     assert told(planner) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(b)."], "nothing is taken"
 
 
-def test_a_plan_that_is_refused_is_none_any_more():
-    solvers = [Told(), Told()]
+def test_planner_discards_a_refused_plan():
+    solvers = [LoggingSolver(), LoggingSolver()]
     planner = fed(Planner(iter(solvers).__next__, 8), "#step 1.")
     solvers[1].error = SolverError("no")
     assert planner.still([action_of(parse_atom("_action_lib(go,1,3)"))]) is None
@@ -314,8 +314,8 @@ def test_a_plan_that_is_refused_is_none_any_more():
         (False, Halt("the test"), ""),
     ],
 )
-def test_an_inquiry_is_asked_as_an_update_that_is_not_taken(satisfiable, halt, ended_by):
-    solver = Told(verdict=Reply(satisfiable))
+def test_planner_inquiry_is_an_unaccepted_update(satisfiable, halt, ended_by):
+    solver = LoggingSolver(verdict=Reply(satisfiable))
     planner = Planner(lambda: solver, 8, lambda: lambda: halt)
     planner.update(parse_update("#step 1. _seen(a). #endstep."))
     a, b = frozenset([parse_atom("_seen(a)")]), frozenset([parse_atom("_seen(b)")])
@@ -327,14 +327,14 @@ def test_an_inquiry_is_asked_as_an_update_that_is_not_taken(satisfiable, halt, e
     assert len(told(planner)) == 1
 
 
-def test_an_inquiry_is_left_for_what_comes():
-    planner = Planner(lambda: Told(verdict=UNKNOWN), 8, lambda: lambda: Halt("news", disturbed=True))
+def test_planner_inquiry_stops_on_arrival():
+    planner = Planner(lambda: LoggingSolver(verdict=UNKNOWN), 8, lambda: lambda: Halt("news", disturbed=True))
     with pytest.raises(DisturbedError):
         planner.inquire(parse_update("#step 1. #endstep."), frozenset(), frozenset(), 5)
 
 
-def test_an_improvement_that_fails_is_none():
-    solver = Told()
+def test_planner_ignores_an_improvement_that_fails():
+    solver = LoggingSolver()
     planner = Planner(lambda: solver, 8)
     assert planner.improve(lambda: "better") == "better"
     solver.error = SolverError("lost")
@@ -342,8 +342,8 @@ def test_an_improvement_that_fails_is_none():
 
 
 @pytest.mark.parametrize(("outcome", "may"), [*zip(SolveOutcome, (True, False, True))])
-def test_what_a_plan_may_begin_with_is_asked_without_consequences(outcome, may):
-    solver = Told()
+def test_planner_asks_first_actions_without_side_effects(outcome, may):
+    solver = LoggingSolver()
     planner = fed(Planner(lambda: solver, 8), "#step 4.")
     solver.outcome = outcome
     assert planner.may_begin_with(parse_atom("_action_lib(go,1,4)"), 3) is may
@@ -366,25 +366,25 @@ def test_what_a_plan_may_begin_with_is_asked_without_consequences(outcome, may):
         ),
     ],
 )
-def test_everything_anew(step, updates):
-    planner = fed(Planner(Told, 8), "#step 1. _seen(a).")
+def test_planner_restarts_from_scratch(step, updates):
+    planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).")
     beside, given, result = planner.anew(step)
     assert told(beside) == updates
     assert list(map(words, given)) == updates
     assert result.step == step
 
 
-def test_why_a_search_ended():
+def test_planner_reports_why_a_search_ended():
     halts = iter([None, Halt("first"), Halt("later", disturbed=True)])
-    planner = Planner(lambda: Told(SolveOutcome.INTERRUPTED, asks=3), 8, lambda: lambda: next(halts))
+    planner = Planner(lambda: LoggingSolver(SolveOutcome.INTERRUPTED, asks=3), 8, lambda: lambda: next(halts))
     planner.solve()
     assert planner.ended_by == "first"
-    planner = Planner(lambda: Told(SolveOutcome.INTERRUPTED), 8)
+    planner = Planner(lambda: LoggingSolver(SolveOutcome.INTERRUPTED), 8)
     planner.solve()
     assert planner.ended_by == "", "nobody ended it"
 
 
-def test_without_a_watch_a_search_takes_the_time_it_takes():
-    planner = Planner(lambda: Told(asks=2, late=3), 8)
+def test_planner_without_watch_never_stops_a_search():
+    planner = Planner(lambda: LoggingSolver(asks=2, late=3), 8)
     assert planner.solve().outcome is SolveOutcome.SATISFIABLE
     assert planner.take(parse_update("#step 2. #endstep.")).outcome is SolveOutcome.SATISFIABLE

@@ -1,4 +1,4 @@
-"""Failures that a program cannot handle: no goal is met by an action that failed while nothing was done instead."""
+"""Failures that a program does not handle: an action that failed, with no replacement executed, meets no goal."""
 
 import pytest
 from core_driver import Driver, FaultyDriver
@@ -36,8 +36,8 @@ def program(request, name):
     return UNHANDLED[name][0] + request.param
 
 
-def test_a_goal_whose_only_action_failed_is_aborted(program, name):
-    """The action counts as not done: it has to be done for another goal."""
+def test_failed_only_action_aborts_its_goal(program, name):
+    """The action counts as not executed: another goal needs it."""
     why = f"since arm(cup) returned failed in cycle 1, {UNHANDLED[name][1]}"
     driver = Driver(program)
     play(driver, f"goal a fetch(cup,1); fail failed; finish; is a aborted; says a fetch(cup,1) cannot be met {why}")
@@ -49,7 +49,7 @@ def test_a_goal_whose_only_action_failed_is_aborted(program, name):
     check_replay(driver.program, driver.journal)
 
 
-def test_goals_that_do_not_need_the_failed_action_go_on(program):
+def test_failed_action_leaves_independent_goals_alone(program):
     driver, keys = Driver(program), {"cup": "a", "mug": "b", "jug": "c"}
     for number, (thing, key) in enumerate(keys.items()):
         driver.core.add_goal(key, f"fetch({thing},{number})")
@@ -62,7 +62,7 @@ def test_goals_that_do_not_need_the_failed_action_go_on(program):
     assert len(done) == 2, "each was fetched"
 
 
-def test_an_action_that_never_returns_has_failed(program, name):
+def test_action_that_never_returns_has_failed(program, name):
     play(
         Driver(program, CoreSettings(horizon_limit=8, action_timeout=10.0)),
         f"""
@@ -72,7 +72,7 @@ def test_an_action_that_never_returns_has_failed(program, name):
 
 
 @pytest.mark.parametrize("number", range(1, 6))
-def test_a_failure_after_which_the_search_is_left(program, number):
+def test_failure_followed_by_a_stopped_search(program, number):
     play(FaultyDriver(program), f"goal a fetch(cup,1); leave {number}; fail failed; finish; is a aborted")
 
 
@@ -88,14 +88,14 @@ def test_a_failure_after_which_the_search_is_left(program, number):
         ("failed failed", "aborted aborted"),
     ],
 )
-def test_actions_at_once_of_which_some_fail(status, rules, returns, ends):
+def test_failure_of_some_of_concurrent_actions(status, rules, returns, ends):
     driver = play(Driver(fetch(one="", rules=rules + status)), "add a fetch(cup,1); goal b fetch(mug,2)")
     assert len(driver.awaited) == 2
     driver.facts(*(f"_return(arm,{value},1)" for value in returns.split())).finish()
     assert " ".join(driver.states(key)[-1] for key in "ab") == ends
 
 
-#: A program whose goals have no condition: their actions are done once.
+#: A program whose goals have no condition: their actions are executed once.
 ONCE = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -107,7 +107,7 @@ ACTS :- _request(do(I),t+1).
 
 @pytest.mark.parametrize("acts", ["_action_lib(arm,I,t)", "{ _action_lib(arm,I,t) } = 1"])
 @pytest.mark.parametrize("constraint", ["", "#program cumulative(t).\n:- _return(A,V,t), not _action_lib(A,V,t).\n"])
-def test_where_the_action_has_to_have_been_done_the_goal_is_aborted(acts, constraint):
+def test_failed_action_that_must_have_happened_aborts_goal(acts, constraint):
     play(
         Driver(ONCE.replace("ACTS", acts) + constraint),
         """
@@ -115,12 +115,12 @@ def test_where_the_action_has_to_have_been_done_the_goal_is_aborted(acts, constr
     )
 
 
-def test_failures_that_the_program_handles_are_none_of_these():
+def test_failures_that_the_program_handles_are_excluded():
     program = fetch(", not failed(t)", rules=FAILED + STATUS)
     play(Driver(program), "goal a fetch(cup,1); fail failed; fail failed; finish; is a succeeded; problems 0")
 
 
-def test_a_program_that_asks_for_success_alone_handles_failures():
+def test_failures_are_handled_if_only_success_is_read():
     rules = "#external _now/1.\nmissed(t) :- _action_lib(A,X,t), _now(C), t < C, not _return(A,X,t).\n"
     play(
         Driver(fetch(", not missed(t)", rules=rules)),

@@ -1,4 +1,4 @@
-"""A core with programs that give the solver no advice: plans are valid, short, and hold no superfluous action."""
+"""A core with programs without solver heuristics: plans are valid and short, without superfluous actions."""
 
 import sys
 from functools import lru_cache, partial
@@ -24,7 +24,7 @@ from planning_domains import DOMAINS, check, superfluous  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("reorder_effort")
 
-#: Takes the first plan that is found: no time is left to shorten it.
+#: Accepts the first plan: no time is left to improve it.
 FIRST = partial(soon, plan_time=0.0)
 
 #: The arguments of a task that is executed, and of a larger one that is only planned.
@@ -40,10 +40,10 @@ SIZES = {
     "crates": ((4, 1, 2), (6, 2, 3)),
 }
 
-#: The kinds whose small task takes more than 16 steps, or a search of so many.
+#: The kinds whose small task takes more than 16 steps, or a search of that length.
 LONG = ("disinfection", "elevator", "keys")
 
-#: Steps of a plan that the core executes, at most, over those of the shortest one for all goals.
+#: Additional steps of an executed plan, at most, compared with the shortest one for all goals.
 FACTOR = 1.5
 
 
@@ -52,7 +52,7 @@ def task_of(kind, seed, large=False):
 
 
 def steps_of(actions):
-    """The steps of a plan; there is none without an action."""
+    """Return the steps of a plan; a step without an action does not count."""
     steps = {}
     for action in sorted(actions, key=lambda one: one.cycle):
         steps.setdefault(action.cycle, []).append((action.interface_name, str(action.parameter)))
@@ -60,7 +60,7 @@ def steps_of(actions):
 
 
 def steps_of_answer(result):
-    """The steps of the plan in an answer, idle ones too."""
+    """Return the steps of the plan in an answer, including idle ones."""
     steps = [[] for _ in range(result.horizon)]
     for interface, parameter, cycle in (one.arguments for one in Plan.from_result(result).actions):
         steps[cycle.number - 1].append((str(interface), str(parameter)))
@@ -68,25 +68,25 @@ def steps_of_answer(result):
 
 
 def ask_all(task):
-    """A solver's first update, with all goals."""
+    """Return a solver's first update, with all goals."""
     return parse_update("#step 1 : 100.\n" + "".join(f"_request({goal},2).\n" for goal in task.goals) + "#endstep.")
 
 
 @lru_cache(maxsize=None)
 def reference(kind, seed):
-    """A shortest plan, by clingo alone."""
+    """Return a shortest plan, found by plain clingo."""
     task = task_of(kind, seed)
     return shortest_plan([source.text for source in task.sources], task.goals)
 
 
 class Run:
-    """A core and the world in which it acts: its goals all come at once, and then some are cancelled.
+    """A core and the world in which it acts: its goals come at once, and some are cancelled later.
 
-    Every plan is checked when it goes out: when its first action does, and when it has been improved.
+    Every plan is checked when its first action goes out, and after each improvement.
     """
 
     def __init__(self, task, leaves_at=None):
-        """With ``leaves_at`` the first search that grounds so many steps is left, and the first goal cancelled."""
+        """With ``leaves_at`` the first search that grounds this many steps stops, and the first goal is cancelled."""
         self.task, self.world, self.steps, self.failed, self.left = task, task.world(), 0, 0, False
         self.given_up, self._leaves_at, self._solvers = set(), leaves_at, []
         self._driver = Driver(program=task.program, solver=self._made, settings=CoreSettings(), watch=self._watch)
@@ -101,7 +101,7 @@ class Run:
 
     def _watch(self):
         def look():
-            """Leave the search if it has grounded so many steps."""
+            """Stop the search if it has grounded that many steps."""
             if self._leaves_at is None or all(one.reached < self._leaves_at for one in self._solvers):
                 return None
             self.left = True
@@ -124,17 +124,17 @@ class Run:
 
     @property
     def plan(self):
-        """The steps of the plan from the present one on."""
+        """Return the steps of the plan from the present one on."""
         return steps_of(self.core.plan.after(self.core.cycle - 1))
 
     @property
     def stream(self):
-        """The updates that the solver has accepted."""
+        """Return the updates that the solver has accepted."""
         return self._driver.journal.stream
 
     @property
     def aborted(self):
-        """The numbers of the goals that the core has given up."""
+        """Return the numbers of the goals that the core has aborted."""
         ended = self._driver.journal.of(GoalChanged)
         return {int(event.key) for event in ended if event.outcome is Outcome.ABORTED}
 
@@ -147,7 +147,7 @@ class Run:
             self._check_plan(fixed=1)
 
     def end_actions(self, fails=lambda: False, cancelled=()):
-        """The actions under way return, and some goals are cancelled before the next action begins."""
+        """Return the actions under way, and cancel some goals before the next action begins."""
         under_way = {action: (action.interface_name, str(action.parameter)) for action in self.core.awaited}
         failed = [one for one in under_way.values() if self.world.can_fail(one) and fails()]
         if failed:
@@ -169,7 +169,7 @@ class Run:
 
 @pytest.mark.parametrize("seed", sized([1], [1, 2, 3]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
-def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
+def test_untuned_first_plan_has_no_superfluous_actions(kind, seed):
     task = task_of(kind, seed, large=True)
     plan = steps_of_answer(FIRST(task.program).update(ask_all(task)))
     assert superfluous(task.world(), plan) == set()
@@ -178,7 +178,7 @@ def test_first_plan_is_valid_without_superfluous_actions(kind, seed):
 
 @pytest.mark.parametrize("seed", sized([2], [1, 2, 4]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
-def test_shortest_plan_is_as_short_as_plain_clingo_finds(kind, seed):
+def test_untuned_shortest_plan_matches_plain_clingo(kind, seed):
     task = task_of(kind, seed)
     plan = steps_of_answer(shortest(task.program).update(ask_all(task)))
     assert superfluous(task.world(), plan) == set()
@@ -189,7 +189,7 @@ def test_shortest_plan_is_as_short_as_plain_clingo_finds(kind, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", sized([1], [1, 2]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
-def test_executed_steps_are_few_with_random_cancels_and_failures(kind, seed):
+def test_untuned_run_is_short_despite_cancels_and_failures(kind, seed):
     source, run = Random(seed), Run(task_of(kind, seed))
     goals = len(run.task.goals)
     while run.core.awaited:
@@ -206,7 +206,7 @@ def test_executed_steps_are_few_with_random_cancels_and_failures(kind, seed):
 @pytest.mark.parametrize(
     ("kind", "leaves_at"), [*((kind, 9) for kind in sorted(SIZES)), *((kind, 17) for kind in sized(["keys"], LONG))]
 )
-def test_executed_steps_are_few_after_a_search_left_for_a_cancel(kind, leaves_at):
+def test_untuned_run_is_short_after_search_stopped_by_cancel(kind, leaves_at):
     run = Run(task_of(kind, 1), leaves_at)
     assert run.left
     while run.core.awaited:
@@ -219,8 +219,8 @@ def test_executed_steps_are_few_after_a_search_left_for_a_cancel(kind, leaves_at
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(SIZES))
-def test_improvement_continues_after_predicted_updates_until_plans_are_short(kind):
-    """Where the plan has had no time while the first actions ran."""
+def test_untuned_improvement_continues_after_predicted_updates(kind):
+    """The plan had no time for improvement while the first actions ran."""
     run = Run(task_of(kind, 2))
     for _ in range(3):
         run.end_actions()

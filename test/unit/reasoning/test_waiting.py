@@ -1,4 +1,4 @@
-"""Goals that are too much for now wait: none is given up since a search took long, and none is overtaken for ever."""
+"""Goals beyond the capacity are queued: a long search aborts none, and newer goals do not starve older ones."""
 
 from random import Random
 
@@ -33,19 +33,19 @@ class Errands(BusyDriver):
     """The words of scripts about goals by their numbers."""
 
     def ask(self, goals, what="walk"):
-        """Goals such as 3-5 come with the next event."""
+        """Send goals such as 3-5 with the next event."""
         ask(self, *numbers_of([goals]), what=what)
 
     def most_goals(self, number):
-        """From now on there is time for so many goals."""
+        """Set the number of goals for which planning has time."""
         self.most = int(number)
 
     def deferred(self, *goals):
-        """Expect these goals to wait."""
+        """Expect these goals to be queued."""
         assert [one.key for one in self.core.queue.waiting] == [f"g{number}" for number in numbers_of(goals)]
 
     def reason(self, number, *words):
-        """Expect that a client heard once why its goal waits, or never."""
+        """Expect that a client received once the reason why its goal is queued, or never."""
         assert self.waits(f"g{number}") == ([" ".join(words)] if words else [])
 
     def withdraws(self, number, cycle):
@@ -62,14 +62,14 @@ class Errands(BusyDriver):
         self.noted = [str(one.atom) for one in self.core.plan.actions]
 
     def all_met(self, *goals):
-        """All is done; expect just these goals to be met, in this order."""
+        """Finish everything; expect exactly these goals to be met, in this order."""
         assert self.finish().order() == [f"g{number}" for number in numbers_of(goals)]
         assert set(ends(self).values()) == {Outcome.SUCCEEDED}
 
 
 WHY = "goals were too many: no plan was found before the search was ended: the test"
 
-#: How many goals there is time for at first, and the script.
+#: The initial number of goals for which planning has time, and the script.
 BUSY = {
     "newest goals wait, and are told so once": (3, f"""
         ask 1-8; run; plans; deferred 3-8; reason 8 8 {WHY}; reason 3 4 {WHY}; reason 2; withdraws 3 2
@@ -90,12 +90,12 @@ BUSY = {
 
 
 @scripts(BUSY)
-def test_busy_core(row):
+def test_queued_goals_of_busy_core_follow_script(row):
     most, script = row
     play(Errands(most=most), script)
 
 
-def test_only_plans_with_new_goals_change_the_room_for_goals():
+def test_queued_goals_window_changes_only_with_their_plans():
     settings = CoreSettings(horizon_limit=8, search_timeout=10.0)
     driver = ask(BusyDriver(settings=settings, most=99), *range(1, 7))
     driver.seconds = lambda goals: 90.0
@@ -106,7 +106,7 @@ def test_only_plans_with_new_goals_change_the_room_for_goals():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
+def test_queued_goals_are_admitted_up_to_planning_capacity():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
     driver = ask(BusyDriver(most=99), *range(1, 60))
     driver.seconds = lambda goals: SHARE * CoreSettings.search_timeout * (goals / 12) ** 2
@@ -118,7 +118,7 @@ def test_no_more_goals_are_told_of_than_are_planned_for_in_a_part_of_the_time():
     assert len(joins) < 12, "they join together"
 
 
-def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
+def test_search_continues_if_nothing_else_needs_planning():
     driver = BusyDriver(most=9, heavy={"g1": 1000})
     queue = driver.core.queue
     ask(driver, 1)
@@ -140,7 +140,7 @@ def test_a_search_may_go_on_where_there_is_nothing_else_to_plan_for():
 
 
 def stream(limit, plan_time=None):
-    """How errands end of which the far one is done last, and a new one comes each time that one is done."""
+    """Return the ends of a series of errands in which the far one ends last and a new one follows each completed one."""
     settings = CoreSettings(horizon_limit=40, overtaking_limit=limit)
     driver = BusyDriver(settings=settings, most=99, plan_time=plan_time)
     driver.core.add_goal("far", "do(far,0)")
@@ -156,7 +156,7 @@ def stream(limit, plan_time=None):
     ("limit", "plan_time"),
     [(3, None), (3, 0.0), (3, 1.0), pytest.param(10, None, marks=[pytest.mark.slow, pytest.mark.once])],
 )
-def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
+def test_far_goal_is_overtaken_only_for_limited_time(limit, plan_time):
     driver = stream(limit, plan_time)
     order = driver.order()
     assert "far" in order
@@ -171,7 +171,7 @@ def test_a_far_goal_is_not_overtaken_for_ever(limit, plan_time):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("plan_time", [None, 0.0])
-def test_without_a_limit_it_is(plan_time):
+def test_far_goal_starves_without_a_limit(plan_time):
     assert "far" not in stream(0, plan_time).order()
 
 
@@ -180,8 +180,8 @@ def test_without_a_limit_it_is(plan_time):
     ("goals", "plan_time"),
     [pytest.param(MANY, None, marks=[pytest.mark.slow, pytest.mark.once]), (40, 0.0)],
 )
-def test_many_goals_with_failures_and_searches_that_are_cut(goals, plan_time):
-    """Whatever fails is tried again, whatever is too much waits; only what cannot be done is given up."""
+def test_many_goals_with_failures_and_interrupted_searches_end(goals, plan_time):
+    """Failed actions are tried again and goals beyond the capacity wait; only impossible goals are aborted."""
     driver, draw, asked, hopeless = BusyDriver(most=5, chance=0.1, plan_time=plan_time), Random(7), 0, set()
     for _ in range(20_000):
         while asked < goals and len(driver.core.live_goals) < 20:
@@ -201,15 +201,15 @@ def test_many_goals_with_failures_and_searches_that_are_cut(goals, plan_time):
     assert max(driver.searches) > 5
 
 
-#: Corrections of things that nobody has asked for.
+#: Corrections about things that nobody has requested.
 OTHERS = ("_lies(777,office1,now)", "_off(776,now)", "_aboard(775,now)", "_off(775,now)")
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("seed", "corrections"), [(6, OTHERS), *sized([], [(1, ()), (8, OTHERS)])])
-def test_packages_are_delivered_whatever_search_is_cut(seed, corrections):
-    """The world is modelled apart from the program; what was picked up for a goal that waits is not forgotten."""
+def test_packages_are_delivered_whatever_search_is_interrupted(seed, corrections):
+    """The world is modelled independently of the program; a package picked up for a queued goal is not forgotten."""
     program = shipped("mailbot.lp", "office.lp")
     driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=3, chance=0.3)
     world, draw, wanted, fails = World(), Random(seed), {}, False
@@ -235,7 +235,7 @@ def test_packages_are_delivered_whatever_search_is_cut(seed, corrections):
     assert any(driver.waits(f"g{number}") for number in wanted)
 
 
-#: Errands in two parts; a program that takes each success for proof that the action was possible.
+#: Errands in two parts; the program takes each success as proof that the action was possible.
 IN_TWO_PARTS = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -253,8 +253,8 @@ carried(I,t) :- carried(I,t-1), not _action_lib(bring,I,t-1).
 """
 
 
-def test_a_goal_in_hand_stays_whatever_a_program_takes_for_possible():
-    """Without its request nothing was fetched for it, and it would be fetched again while it is carried."""
+def test_goal_in_hand_stays_whatever_the_program_allows():
+    """Without its request, the program would forget the fetched item and fetch it again while it is carried."""
     driver = BusyDriver(IN_TWO_PARTS, settings=CoreSettings(horizon_limit=20), most=9)
     for number in range(1, 5):
         driver.core.add_goal(f"g{number}", f"do({number})")
@@ -273,14 +273,14 @@ def test_a_goal_in_hand_stays_whatever_a_program_takes_for_possible():
 
 
 class EndlessDriver(BusyDriver):
-    """A driver for which a goal in ``heavy`` is too much as long as it is not withdrawn, cancelled or not."""
+    """A driver whose searches never end while a goal in ``heavy`` is not withdrawn, even if it is cancelled."""
 
     @staticmethod
     def left_out(goal, text):
         return f"#withdraw _request({goal.term}," in text
 
     def turns(self, number):
-        """Advance so often, where all that is under way succeeds."""
+        """Advance a number of times, with success of all actions under way."""
         for _ in range(number):
             self.core.poll(self.now)
             if not self.core.advance(self.now):
@@ -293,7 +293,7 @@ class EndlessDriver(BusyDriver):
 
 
 @pytest.mark.parametrize("before", [0, 1, 2, 4])
-def test_a_goal_whose_search_never_ends_keeps_no_others_from_being_planned(before):
+def test_endless_goal_does_not_block_planning_of_others(before):
     driver = EndlessDriver(most=9, heavy={"g9": 10**9})
     ask(driver, *range(1, before + 1))
     if before:
@@ -308,7 +308,7 @@ def test_a_goal_whose_search_never_ends_keeps_no_others_from_being_planned(befor
     assert driver.states("g9") == [], "it is not given up"
 
 
-def test_a_goal_whose_search_never_ends_costs_the_others_one_search():
+def test_endless_goal_costs_the_others_one_search():
     driver = EndlessDriver(most=9, heavy={"g9": 10**9})
     ask(driver, 1, 2).turns(1)
     ask(driver, 9).turns(2)
@@ -320,7 +320,7 @@ def test_a_goal_whose_search_never_ends_costs_the_others_one_search():
         assert sum(text.startswith("no plan was found before") for text in driver.problems) == cut <= 1
 
 
-def test_a_goal_whose_search_never_ends_is_cancelled():
+def test_endless_goal_is_cancelled():
     driver = EndlessDriver(most=9, heavy={"g9": 10**9})
     ask(driver, 9).turns(2)
     driver.core.cancel_goal("g9")

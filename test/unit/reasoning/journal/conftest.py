@@ -1,4 +1,4 @@
-"""What tests of the journal share."""
+"""Fixtures that the journal tests share."""
 
 import pytest
 from kept_node import Node
@@ -6,7 +6,7 @@ from kept_node import Node
 
 @pytest.fixture
 def start(tmp_path):
-    """Start a core on the journal of the one before, which ends without a word."""
+    """Start a core on the journal that a killed core left behind."""
     nodes = []
 
     def make(*options, **more):

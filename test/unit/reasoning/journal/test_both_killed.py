@@ -1,6 +1,6 @@
-"""Core and interfaces are killed at any instant, alone or both at once: nothing is done twice, and each goal ends once.
+"""Kill the core and the interfaces at any instant, alone or together: no action runs twice, each goal ends once.
 
-The interfaces remember what they have begun and answered as the real ones do; the action servers outlive them.
+The interfaces remember their actions as the real ones do; the action servers survive every kill.
 """
 
 import contextlib
@@ -20,9 +20,9 @@ from rosoclingo.reasoning.goals import GoalState
 
 
 class Interfaces(World):
-    """A process with all interfaces. What it says is in ``said`` until the core takes it.
+    """A process with all interfaces; its messages wait in ``said`` until the core takes them.
 
-    The action servers know each goal that they were sent, by its id: the action, and how it has ended, None until then.
+    The action servers know each goal by its id: the action, and its end, None while it runs.
     """
 
     def __init__(self, folder, fate):
@@ -33,7 +33,7 @@ class Interfaces(World):
 
     @contextlib.contextmanager
     def living(self):
-        """What the interfaces' process does, until it is killed."""
+        """Run a method only while the interfaces' process lives."""
         try:
             yield
         except KilledError:
@@ -41,7 +41,7 @@ class Interfaces(World):
             self._fate.let_go()
 
     def kill(self):
-        """The process is gone, its file is closed."""
+        """Kill the process and close its file."""
         self.kills += 1
         if self._memory is not None:
             self._memory.close()
@@ -49,11 +49,11 @@ class Interfaces(World):
 
     @property
     def is_up(self):
-        """Whether the process lives."""
+        """Return whether the process lives."""
         return self._memory is not None
 
     def begin_again(self):
-        """The process is started again; it hears of the core's run."""
+        """Restart the process, which then receives the core's run."""
         with self.living():
             memory = ActionMemory(self._folder, "hand")
             try:
@@ -64,7 +64,7 @@ class Interfaces(World):
             self._memory = memory
 
     def command(self, action):
-        """The core tells of an action, perhaps again; who is not there does not hear it."""
+        """Deliver an action of the core, perhaps again; a dead process does not receive it."""
         if self.is_up:
             with self.living():
                 self._take(action)
@@ -83,7 +83,7 @@ class Interfaces(World):
         self._look(action)
 
     def _send(self, goal, action):
-        """A server takes a goal: the world sees no action twice."""
+        """Hand a goal to a server; no action may reach the world twice."""
         assert action not in [one for one, _ in self._servers.values()], f"{action} is begun twice"
         assert not self.done[str(action.parameter)], f"{action} is done already"
         self._servers[goal] = (action, None)
@@ -95,7 +95,7 @@ class Interfaces(World):
         self._servers[goal] = (action, self.execute(action, good))
 
     def do(self, action, good):
-        """What a server does ends well or not, whoever hears of it."""
+        """End the action of a server with success or failure, even if nobody receives the result."""
         for goal, (one, value) in list(self._servers.items()):
             if one == action and value is None:
                 self._end(goal, good)
@@ -104,7 +104,7 @@ class Interfaces(World):
                 self._look(action)
 
     def _look(self, action):
-        """Answer an action that has ended, if it was not answered."""
+        """Answer an action that has ended, unless it was answered before."""
         known = self._memory.recall(str(action.atom))
         if known is None or known.facts is not None:
             return
@@ -118,9 +118,9 @@ class Interfaces(World):
 
 
 class Mailbot(Interfaces):
-    """The same around the mailbot's program: kinds of goals are pairs of offices, and the key is the package.
+    """The interfaces of the mailbot: kinds of goals are pairs of offices, and the key is the package.
 
-    Robot and packages are modelled apart from the program. Nothing fails so often that a goal is given up.
+    The world is modelled independently of the program. Failures are too rare to abort a goal.
     """
 
     horizon_limit = 30
@@ -131,16 +131,16 @@ class Mailbot(Interfaces):
 
     @property
     def program(self):
-        """What the core reasons with."""
+        """Return the program of the core."""
         return shipped("mailbot.lp", "office.lp")
 
     @staticmethod
     def text(key, kind):
-        """A goal's text."""
+        """Return the text of a goal."""
         return "goal({},{},{})".format(*kind, key)
 
     def execute(self, action, good):
-        """The robot does something that it can do, or fails to."""
+        """Execute a possible action of the robot, or fail."""
         for key, (origin, _) in self.goals.items():
             self._office.places.setdefault(key, origin)
         self._failures[str(action.parameter)] += not good
@@ -150,7 +150,7 @@ class Mailbot(Interfaces):
         return action.parameter
 
     def check(self):
-        """Each goal has ended, and its package is where the end says."""
+        """Check that each goal has ended and that its package is where the end says."""
         for key, (origin, target) in self.goals.items():
             place = self._office.places.get(key, origin)
             if self.ends[key] is GoalState.SUCCEEDED:
@@ -158,14 +158,14 @@ class Mailbot(Interfaces):
             else:
                 assert self.ends[key] in (GoalState.RECALLED, GoalState.PREEMPTED)
                 assert key in self.cancelled
-                assert place in (origin, target)  # there if it was cancelled while it was put down
+                assert place in (origin, target)  # present if the goal was cancelled during the delivery
 
 
 class BothPlay(Play):
-    """A core and interfaces, each of which is made anew whenever it was killed."""
+    """A core and interfaces, each of which is rebuilt after a kill."""
 
     def _greet(self):
-        """The core's greeting, which interfaces hear that have just come, or to which it has just come."""
+        """Exchange the core's greeting after either side has restarted."""
         self.world.said.clear()
         while not self.world.is_up:
             self.world.begin_again()
@@ -192,21 +192,21 @@ class BothPlay(Play):
         raise AssertionError("core and interfaces do not come to rest")
 
     def answer(self, which, good):
-        """What is under way ends."""
+        """End the actions under way."""
         awaited = self._node.core.awaited
         if awaited:
             self.world.do(awaited[which % len(awaited)], good)
 
 
 def played(script, kills=(), kind=Interfaces):
-    """Play a script with kills."""
+    """Play a script with kills and return the result."""
     fate = Fate(kills)
     with tempfile.TemporaryDirectory() as name, fate.rules():
         world = kind(Path(name) / "interfaces", fate)
         return BothPlay(Path(name) / "core", fate, preempt=False, world=world).play(script), fate
 
 
-#: Goals that are met, refused, cancelled and given up, and failures.
+#: Goals that are met, rejected, cancelled and aborted, and failures.
 SCRIPT = [
     ("goal", "walk"),
     ("goal", "quick"),
@@ -224,7 +224,7 @@ SCRIPT = [
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_either_is_killed_at_every_instant():
+def test_interfaces_or_core_survive_kill_at_every_instant():
     _, fate = played(SCRIPT)
     interfaces = 0
     for instant in fate.every_instant():
@@ -237,7 +237,7 @@ def test_either_is_killed_at_every_instant():
 
 @pytest.mark.slow
 @given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS)
-def test_both_are_killed_again_and_again(script, kills):
+def test_interfaces_and_core_survive_repeated_kills(script, kills):
     played(script, kills)
 
 
@@ -253,5 +253,5 @@ ORDERED = st.one_of(
 @pytest.mark.once
 @settings(max_examples=max(3, settings.default.max_examples // 8))
 @given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
-def test_each_package_of_the_mailbot_is_where_it_belongs(script, kills):
+def test_mailbot_packages_end_in_right_place_after_kills(script, kills):
     played(script, kills, Mailbot)

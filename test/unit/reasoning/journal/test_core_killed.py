@@ -1,4 +1,4 @@
-"""The core is killed at any instant: each goal ends once, as it should, and nothing is done twice."""
+"""Kill the core at any instant: each goal ends once, with the right outcome, and no action runs twice."""
 
 import copy
 import tempfile
@@ -15,18 +15,18 @@ from rosoclingo.reasoning.journal.database import NAME, group_of, history
 from rosoclingo.reasoning.journal.kept_core import KeptCore
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Sections of the journal that are the keeper's own, and not the core's.
+#: Sections of the journal that belong to the keeper rather than the core.
 KEEPERS = {"client", "unmet"}
 
 
 def played(script, kills=(), preempt=False):
-    """Play a script with kills."""
+    """Play a script with kills and return the result."""
     fate = Fate(kills)
     with tempfile.TemporaryDirectory() as name, fate.rules():
         return Play(Path(name), fate, preempt).play(script), fate
 
 
-#: Goals that are met, refused, cancelled and given up, a failure, a fact, several at once and one after the other.
+#: Goals that are met, rejected, cancelled and aborted, a failure, a fact, concurrent and consecutive goals.
 SCRIPT = [
     ("goal", "walk"),
     ("goal", "quick"),
@@ -47,7 +47,7 @@ SCRIPT = [
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_killed_at_every_instant():
+def test_core_survives_kill_at_every_instant():
     _, fate = played(SCRIPT)
     assert fate.writes
     for instant in fate.every_instant():
@@ -58,7 +58,7 @@ def test_killed_at_every_instant():
 
 @pytest.fixture(scope="module")
 def states():
-    """The states that a core writes that nobody kills, from its first record on."""
+    """Return the states that an undisturbed core writes, from its first record on."""
     with tempfile.TemporaryDirectory() as name:
         fate = Fate()
         with fate.rules(), pytest.MonkeyPatch.context() as patch:
@@ -68,7 +68,7 @@ def states():
 
 
 @pytest.mark.slow
-def test_each_state_of_a_journal_is_that_of_the_core_that_goes_on_from_it(states):
+def test_journal_state_equals_state_of_resumed_core(states):
     limits = CoreSettings(8, 0.0, goals_at_once=3, search_timeout=0.0)
     assert len(states) > 20
     for state in states:
@@ -79,5 +79,5 @@ def test_each_state_of_a_journal_is_that_of_the_core_that_goes_on_from_it(states
 
 @pytest.mark.slow
 @given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS, preempt=st.booleans())
-def test_killed_again_and_again(script, kills, preempt):
+def test_core_survives_repeated_kills(script, kills, preempt):
     played(script, kills, preempt)

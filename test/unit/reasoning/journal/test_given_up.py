@@ -1,4 +1,4 @@
-"""A core that goes on from its journal can still tell why it has given goals up."""
+"""A core that resumes from its journal can still explain aborted goals."""
 
 import json
 
@@ -16,20 +16,20 @@ from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
 
 
 def ask(node, **texts):
-    """Goals come, and the core does what it can without an answer of the world."""
+    """Send goals and let the core act until it needs a result from the world."""
     for key, text in texts.items():
         node.core.add_goal(key, text)
     return node.run()
 
 
 def told(core, name):
-    """Why a goal was given up."""
+    """Return the explanation of an aborted goal."""
     found = core.keeper.given_up.find(name)
     return explain(PROGRAM, found.stream)
 
 
 @pytest.mark.slow
-def test_a_core_that_goes_on_tells_what_the_one_before_would_have_told(start):
+def test_resumed_core_explains_aborted_goals_like_its_predecessor(start):
     first = ask(start(horizon_limit=4), a="do(walk,1)", b="do(never,2)")
     (walk,) = first.core.awaited
     first.core.receive("hand", [f"_return(walk,1,{walk.cycle})"])
@@ -62,9 +62,9 @@ def restored(goals):
     return found
 
 
-def test_the_latest_are_remembered():
+def test_explanations_remember_the_latest_aborted_goals():
     goals = GivenUpGoals()
-    for number in (*range(1, KEPT + 6), KEPT):  # one comes again
+    for number in (*range(1, KEPT + 6), KEPT):  # a known goal comes again
         goals.add(unmet(number))
     latest = [*range(6, KEPT), *range(KEPT + 1, KEPT + 6), KEPT]
     assert terms(goals) == terms(restored(goals)) == latest
@@ -75,7 +75,7 @@ def test_the_latest_are_remembered():
     assert goals.find("key 5") is None
 
 
-def test_a_journal_has_as_many_of_the_latest_as_it_has_room_for(monkeypatch):
+def test_journal_holds_explanations_up_to_its_limit(monkeypatch):
     goals, long = GivenUpGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
     for number in (1, 2, 3, 4):
         goals.add(unmet(number, long))

@@ -1,4 +1,4 @@
-"""The core is killed in the midst of control programs: they go on where they were, and nothing is done twice."""
+"""Kill the core during control programs: they continue where they were, and no action runs twice."""
 
 import tempfile
 from pathlib import Path
@@ -13,7 +13,7 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.goals import GoalState
 
-#: Actions step(I,N) and tidy(I) of goal I; which steps are left is a fluent, ball one that somebody tells.
+#: Goal I has the actions step(I,N) and tidy(I). A fluent says which steps are left; a fact sets the fluent ball.
 DOMAIN = """
 #include "golog.lp".
 #program base.
@@ -39,7 +39,7 @@ proc many(I)   { interleave { step(I, 1); step(I, 2); } with { search { step(I, 
 proc wait(I)   { step(I, 1); await ball; step(I, 2); }
 """
 
-#: What has been done of each program where it has succeeded.
+#: The actions of each program after a success.
 WHOLE = {
     "walk": ["123"],
     "loop": ["123", "132", "213", "231", "312", "321"],
@@ -72,7 +72,7 @@ class Programs(World):
         return f"run({kind}({key}),{key})"
 
     def check(self):
-        """Each goal has ended, and what was done of it is what its program says."""
+        """Check that each goal has ended and that the executed actions fit its program."""
         for key, kind in self.goals.items():
             state, order = self.ends[key], self.order.get(key, "")
             if state is GoalState.SUCCEEDED:
@@ -87,13 +87,13 @@ class Programs(World):
 
 
 def played(script, kills=()):
-    """Play a script with kills."""
+    """Play a script with kills and return the result."""
     fate = Fate(kills)
     with tempfile.TemporaryDirectory() as name, fate.rules():
         return Play(Path(name), fate, False, Programs()).play([*script, ("fact", "_seen(ball)")])
 
 
-#: Each program is cut in its midst, one is cancelled there, actions fail.
+#: Programs that are interrupted half-way, cancelled there, or have failing actions.
 SCRIPT = [
     ("goal", "tidied"),
     ("goal", "loop"),
@@ -110,7 +110,7 @@ SCRIPT = [
 
 
 @pytest.mark.slow
-def test_programs_go_on_where_they_were():
+def test_control_programs_continue_after_core_kill():
     without = played(SCRIPT)
     assert set(without.world.ends.values()) == {GoalState.SUCCEEDED, GoalState.PREEMPTED}
     play = played(SCRIPT, [(instant, 1000, False) for instant in (23, 31, 17, 29, 19)])
@@ -135,5 +135,5 @@ HAPPENED = st.one_of(
     max_examples=max(1, settings.default.max_examples // 10), phases=[Phase.explicit, Phase.reuse, Phase.generate]
 )
 @given(script=st.lists(HAPPENED, min_size=3, max_size=12), kills=KILLS)
-def test_programs_are_killed_again_and_again(script, kills):
+def test_control_programs_survive_repeated_core_kills(script, kills):
     played(script, kills)

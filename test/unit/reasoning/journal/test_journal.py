@@ -1,4 +1,4 @@
-"""The journal on disk: what is read is what was written, wherever it is cut off; other bytes are refused."""
+"""The journal on disk: every state that was written is read back, truncated or not; damaged bytes are refused."""
 
 import os
 import resource
@@ -26,7 +26,7 @@ STATES = st.lists(st.tuples(NAMES, st.integers(0, 3)), unique_by=lambda one: one
 
 
 def in_groups(state):
-    """A state in which only the order within groups counts."""
+    """Sort a state so that only the order within groups counts."""
     groups = {}
     for name, value in state.items():
         groups.setdefault(name.partition(":")[0], []).append((name, value))
@@ -34,7 +34,7 @@ def in_groups(state):
 
 
 def state_or_none(file):
-    """The state in a journal, None where it is refused."""
+    """Return the state in a journal, None if the journal is refused."""
     with suppress(JournalError):
         return read(file).state
     return None
@@ -49,13 +49,13 @@ def folder(tmp_path):
 
 @pytest.fixture(scope="module")
 def scratch(tmp_path_factory):
-    """A folder for files that are put together anew again and again."""
+    """A folder for files that are assembled again and again."""
     return tmp_path_factory.mktemp("scratch")
 
 
 @pytest.fixture(scope="module")
 def killed(tmp_path_factory):
-    """The files that a killed core leaves behind, the states after its records, and the log's length after each."""
+    """Return the files that a killed core leaves, the state after each record, and the log's length after each."""
     path, states, lengths = tmp_path_factory.mktemp("killed"), [], []
     folder = Journal(path, HEADER)
     with pytest.MonkeyPatch.context() as patch:
@@ -71,7 +71,7 @@ def killed(tmp_path_factory):
 
 @pytest.mark.slow
 @given(st.lists(STATES, min_size=1, max_size=6))
-def test_what_is_read_is_what_was_written(states):
+def test_journal_reads_back_the_written_state(states):
     with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "SYNCED", "OFF")
         folder = Journal(Path(name), HEADER)
@@ -87,7 +87,7 @@ def test_what_is_read_is_what_was_written(states):
         folder.close()
 
 
-def test_cut_anywhere_it_is_the_state_after_a_whole_record(killed, scratch):
+def test_journal_cut_anywhere_has_state_of_a_whole_record(killed, scratch):
     files, states, lengths = killed
     log = files[f"{NAME}-wal"]
     for end in sorted({*range(0, len(log), 997), *lengths, *(length - 1 for length in lengths)}):
@@ -100,7 +100,7 @@ def test_cut_anywhere_it_is_the_state_after_a_whole_record(killed, scratch):
 
 @pytest.mark.slow
 @given(st.data())
-def test_one_changed_byte_is_refused_or_changes_nothing(killed, scratch, data):
+def test_journal_with_one_changed_byte_is_refused_or_unaffected(killed, scratch, data):
     files, states, _ = killed
     put_files(scratch, files)
     folder = Journal(scratch, HEADER)
@@ -114,7 +114,7 @@ def test_one_changed_byte_is_refused_or_changes_nothing(killed, scratch, data):
 
 
 @given(st.data())
-def test_one_changed_byte_of_the_log_leaves_no_state_that_never_was(killed, scratch, data):
+def test_journal_log_with_changed_byte_has_earlier_state(killed, scratch, data):
     files, states, _ = killed
     log = bytearray(files[f"{NAME}-wal"])
     place = data.draw(st.integers(0, len(log) - 1))
@@ -136,7 +136,7 @@ def test_one_changed_byte_of_the_log_leaves_no_state_that_never_was(killed, scra
         ("PRAGMA user_version = 99", "it is of format 99, this version reads 6"),
     ],
 )
-def test_what_has_changed_is_refused_at_its_record(folder, change, words):
+def test_journal_refuses_a_change_at_its_record(folder, change, words):
     folder.begin({"core": 1})
     for number in (2, 3):
         folder.append({"set": {"core": number}}, 1.0)
@@ -151,7 +151,7 @@ def test_what_has_changed_is_refused_at_its_record(folder, change, words):
     assert f"rosrun rosoclingo journal clear {folder.path.parent}" in text
 
 
-def test_what_is_no_journal_is_refused(folder):
+def test_journal_refuses_files_of_another_kind(folder):
     folder.path.write_text("nothing of the kind\n" * 100)
     with pytest.raises(JournalError, match=r"it cannot be read as a journal \(file is not a database\): copy it again"):
         folder.read()
@@ -166,13 +166,13 @@ def test_what_is_no_journal_is_refused(folder):
         ("core fact:1 goal:1 fact:2 goal:2", "goal:1 core goal:2 fact:1 fact:2", ""),
     ],
 )
-def test_what_stands_elsewhere_in_its_group_is_written_anew(before, after, written):
+def test_journal_rewrites_entries_that_move_within_their_group(before, after, written):
     old, new = ({name: [name] for name in names.split()} for names in (before, after))
     moved = written.split()
     assert changes(old, new) == ({"drop": moved, "set": {name: [name] for name in moved}} if moved else {})
 
 
-def test_only_what_has_changed_is_written(folder):
+def test_journal_writes_only_changed_entries(folder):
     for core in (1, 1, 2):
         folder.write({"core": core, "goal:1": "x" * 1000}, 0.0)
     folder.close()
@@ -183,7 +183,7 @@ def test_only_what_has_changed_is_written(folder):
 
 
 @pytest.mark.slow
-def test_it_does_not_grow_without_end(folder, monkeypatch):
+def test_journal_size_stays_bounded(folder, monkeypatch):
     monkeypatch.setattr(module, "RECORDS", 20)
     monkeypatch.setattr(database, "SYNCED", "OFF")
     sizes, records = [], []
@@ -198,12 +198,12 @@ def test_it_does_not_grow_without_end(folder, monkeypatch):
     assert folder.read().state == {"core": 499, "goal:1": "x" * 100}
 
 
-def test_no_journal_yet(folder):
+def test_journal_is_missing_in_an_empty_folder(folder):
     assert folder.read() is None
     assert folder.set_aside("old") is None
 
 
-def test_what_is_set_aside_is_no_journal_any_more(folder):
+def test_journal_set_aside_is_no_longer_found(folder):
     folder.begin({"core": 1})
     aside = folder.set_aside("old")
     assert aside.name == "journal.db.old"
@@ -211,14 +211,14 @@ def test_what_is_set_aside_is_no_journal_any_more(folder):
     assert read(aside).state == {"core": 1}
 
 
-def test_two_cores_on_one_journal(folder):
+def test_journal_refuses_a_second_core(folder):
     with pytest.raises(JournalError, match=r"another core uses the journal in .*: stop it, or"):
         Journal(folder.path.parent, HEADER)
     folder.close()
     Journal(folder.path.parent, HEADER).close()
 
 
-def test_a_core_that_was_killed_leaves_the_journal_to_others(tmp_path):
+def test_journal_of_a_killed_core_is_unlocked(tmp_path):
     code = (
         "import sys; from pathlib import Path;"
         "from rosoclingo.reasoning.journal.folder import *; from rosoclingo.reasoning.journal.database import *;"
@@ -239,7 +239,7 @@ def test_a_core_that_was_killed_leaves_the_journal_to_others(tmp_path):
 
 @contextmanager
 def full_disk():
-    """No file of this process can get longer: EFBIG in place of ENOSPC."""
+    """Limit the file size of this process: EFBIG stands for ENOSPC."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
     try:
@@ -248,7 +248,7 @@ def full_disk():
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
-def test_a_disk_that_fails_is_told_and_tried_again(folder):
+def test_journal_reports_failing_disk_and_retries(folder):
     stale = Path(f"{folder.path}.stale")
     folder.write({"core": 1}, 0.0)
     assert folder.fault == ""
@@ -270,7 +270,7 @@ def test_a_disk_that_fails_is_told_and_tried_again(folder):
     assert folder.read().state == {"core": 6}
 
 
-def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
+def test_journal_survives_disk_that_cannot_delete(folder, monkeypatch):
     folder.write({"core": 1}, 0.0)
 
     def refuse(*_):
@@ -282,7 +282,7 @@ def test_a_disk_that_cannot_even_forget(folder, monkeypatch):
     assert "disk I/O error" in folder.fault
 
 
-def test_it_is_read_while_a_core_writes_it_and_from_a_copy(folder, tmp_path):
+def test_journal_can_be_read_live_and_from_a_copy(folder, tmp_path):
     for number in range(3):
         folder.write({"core": number}, 0.0)
         shutil.copytree(folder.path.parent, tmp_path / str(number))
@@ -303,7 +303,7 @@ def shelf_of(path, ages):
 
 
 @pytest.mark.slow
-def test_of_a_shelf_old_journals_go_but_for_the_latest(tmp_path, monkeypatch):
+def test_shelf_removes_old_journals_except_the_latest(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "STAY", 2)
     week = int(module.YOUNG)
     shelf = shelf_of(tmp_path, [0, 10, week - 1, week + 1, week + 2])
@@ -313,7 +313,7 @@ def test_of_a_shelf_old_journals_go_but_for_the_latest(tmp_path, monkeypatch):
     assert {one.name for one in shelf.iterdir()} == {"0", "10"}
 
 
-def test_of_a_shelf_what_a_core_has_and_what_is_no_journal_stays(tmp_path, monkeypatch):
+def test_shelf_keeps_locked_journals_and_other_files(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "STAY", 0)
     shelf = shelf_of(tmp_path, [1, 2, 3])
     (shelf / "2" / "notes.txt").touch()
@@ -326,12 +326,12 @@ def test_of_a_shelf_what_a_core_has_and_what_is_no_journal_stays(tmp_path, monke
     assert (shelf / "1" / "journal.db").exists()
 
 
-def test_no_shelf_yet(tmp_path):
+def test_shelf_can_be_missing(tmp_path):
     tidy(tmp_path / "none", 1e9)
     assert not list(tmp_path.iterdir())
 
 
-def test_a_folder_that_is_removed_while_it_is_taken_is_not_had(tmp_path, monkeypatch):
+def test_journal_folder_removed_while_locking_is_not_locked(tmp_path, monkeypatch):
     lock = module.fcntl.flock
 
     def remove_first(file, how):
@@ -345,7 +345,7 @@ def test_a_folder_that_is_removed_while_it_is_taken_is_not_had(tmp_path, monkeyp
     Journal(tmp_path, HEADER).close()
 
 
-def test_a_journal_in_words(folder):
+def test_journal_is_described_in_words(folder):
     folder.begin({"core": [1, 2], "goal:a": "x"})
     assert list(lines_of(folder.read())) == [
         "run run, 1 records since the last checkpoint",

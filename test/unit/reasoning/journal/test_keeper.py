@@ -1,4 +1,4 @@
-"""What the core tells goes out once it is written, and each client's goal is kept until its end is told."""
+"""Messages of the core leave once they are durable; each goal stays in the journal until its end is reported."""
 
 import json
 import resource
@@ -23,10 +23,10 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 
 class KilledError(Exception):
-    """Stands for SIGKILL."""
+    """Stands in for SIGKILL."""
 
 
-def test_whatever_goes_out_is_on_disk_before(start):
+def test_keeper_writes_to_disk_before_messages_leave(start):
     node = start()
 
     def look(event):
@@ -49,7 +49,7 @@ def test_whatever_goes_out_is_on_disk_before(start):
 
 @pytest.fixture
 def records(monkeypatch):
-    """The changes of each further record."""
+    """Return the changes in each later record."""
     changes, append = [], Journal.append
 
     def note(journal, change, *times):
@@ -60,7 +60,7 @@ def records(monkeypatch):
     return changes
 
 
-def test_a_return_outlives_the_core_and_the_machine_at_once(start, records):
+def test_keeper_makes_a_return_durable_at_once(start, records):
     node = start()
     node.goal("a", "do(walk,1)")
     (action,) = node.core.awaited
@@ -72,7 +72,7 @@ def test_a_return_outlives_the_core_and_the_machine_at_once(start, records):
     assert start().core.awaited == ()
 
 
-def test_nothing_is_written_where_nothing_happens(start, records):
+def test_keeper_writes_nothing_without_events(start, records):
     node = start()
     node.goal("a", "do(walk,1)")
     records.clear()
@@ -80,7 +80,7 @@ def test_nothing_is_written_where_nothing_happens(start, records):
     assert records == []
 
 
-def test_a_goal_that_was_kept_but_not_taken_is_there_after_a_kill(start):
+def test_keeper_restores_recorded_goal_that_core_had_not_accepted(start):
     node = start()
     node.keeper.add("a", ClientGoal("do(walk,1)", (3, 4)))
     node.keeper.cancel("a")
@@ -90,7 +90,7 @@ def test_a_goal_that_was_kept_but_not_taken_is_there_after_a_kill(start):
     assert again.core.goal("a") is None
 
 
-def test_an_end_that_was_not_told_is_told_by_the_next_core(start):
+def test_keeper_reports_missed_end_of_goal_after_restart(start):
     node = start()
     node.goal("a", "do(walk,1)")
 
@@ -112,7 +112,7 @@ def test_an_end_that_was_not_told_is_told_by_the_next_core(start):
     assert list(start().keeper.clients) == ["b"]
 
 
-def test_an_end_that_its_client_may_not_have_heard_stays_until_it_is_forgotten(start):
+def test_keeper_holds_unconfirmed_end_until_it_expires(start):
     node = start()
     node.goal("a", "do(walk,1)")
     (action,) = node.core.awaited
@@ -127,7 +127,7 @@ def test_an_end_that_its_client_may_not_have_heard_stays_until_it_is_forgotten(s
     assert list(start().keeper.clients) == ["b"]
 
 
-def test_an_action_that_may_not_have_gone_out_is_still_awaited(start):
+def test_keeper_still_awaits_action_that_was_perhaps_sent(start):
     node = start()
 
     def kill(event):
@@ -144,7 +144,7 @@ def test_an_action_that_may_not_have_gone_out_is_still_awaited(start):
     assert [event.outcome for event in ends] == [Outcome.SUCCEEDED]
 
 
-#: Any number of errands at once; the program hears of the actions that are ended, and takes no other preemption.
+#: Any number of concurrent errands; the program observes ended actions and accepts no other preemption.
 TOGETHER = (
     ERRANDS.replace("W != quick } 1.", "W != quick }.")
     + """
@@ -156,7 +156,7 @@ TOGETHER = (
 
 
 @pytest.mark.parametrize("text", [ERRANDS, TOGETHER])
-def test_a_core_that_is_shut_down_ends_each_action_under_way(start, text):
+def test_keeper_shutdown_cancels_each_action_under_way(start, text):
     program = ReactiveProgram.from_text(text)
     node = start(program)
     node.core.add_goal("a", "do(walk,1)")
@@ -185,7 +185,7 @@ def test_a_core_that_is_shut_down_ends_each_action_under_way(start, text):
     assert [one.outcome for one in again.told if isinstance(one, GoalChanged)][-1] is Outcome.SUCCEEDED
 
 
-def test_a_core_that_is_shut_down_again_cancels_nothing_twice(start):
+def test_keeper_second_shutdown_cancels_no_action_twice(start):
     node = start()
     node.goal("a", "do(walk,1)").core.leave("is aborted")
     node.keeper.send()
@@ -195,7 +195,7 @@ def test_a_core_that_is_shut_down_again_cancels_nothing_twice(start):
     assert not [one for one in again.told if isinstance(one, ActionsPreempted)]
 
 
-def test_a_core_that_was_killed_ends_no_action(start):
+def test_keeper_killed_core_cancels_no_action(start):
     node = start()
     node.goal("a", "do(walk,1)")
     again = start()
@@ -204,14 +204,14 @@ def test_a_core_that_was_killed_ends_no_action(start):
 
 
 def size_of(journal):
-    """Bytes of the database with what is only in its log."""
+    """Return the bytes of the database, including those that are only in its log."""
     with closing(sqlite3.connect(str(journal.path))) as db:
         return db.execute("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size").fetchone()[0]
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
+def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
     monkeypatch.setattr(database, "SYNCED", "OFF")
     monkeypatch.setattr(folder, "RECORDS", 20)
     node, sizes, states, goals = start(ReactiveProgram.from_text(FORGETFUL)), [], [], sized(120, 240)
@@ -227,7 +227,7 @@ def test_a_journal_of_many_goals_is_as_small_as_one_of_some(start, monkeypatch):
 
 
 def kept(journal, now=lambda: 0.0):
-    """A core that has not begun, its keeper, and what that lets out."""
+    """Return a core that has not begun, its keeper, and the released messages."""
     told = []
     keeper = Keeper(told.append, journal, now)
     core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
@@ -235,7 +235,7 @@ def kept(journal, now=lambda: 0.0):
     return core, keeper, told
 
 
-def test_a_core_is_on_disk_before_it_begins_and_no_more_once_the_journal_is_closed(tmp_path):
+def test_keeper_records_core_from_start_until_journal_closes(tmp_path):
     place = Journal(tmp_path, Header("run", "program"))
     core, keeper, told = kept(place)
     assert place.read().state["core"]["started"] is False
@@ -249,7 +249,7 @@ def test_a_core_is_on_disk_before_it_begins_and_no_more_once_the_journal_is_clos
     other.close()
 
 
-def test_without_a_journal_all_goes_out(tmp_path):
+def test_keeper_releases_all_messages_without_journal(tmp_path):
     core, keeper, told = kept(None)
     core.start()
     keeper.add("a", ClientGoal("do(", (1, 2)))
@@ -262,7 +262,7 @@ def test_without_a_journal_all_goes_out(tmp_path):
     keeper.close()
 
 
-def test_what_is_wrong_with_the_journal_is_told(tmp_path):
+def test_keeper_reports_problems_of_the_journal(tmp_path):
     place, now = Journal(tmp_path, Header("run", "program")), [0.0]
     _, keeper, _ = kept(place, lambda: now[-1])
     assert keeper.fault == ""

@@ -1,4 +1,4 @@
-"""A core that goes on from its record does what it would have done."""
+"""A core that resumes from its record behaves like an uninterrupted one."""
 
 import dataclasses
 import json
@@ -19,7 +19,7 @@ SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.
 
 
 class Disk:
-    """A state as it lies on a disk, in text."""
+    """A state in its text form, as on a disk."""
 
     def __init__(self):
         self._text = ""
@@ -29,12 +29,12 @@ class Disk:
         self._text = json.dumps(state)
 
     def read(self):
-        """The state that a new core finds."""
+        """Return the state that a new core reads."""
         return json.loads(self._text)
 
 
 class Play:
-    """A core and what comes to it; at some of its steps it is made anew, of its record or with a solver that is new."""
+    """A core and its input; at some steps it is rebuilt from its record or with a new solver."""
 
     def __init__(self, program, solver, settings, restores):
         self.program, self._make, self._settings = program, lambda: solver(program), settings
@@ -47,7 +47,7 @@ class Play:
         return KeptCore(self.program, self._make, self._take, self._settings, record=record)
 
     def _take(self, event):
-        """Take what the core tells; one that goes on tells anew what it believes."""
+        """Collect the core's messages; a resumed core publishes its beliefs again."""
         if isinstance(event, StateChanged):
             if event.atoms == self._believed:
                 return
@@ -55,7 +55,7 @@ class Play:
         self.events.append(event)
 
     def play(self, script, cuts):
-        """Play a script with cuts after these steps; return all that was told."""
+        """Play a script with cuts after the given steps; return all messages."""
         self._cuts = cuts
         self.core.start()
         self._step()
@@ -74,7 +74,7 @@ class Play:
             self._step()
 
     def _step(self):
-        """One step has been done: here the core may be killed."""
+        """Mark the end of a step, at which the core can be killed."""
         self._steps += 1
         if self._restores:
             self._disk.write(self.core.record())
@@ -86,19 +86,19 @@ class Play:
                 self.core._planner = self.core._planner.at(self.core._planner.log)
 
     def answer(self, which, value):
-        """An action returns success (None) or a value."""
+        """Return an action with success (None) or a value."""
         awaited = self.core.awaited
         if awaited:
             one = awaited[which % len(awaited)]
             self.core.receive("hand", [f"_return({one.interface},{value or one.parameter},{one.cycle})"])
 
     def wait(self, seconds):
-        """Time passes."""
+        """Let time pass."""
         self.now += seconds
 
 
 def _plain(event):
-    """What compares with another core's: no times, and the text of a log."""
+    """Strip a message of times and log text, which differ between cores."""
     if isinstance(event, PlanMade):
         return dataclasses.replace(event, ground=0.0, solve=0.0)
     if isinstance(event, GoalUnmet):
@@ -118,7 +118,7 @@ COMMON = [
 
 
 def scripts(texts, facts):
-    """What may come to a core with goals of these texts, and facts."""
+    """Generate possible input of a core: goals with these texts, and facts."""
     goals = st.builds(lambda text: lambda play: play.core.add_goal(text, text), texts)
     cancels = st.builds(lambda text: lambda play: play.core.cancel_goal(text), texts)
     others = st.builds(lambda fact: lambda play: play.core.receive("sensor", [fact]), st.sampled_from(facts))
@@ -130,12 +130,12 @@ ERRAND = st.builds("do({},{})".format, st.sampled_from(["walk", "run", "quick", 
 
 
 def compare(program, solver, script, cuts):
-    """Play twice, with the core made anew of its record or not."""
+    """Play the script with and without rebuilding the core from its record, and compare."""
     plays = [Play(program, solver, SETTINGS, restores).play(script, cuts) for restores in (False, True)]
     assert plays[0] == plays[1]
 
 
-#: Solvers as either setting of ``~plan`` has them; without time to shorten plans, which no two runs have the same of.
+#: Solvers for either setting of ``~plan``, without time to improve plans: two runs would improve them differently.
 SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 
 
@@ -143,11 +143,11 @@ SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 @pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS)
 @settings(max_examples=max(10, settings.default.max_examples // 4))
 @given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
-def test_errands_go_on_as_they_would_have(solver, script, cuts):
+def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, cuts):
     compare(ReactiveProgram.from_text(ERRANDS), solver, script, cuts)
 
 
-def test_what_its_node_asks_of_a_core_that_goes_on():
+def test_resumed_core_answers_queries_of_its_node():
     program, disk, told = ReactiveProgram.from_text(ERRANDS), Disk(), []
     settings = dataclasses.replace(SETTINGS, preempt=True)
     first = KeptCore(program, lambda: shortest(program), told.append, settings)
@@ -177,7 +177,7 @@ def test_what_its_node_asks_of_a_core_that_goes_on():
     assert all(f"_request(cancel({number})," in updates for number in (1, 2)), "the program is told when it goes on"
 
 
-def test_what_is_believed_is_told_before_anything_is_solved():
+def test_resumed_core_publishes_beliefs_before_solving():
     program = ReactiveProgram.from_text(ERRANDS + 'at(1,t) :- t=1. #show at/2. at(2,0). #show "a,b". #show 7.')
     told, again, disk = [], [], Disk()
     first = KeptCore(program, lambda: shortest(program), told.append, SETTINGS)
@@ -193,7 +193,7 @@ def test_what_is_believed_is_told_before_anything_is_solved():
     assert again == [believed]
 
 
-def test_what_is_believed_is_written_as_far_as_it_is_new():
+def test_core_record_contains_only_new_beliefs():
     program = ReactiveProgram.from_text(ERRANDS + "#show done/2.")
     core = KeptCore(program, lambda: shortest(program), lambda event: None, SETTINGS)
     core.start()

@@ -1,4 +1,4 @@
-"""A core that starts: whether it goes on with the journal that is there."""
+"""Decide at the start of a core whether it resumes from an existing journal."""
 
 import errno
 import os
@@ -23,7 +23,7 @@ def folder(tmp_path):
 
 @pytest.fixture
 def left(folder):
-    """A journal that a core has left behind."""
+    """Create a journal that a core has left behind."""
     place = Journal(folder, BEFORE)
     place.begin(STATE)
     place.close()
@@ -37,12 +37,12 @@ def opened(folder, resume, header):
     return found
 
 
-def test_no_journal(folder):
+def test_start_without_journal(folder):
     assert opened(None, "yes", AGAIN)[:3] == (None, "second", None)
 
 
 @pytest.mark.parametrize("resume", ["ask", "yes", "no"])
-def test_nothing_is_there_yet(folder, resume):
+def test_start_with_empty_folder(folder, resume):
     found = opened(folder, resume, AGAIN)
     assert (found.run, found.state, found.remarks) == ("second", None, [])
 
@@ -50,7 +50,7 @@ def test_nothing_is_there_yet(folder, resume):
 @pytest.mark.parametrize(
     ("resume", "launch"), [("ask", "launch 1"), ("yes", "launch 1"), ("yes", "launch 2"), ("yes", "")]
 )
-def test_it_goes_on(folder, left, resume, launch):
+def test_start_resumes_from_journal(folder, left, resume, launch):
     found = opened(folder, resume, AGAIN._replace(launch=launch))
     assert (found.run, found.state, found.odd) == ("first", STATE, False)
     assert found.remarks == [f"resumes from {left}: run first, cycle 7, 2 open goals"]
@@ -59,7 +59,7 @@ def test_it_goes_on(folder, left, resume, launch):
 @pytest.mark.parametrize(
     ("resume", "launch"), [("ask", "launch 2"), ("ask", ""), ("no", "launch 1"), ("no", "launch 2")]
 )
-def test_it_begins_anew(folder, left, resume, launch):
+def test_start_begins_a_new_run_on_request(folder, left, resume, launch):
     found = opened(folder, resume, AGAIN._replace(launch=launch))
     assert (found.run, found.state) == ("second", None)
     assert not left.exists()
@@ -68,14 +68,14 @@ def test_it_begins_anew(folder, left, resume, launch):
     assert ("2 open goals" in "".join(found.remarks)) == (resume == "ask")
 
 
-def test_two_started_by_hand_have_no_launch_in_common(folder):
+def test_start_by_hand_has_no_launch_in_common(folder):
     place = Journal(folder, BEFORE._replace(launch=""))
     place.begin(STATE)
     place.close()
     assert opened(folder, "ask", AGAIN._replace(launch="")).state is None
 
 
-def test_nothing_is_said_of_a_journal_without_goals(folder):
+def test_start_is_silent_about_journal_without_goals(folder):
     place = Journal(folder, BEFORE)
     place.begin({"core": {"step": 7}})
     place.close()
@@ -84,7 +84,7 @@ def test_nothing_is_said_of_a_journal_without_goals(folder):
 
 
 @pytest.mark.parametrize("resume", ["ask", "yes"])
-def test_another_program(folder, left, resume):
+def test_start_refuses_journal_of_another_program(folder, left, resume):
     with pytest.raises(JournalError, match=r"belongs to another program .*: start that program, ignore the journal"):
         opened(folder, resume, AGAIN._replace(program="other"))
     assert left.exists()
@@ -101,7 +101,7 @@ def test_another_program(folder, left, resume):
         ("PRAGMA user_version = 1", "it is of format 1, this version reads 6: .*journal clear"),
     ],
 )
-def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume, change, words):
+def test_start_refuses_damaged_journal_or_other_format(folder, left, resume, change, words):
     with sqlite3.connect(str(left)) as db:
         db.execute(change)
     db.close()
@@ -111,22 +111,22 @@ def test_what_is_damaged_or_of_another_format_is_refused(folder, left, resume, c
     assert found.odd, "another launch begins a new run, and warns"
 
 
-def test_a_journal_that_cannot_be_read(folder):
-    """It is refused, and the folder is free again."""
+def test_start_fails_if_journal_is_unreadable(folder):
+    """Check that the journal is refused and its folder is unlocked."""
     (folder / "journal.db").mkdir(parents=True)
     for _ in range(2):
         with pytest.raises(JournalError, match="it cannot be read as a journal"):
             open_journal(folder, "yes", AGAIN)
 
 
-def test_one_goal_of_a_core_that_had_hardly_begun(folder):
+def test_start_resumes_from_journal_with_a_single_goal(folder):
     place = Journal(folder, BEFORE)
     place.begin({"core": {"step": 0}, "goal:a": {"term": "goal(1)"}})
     place.close()
     assert opened(folder, "yes", AGAIN).remarks == [f"resumes from {place.path}: run first, cycle 1, 1 open goal"]
 
 
-def test_a_folder_that_cannot_be_written(folder, monkeypatch):
+def test_start_reports_folder_that_is_not_writable(folder, monkeypatch):
     def refuse(*_, **__):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
@@ -136,14 +136,14 @@ def test_a_folder_that_cannot_be_written(folder, monkeypatch):
     assert found.fault.startswith(f"no journal is kept in {folder}: Read-only file system (set ~journal to ")
 
 
-def test_a_journal_that_went_stale_is_told(folder, left):
+def test_start_reports_a_stale_journal(folder, left):
     left.rename(f"{left}.stale")
     found = opened(folder, "yes", AGAIN)
     assert found.state is None
     assert "nothing is resumed: the disk failed" in found.remarks[0]
 
 
-def test_the_command_shows_and_clears(folder, left, capsys):
+def test_journal_command_shows_and_clears(folder, left, capsys):
     assert journal_command.main("show", str(folder)) == 0
     assert capsys.readouterr().out.splitlines()[0] == "run first, 1 records since the last checkpoint"
     core = Journal(folder, BEFORE)
