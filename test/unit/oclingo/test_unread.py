@@ -1,4 +1,4 @@
-"""Commands whose output nobody reads any more, as behind ``| head``: they end, and say nothing of it."""
+"""Commands end silently if the reader of their output closes the pipe, such as ``| head``."""
 
 import os
 import subprocess

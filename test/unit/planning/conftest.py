@@ -1,4 +1,4 @@
-"""What tests of the planner share."""
+"""Fixtures for tests of the planner."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from rosoclingo.planning.grounding import Grounding
 
 @pytest.fixture
 def compacts_at_once(monkeypatch):
-    """Compact with every update whatever can be compacted, step by step."""
+    """Compact as much as possible after each update, and ground step by step."""
     monkeypatch.setattr(compaction, "LEAST_STEPS", 1)
     monkeypatch.setattr(solver, "LEAST_STEPS", 1)
     monkeypatch.setattr(grounding, "PIECE", 1)
@@ -18,14 +18,14 @@ def compacts_at_once(monkeypatch):
 
 @pytest.fixture
 def large_pieces(compacts_at_once, monkeypatch):
-    """Nevertheless ground many steps at once."""
+    """Compact as much as possible, but ground many steps at once."""
     monkeypatch.setattr(grounding, "PIECE", 64)
     monkeypatch.setattr(solver, "BLOCK", 8)
 
 
 @pytest.fixture
 def searches(monkeypatch):
-    """The ranges of horizons that clingo was asked for."""
+    """Record the ranges of horizons of all questions to groundings."""
     found, ask = [], Grounding.ask
 
     def note(this, question, stopped):

@@ -1,4 +1,4 @@
-"""Programs whose rules give actions cycles before or after their step, against clingo and the program in one piece."""
+"""Rules whose actions have cycles before or after the step, compared with plain clingo on the whole program."""
 
 from typing import NamedTuple
 
@@ -18,7 +18,7 @@ BOUND = 2
 
 
 class Head(NamedTuple):
-    """How a rule has an action: its cycle is ``offset`` after the step, under an event or without, by choice or not."""
+    """A rule with an action in the head, whose cycle is the step plus ``offset``."""
 
     offset: int
     choice: bool = True
@@ -26,7 +26,7 @@ class Head(NamedTuple):
     variable: bool = False
 
     def text(self, name):
-        """The rule, for an action of interface ``name``."""
+        """Return the text of the rule, for an action of interface ``name``."""
         cycle, body = f"{'T' if self.variable else 't'}+{self.offset}", [self.event] * bool(self.event)
         body += ["now(T), T = t"] * self.variable
         head = f"_action_lib({name},x,{cycle})"
@@ -39,23 +39,23 @@ class Head(NamedTuple):
 
 
 class Program(NamedTuple):
-    """A program of such rules, with a goal for the last step."""
+    """A program of such rules, with a goal at the last step."""
 
     heads: tuple
     goal: str
 
     def cumulative(self):
-        """The cumulative part."""
+        """Return the text of the cumulative part."""
         first = self.heads[0].offset
         acts = f"acts(t) :- _action_lib(a0,x,t+{first}).\nacts(t) :- acts(t-1), not e(t)."
         return f"now(t).\n{acts}\n" + "\n".join(one.text(f"a{number}") for number, one in enumerate(self.heads))
 
     def text(self):
-        """All of it."""
+        """Return the text of the program."""
         return f"#program cumulative(t).\n#external e(t).\n{self.cumulative()}\n#program volatile(t).\n{self.goal}\n"
 
     def answers(self, horizon, last, events, closed):
-        """The actions of each answer of ``horizon`` where the steps up to ``last`` are grounded."""
+        """Return the actions of each answer at ``horizon``, with the steps up to ``last`` grounded."""
         control = clingo.Control(["0", "-Wno-atom-undefined"])
         control.add("step", ["t"], self.cumulative())
         control.add("goal", ["t"], self.goal)
@@ -73,7 +73,7 @@ class Program(NamedTuple):
         return found
 
     def allows(self, action, horizon, closed):
-        """Whether an answer of ``horizon`` may hold the action, or any other atom."""
+        """Return whether an answer at ``horizon`` can contain the action; other atoms are always allowed."""
         if action.name != "_action_lib":
             return True
         cycle = action.arguments[2].number
@@ -100,18 +100,18 @@ PROGRAMS = st.builds(Program, st.lists(HEADS, min_size=1, max_size=2).map(tuple)
 @pytest.mark.slow
 @given(PROGRAMS, st.data(), st.integers(0, 3))
 def test_answers_contain_actions_of_past_and_horizon(program, data, margin):
-    """All answers of the least horizon, cycle by cycle, while steps are retired."""
+    """Compare all answers at the lowest horizon, cycle by cycle, during compaction."""
     solver = PlanSolver(ReactiveProgram.from_text(program.text()), models=0)
     events, closed, committed, last = set(), {}, [], 1
     for cycle in range(1, 7):
         steps = [one for one in (cycle - 1, cycle, cycle + 2) if one >= max(1, cycle - margin)]
-        told = data.draw(st.sets(st.sampled_from(steps), max_size=2))
-        events |= told
+        reported = data.draw(st.sets(st.sampled_from(steps), max_size=2))
+        events |= reported
         if data.draw(st.booleans()):
             solver.restore(cut(solver))
         past = [f"#closed {cycle - 1}."] if closed else []
         past += [f"#over {cycle - margin}."] if cycle > margin else []
-        items = [*past, *(f"e({one})." for one in sorted(told)), *(f":- not {one}." for one in committed)]
+        items = [*past, *(f"e({one})." for one in sorted(reported)), *(f":- not {one}." for one in committed)]
         result = solver.update(parse_update(f"#step {cycle} : {BOUND}. {' '.join(items)} #endstep."))
         expected, horizon = [], cycle - 1
         while not expected and horizon < cycle + BOUND:

@@ -1,4 +1,4 @@
-"""A program's claim that there is no plan of any length: believed until the next update."""
+"""Claims of a program that no plan of any length exists, which hold until the next update."""
 
 from itertools import combinations
 
@@ -11,7 +11,7 @@ from rosoclingo.planning.solver import PlanSolver
 
 BOUND = 60
 
-#: Rooms 0 to 4 in a row; the door behind room D is shut from the cycle after ``_shut``, until ``_opened``.
+#: Rooms 0 to 4 in a row; door D, between rooms D and D+1, is shut from the cycle after ``_shut`` until ``_opened``.
 ROW = """
 #program base.
 room(0..4).
@@ -57,7 +57,7 @@ def test_claim_ends_a_search_before_many_steps(options):
         solver = solver_of(claims, **options)
         result = update(solver, 1, "_request(go(3),2). _shut(1,0).")
         assert (result.outcome, result.permanent) == (SolveOutcome.UNSATISFIABLE, False)
-        assert result.horizon >= 1 + BOUND, "as though all were searched"
+        assert result.horizon >= 1 + BOUND, "as if all horizons had been searched"
         horizons.append(solver.horizon)
     assert horizons[0] < 12
     assert horizons[1] >= 1 + BOUND

@@ -1,4 +1,4 @@
-"""Compaction: a stream that compacts has the answers of one that does not, and costs no more the longer it gets."""
+"""Compaction: it changes no answer, and bounds the cost of long streams."""
 
 from collections import Counter
 from dataclasses import replace
@@ -36,12 +36,12 @@ pytestmark = pytest.mark.usefixtures("compacts_at_once")
 
 
 def first(solver):
-    """The first step that a grounding would have; None if nothing was compacted."""
+    """Return the first step of a grounding of the snapshot, None without compaction."""
     return None if solver.snapshot.past is None else solver.snapshot.past.first
 
 
 def heads(result):
-    """The heads that the warnings name."""
+    """Return the heads in the warnings."""
     return [one.split(" ")[1] for one in result.warnings]
 
 
@@ -49,20 +49,20 @@ def heads(result):
 
 
 def concerns(statement, step):
-    """Whether all atoms of the statement are about steps from ``step`` on, as far as one can tell."""
+    """Return whether the last arguments of all atoms in the statement are at least ``step``."""
     mentioned = [one.atom for one in statement.body] + ([] if statement.head is None else [statement.head])
     return all(not atom.arguments or atom.arguments[-1].number >= step for atom in mentioned)
 
 
 def decide(draw, names):
-    """Constraints that settle choices of the program."""
+    """Draw constraints that decide choices of the program."""
     return [Statement(None, (Literal(parse_atom(name), name[0] == "q" or draw(st.booleans())),)) for name in names]
 
 
 @pytest.mark.slow
 @given(PARTS.filter(lambda parts: not parts.opens), st.data(), st.integers(0, 2))
 def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
-    """Whether steps are decided or not, answers are as if their externals had been forgotten."""
+    """Answers are as if the externals of the steps had been forgotten, decided or not."""
     program = ReactiveProgram.from_text(parts.text())
     compacting, forgetting = (PlanSolver(program, models=0) for _ in range(2))
     step = decided = begin = 1
@@ -82,10 +82,10 @@ def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
         if found.outcome is SolveOutcome.SATISFIABLE:
             assert compacting.horizon == forgetting.horizon
         elif found.permanent or compacting.horizon != forgetting.horizon:
-            return  # the one that forgets may have seen before the bound that there is no answer
+            return  # the forgetting solver can detect unsatisfiability before the bound
 
 
-# ---- Up to which step ------------------------------------------------------------------------------------------------
+# ---- The compacted steps ---------------------------------------------------------------------------------------------
 
 CHOICES = "{ x ; y }. #external door. #external sees/1. #external seen/2. "
 STEP = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). "
@@ -93,9 +93,9 @@ EXTERNALS = STEP + "#program volatile(t)."
 
 
 def compact(text, *updates, steps=8, every=1):
-    """Play updates, one a step, with and without compaction; compare the answers; return the solver that compacts.
+    """Play one update per step with and without compaction, compare the answers, and return the compacting solver.
 
-    At ``every`` so many steps those before the last one are over.
+    ``every``: the number of steps after which the steps before the last one are declared over.
     """
     compacting, forgetting = planner_of(text, models=0), planner_of(text, models=0)
     for step in range(1, steps + 1):
@@ -130,7 +130,7 @@ def compact(text, *updates, steps=8, every=1):
         (":- x, t = 1.", ["", "e(2)."], 7),
         (":- x, e(t).", ["", "e(2)."], 7),
         (":- late(t), 1 { x ; y }.", ["", "e(2)."], 7),
-        # statements with a body that define an atom of a step
+        # statements with a body that define the atom of a step
         ("", ["e(1) :- x. e(1) :- y.", ":- not c(1)."], None),
         ("", ["", "", "", "", "e(5) :- x. :- not e(5)."], 5),
         ("", ["", "", "e(3) :- not c(2)."], 3),
@@ -140,7 +140,7 @@ def compact(text, *updates, steps=8, every=1):
         ("s(t) :- door, t > 1.", ["", "door :- c(1). door :- x."], 2),
         ("s(t) :- door, t > 6.", ["", "door :- x. door :- c(1).", "sees(6) :- door."], 7),
         ("s(t) :- door, t > 1. :- door, t = 1.", ["", "door :- c(1). door :- x."], None),
-        # statements that lapse
+        # lapsing statements
         ("", ["", ":- c(1). #volatile : 9. e(1) :- x."], None),
         ("", ["", ":- c(1). #volatile : 3. e(1) :- x."], 7),
         ("", ["", ":- c(1). #assert : r. e(1) :- x.", "", "", "#retract : r."], 7),
@@ -175,10 +175,10 @@ FACTS = "#program cumulative(t). p(t). q(t) :- p(t-1), not r(t). { r(t) }. :- no
 OPEN = "{{ a ; b }}. #program cumulative(t). s(t). {}".format
 
 
-def first_open(text, blocks, before, told=()):
-    """The first step that is not fixed in a program that has grown block by block."""
+def first_open(text, blocks, before, items=()):
+    """Ground a program block by block, and return the first step that is not fixed."""
     end, *rest = blocks
-    grown = Grounding(ReactiveProgram.from_text(text), Snapshot(horizon=end, items=told), end)
+    grown = Grounding(ReactiveProgram.from_text(text), Snapshot(horizon=end, items=items), end)
     for last in rest:
         grown.grow_to(last)
     return fixed_atoms(grown, before, set()).first
@@ -210,10 +210,10 @@ def test_fixed_atoms_end_before_an_open_block(text, blocks, before, reached):
 
 @pytest.mark.usefixtures("large_pieces")
 def test_fixed_atoms_include_those_of_projections():
-    """clingo projects ``_`` under ``not`` by a rule of its own for every atom that it knows."""
+    """clingo projects ``_`` under ``not`` by an auxiliary rule for each known atom."""
     text, atom = "#external q/2. #program cumulative(t). p(t) :- not q(_,t+1).", fact(parse_atom("q(a,3)"))
-    assert first_open(text, (3,), 4, told=(TimedStatement(atom, 5, 0),)) == 1, "q(a,3) is open"
-    assert first_open(text, (3,), 4, told=(TimedStatement(atom, FOREVER, 0),)) == 4
+    assert first_open(text, (3,), 4, items=(TimedStatement(atom, 5, 0),)) == 1, "q(a,3) is open"
+    assert first_open(text, (3,), 4, items=(TimedStatement(atom, FOREVER, 0),)) == 4
 
 
 def test_fixed_atoms_repeat_no_messages_of_clingo(capfd):
@@ -269,7 +269,7 @@ def test_compaction_keeps_decided_choices_of_base():
 def test_compaction_shows_atoms_of_ten_steps_once():
     solver = compact("a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).")
     shown = sorted(str(atom) for _, atom in solver.snapshot.past.shown)
-    assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"], "none of base"
+    assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"], "base atoms are not kept"
     for step in range(9, 17):
         result = play(solver, f"#step {step} : 0. #over {step}. e({step}).")
     assert first(solver) == 16
@@ -285,19 +285,21 @@ def test_compaction_drops_facts_without_later_use():
 
 def test_compaction_drops_unused_facts_and_actions():
     solver = planner_of(
-        "#external told/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "
+        "#external seen/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "
         "wanted(t) :- _request(x,t). #program volatile(t).",
         models=0,
     )
     for step in range(1, 6):
         past = f"#over {step - 1}. #closed {step}."
-        play(solver, f"#step {step} : 0. {past} told({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
+        play(solver, f"#step {step} : 0. {past} seen({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
     snapshot = solver.snapshot
     assert first(solver) == 4
-    assert sorted(snapshot.closed) == [3, 4, 5], "the last one before what is ground is kept for its returns"
+    assert sorted(snapshot.closed) == [3, 4, 5], "the last compacted cycle is kept for its returns"
     assert sorted(map(str, snapshot.permanent)) == ["_request(x,9)."]
-    shown = {str(atom): step for step, atom in snapshot.past.shown if atom.name == "told"}
-    assert shown == {f"told({step})": max(1, step - 2) for step in range(1, 6)}, "with the last step compacted then"
+    shown = {str(atom): step for step, atom in snapshot.past.shown if atom.name == "seen"}
+    assert shown == {f"seen({step})": max(1, step - 2) for step in range(1, 6)}, (
+        "each is shown at the last step that was compacted then"
+    )
 
 
 # ---- Long streams of a robot -----------------------------------------------------------------------------------------
@@ -323,14 +325,14 @@ PROGRAM = ReactiveProgram.from_text(WALK)
 
 
 def past(cycle, done, margin):
-    """The items by which the update of a cycle closes the one before; steps that lie so far back are over."""
+    """Return the items that close the previous cycle and declare steps older than ``margin`` over."""
     items = [f"#closed {cycle - 1}."] if cycle > 1 else []
     items += [f"#over {cycle - margin}."] if cycle > margin else []
     return " ".join([*items, *(f":- not {action}." for action in done)])
 
 
 def drive(solver, cycles, margin, every=2, improves=False):
-    """Request a place at ``every`` so many cycles, and improve each plan until nothing is found, if so desired."""
+    """Request a place every ``every`` cycles; if it ``improves``, improve each plan as far as possible."""
     done = []
     for cycle in range(1, cycles + 1):
         request = f"_request(goal({'abc'[cycle % 3]},{cycle}),{cycle + 1})." if cycle % every == 1 else ""
@@ -363,7 +365,7 @@ def test_compaction_follows_an_improvement_without_result(cycles):
 
 
 def test_facts_of_compacted_steps_are_too_late():
-    """For a solver that has read the history of another one as well."""
+    """Also for a solver that restored the history of another one."""
     solver, reader = drive(PlanSolver(PROGRAM), 10, 2), PlanSolver(PROGRAM)
     reader.restore(copied(solver.log))
     for one in (solver, reader):
@@ -396,7 +398,7 @@ wanted(A,t) :- wanted(A,t-1), not at(A,t-1).
 
 
 def walk(solver, places, facts=(), bound=20):
-    """Be in one of the ``places`` after the other, from cycle 0 on, with some facts in each update."""
+    """Visit the ``places`` one per cycle, with one of the ``facts`` in each update."""
     for step, (here, place) in enumerate(zip(places, places[1:]), 2):
         done = f":- not _action_lib(go,{place},{step - 1}). " if place != here else ""
         more = " ".join(facts[step - 2 : step - 1])
@@ -405,13 +407,13 @@ def walk(solver, places, facts=(), bound=20):
 
 
 def places_of(solver, horizon):
-    """In how many places the robot may be after each cycle."""
+    """Return the number of possible places of the robot after each cycle."""
     known = Grounding(solver.program, solver.snapshot, horizon).possible_atoms
     return Counter(atom.arguments[1].number for atom in known if atom.name == "at")
 
 
 def test_closed_steps_are_grounded_with_their_actions():
-    """In cycle t the robot might have been in t places; it is known in which one it was."""
+    """Without the actions, the robot could be in t places after cycle t."""
     solver = walk(planner_of(LINE), [5, 6, 7, 8, 7, 6, 5, 4])
     play(solver, "#step 9 : 20. #closed 8..8. _request(2,8).")
     places = places_of(solver, 10)
@@ -445,13 +447,13 @@ LINE_FACTS = st.one_of(
     st.integers(0, 3),
 )
 def test_closed_steps_ground_together_give_the_same_answers(moves, facts, block, over):
-    """A late fact may contradict what was done; then there is none."""
+    """There are none if a late fact contradicts an executed action."""
     places = [5]
     for move in moves:
         places.append(places[-1] + move)
     solver = walk(PlanSolver(LINE_PROGRAM, models=0), places, facts, bound=2)
     snapshot, found = replace(solver.snapshot, keep_from=over), []
-    # with an assumable fact all steps are ground together
+    # an assumable fact prevents separate grounding of closed steps
     for assumable in (frozenset([parse_atom("unknown")]), frozenset()):
         with mock.patch.object(grounding, "CLOSED_PIECE", block):
             one = Grounding(LINE_PROGRAM, snapshot, snapshot.horizon, assumable)
@@ -470,7 +472,7 @@ class Trip:
 
     Attributes:
         solver: the solver under test.
-        whole: its history without any checkpoint.
+        whole: its history without checkpoints.
 
     """
 
@@ -486,7 +488,7 @@ class Trip:
         return PlanSolver(PROGRAM, horizon_limit=self.LIMIT, **options)
 
     def text(self):
-        """The next update: executed actions, and perhaps facts."""
+        """Draw the next update, with executed actions and optional facts."""
         cycle, facts, draw = self.step + 1, [], self.draw
         if draw(st.booleans()):
             facts.append(f"_request(goal({draw(st.sampled_from('abc'))},{cycle}),{cycle + 1})")
@@ -498,7 +500,7 @@ class Trip:
         return f"#step {cycle} : 6. {closed} {over} {done} {' '.join(f'{one}.' for one in facts)} #endstep."
 
     def update(self):
-        """The solver and one that begins from the whole history give the same answer to the next update."""
+        """Check that a solver with the whole history gives the same answer to the next update."""
         update, twin = parse_update(self.text()), self.new_solver(log_limit=1000)
         twin.restore(self.whole)
         mine, its = self.solver.update(update), twin.update(update)
@@ -544,7 +546,7 @@ class Trip:
         assert self.solver.log is before
 
     def check(self):
-        """Each committed action of a closed cycle has its commitment, or is retired."""
+        """Check that each committed action of a closed cycle has its commitment or is compacted."""
         entries = self.solver.log.entries_after(self.read)
         self.whole = self.whole.with_entries(*(one for one in entries if not isinstance(one, Checkpoint)))
         self.read, snapshot = self.solver.log, self.solver.snapshot

@@ -1,4 +1,4 @@
-"""One grounding: which externals belong to which step, what is ground at once, and what a question leaves."""
+"""One grounding: externals by step, blocks of steps, and memory after a question."""
 
 import gc
 import weakref
@@ -71,7 +71,7 @@ def test_externals_belong_to_the_steps_that_declare_them(horizons):
             ["_return(go,x,4)", "c(4)"],
         ),
     ],
-    ids=["forgotten", "open predicates belong to no step", "returns before the last closed cycle"],
+    ids=["forgotten", "open predicates have no step", "returns before the last closed cycle"],
 )
 def test_externals_are_closed_in_restored_histories_too(text, updates, late, closed, expected, is_restored):
     solver = planner_of(text)
@@ -81,7 +81,7 @@ def test_externals_are_closed_in_restored_histories_too(text, updates, late, clo
         solver.restore(cut(solver))
     result = play(solver, late)
     assert (result.warnings, atoms(result)) == (tuple(map(IGNORED.format, closed)), expected)
-    assert atoms(play(solver, f"#step 6. #closed 5. {late}")) == expected, "what was asserted in time stays"
+    assert atoms(play(solver, f"#step 6. #closed 5. {late}")) == expected, "facts asserted in time stay"
 
 
 def test_rules_and_facts_of_open_predicates_are_restored():
@@ -98,7 +98,7 @@ def only(question):
     return (yield question)
 
 
-@pytest.mark.parametrize("rules", ["", "e(9) :- c(9)."], ids=["grown", "built again, for a loop"])
+@pytest.mark.parametrize("rules", ["", "e(9) :- c(9)."], ids=["grown", "regrounding for a loop"])
 @pytest.mark.parametrize("first", [1, 6])
 def test_steps_are_forgotten_when_the_horizon_passes_them(rules, first):
     program = ReactiveProgram.from_text("#cumulative t. #external e(t). #forget t : t-2. c(t) :- e(t). #volatile t.")
@@ -108,7 +108,7 @@ def test_steps_are_forgotten_when_the_horizon_passes_them(rules, first):
     assert [str(one) for one in asking.grounding.undefined_between(1, 6) if one.name == "e"] == ["e(5)", "e(6)"]
 
 
-# ---- What is ground at once ------------------------------------------------------------------------------------------
+# ---- Blocks of steps -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_volatile_rule_without_steps_never_holds(window):
     assert [atoms(play(solver, f"#step {step}.")) for step in (1, 2)] == [["p(1)"], ["p(1)", "p(2)"]]
 
 
-# ---- What a question leaves ------------------------------------------------------------------------------------------
+# ---- After a question ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("predicts", [False, True])
@@ -147,11 +147,11 @@ def test_grounding_without_references_is_freed_at_once(predicts):
     grounding = grounding_of(EXTERNALS, 3, "#volatile. sees(1).", predicts=predicts)
     assert grounding.undefined_between(1, 3)
     assert grounding.ask(Question(1, 3), lambda: False).satisfiable
-    gone = weakref.ref(grounding)
+    reference = weakref.ref(grounding)
     gc.disable()
     try:
         del grounding
-        assert gone() is None
+        assert reference() is None
     finally:
         gc.enable()
 

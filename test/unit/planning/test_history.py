@@ -1,4 +1,4 @@
-"""Histories: every reader answers as the solver that wrote one, and as a reference that solves from scratch."""
+"""Histories: each reader gives the answers of the writer and of a reference that solves from scratch."""
 
 import json
 from dataclasses import replace
@@ -25,7 +25,7 @@ from rosoclingo.planning.workers.process_solver import ProcessSolver
 
 # ---- Random streams --------------------------------------------------------------------------------------------------
 
-#: Programs and statements that close loops over several steps.
+#: Programs with loops over several steps, which statements can close.
 LOOPS = st.sampled_from(
     [
         "c(t) :- e(t).",
@@ -58,7 +58,7 @@ LOOPING_UPDATES = st.builds(
     st.integers(0, 2),
     st.lists(st.one_of(CLOSING, CLOSING, CLOSING, ITEMS), max_size=4).map(tuple),
 )
-#: Many statements at steps that come in order.
+#: Many statements, with steps in ascending order.
 IN_ORDER = st.builds(
     lambda steps, items: [StreamUpdate(*pair) for pair in zip(steps, [0, 1, 0, 2, 0], items)],
     st.lists(st.integers(1, 3), min_size=1, max_size=5).map(sorted),
@@ -72,7 +72,7 @@ OPTIONS = {"models": 0, "log_limit": 3, "idles": False}
 
 
 def readings(writer, old):
-    """What a reader can go on from: the same history, its text, its snapshot, an ``old`` snapshot and the rest."""
+    """Return histories to restore: the same one, its text, its snapshot, or an ``old`` snapshot with later entries."""
     log, snapshot = old
     rest = writer.log.entries_after(log)
     return [
@@ -84,7 +84,7 @@ def readings(writer, old):
 
 
 def check(mine, its):
-    """Two solvers have given the same result, though one may know already that it stays so for ever."""
+    """Check that two results are equal; one of them can be permanent."""
     assert texts(mine) == texts(its)
     assert mine.outcome is its.outcome
     if not (mine.permanent or its.permanent):
@@ -92,7 +92,7 @@ def check(mine, its):
 
 
 def check_grounding(solver, reference):
-    """The statements in force and what is forgotten are those of the reference."""
+    """Check that statements and forgotten externals agree with the reference."""
     snapshot = solver.snapshot
     assert snapshot_from_message(json.loads(json.dumps(snapshot_to_message(snapshot)))) == snapshot
     grounding = Grounding(solver.program, snapshot, snapshot.horizon)
@@ -108,7 +108,7 @@ def check_grounding(solver, reference):
 @settings(max_examples=settings.default.max_examples * 3)
 @given(STREAMS, st.lists(st.none() | st.integers(0, 3), min_size=6, max_size=6))
 def test_history_readers_answer_as_writer_and_reference(stream, ways):
-    """``ways`` say how a new reader begins before each update; without one the last reader goes on."""
+    """``ways`` selects how a new reader is restored before each update; None keeps the last reader."""
     parts, updates = stream
     program, reference = ReactiveProgram.from_text(parts.text()), ShortestReference(parts)
     writer = reader = PlanSolver(program, **OPTIONS)
@@ -146,7 +146,7 @@ PAST = st.one_of(
 @pytest.mark.slow
 @given(LOOPING, st.lists(st.tuples(LOOPING_UPDATES, st.lists(PAST, max_size=2)), min_size=2, max_size=4), st.data())
 def test_restored_history_continues_as_before(parts, updates, data):
-    """With closed cycles, steps that are over, and withdrawals."""
+    """Also with closed cycles, steps that are over, and withdrawals."""
     program = ReactiveProgram.from_text(parts.text())
     solver, played = PlanSolver(program, models=0, log_limit=3), []
     for update, past in updates:
@@ -181,20 +181,20 @@ def test_history_is_equal_in_worker_and_solver(parts, updates):
 # ---- Entries ---------------------------------------------------------------------------------------------------------
 
 
-def taken(text, horizon=1):
+def accepted(text, horizon=1):
     return AcceptedUpdate(parse_update(f"{text} #endstep."), horizon)
 
 
-ONE, TWO, THREE = (taken(f"#over {step}.") for step in (1, 2, 3))
+ONE, TWO, THREE = (accepted(f"#over {step}.") for step in (1, 2, 3))
 
 
 def checkpoint_of(**values):
-    """The entry of a checkpoint."""
+    """Return a checkpoint entry."""
     return History().checkpoint(Snapshot(**values)).entry
 
 
 def test_history_text_has_a_line_for_each_entry():
-    log = History().with_entries(AcceptedUpdate(None, 1), taken('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
+    log = History().with_entries(AcceptedUpdate(None, 1), accepted('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
     log = log.adopt(Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2, shortest=True))
     assert log.text().splitlines() == [
         '{"do":"update","update":null,"horizon":1,"predicted":false}',
@@ -212,11 +212,11 @@ def test_history_text_has_a_line_for_each_entry():
     ("entries", "reach"),
     [
         ([], (1, 1, 0)),
-        ([taken("#over 4.")], (1, 1, 4)),
-        ([taken("#over 4."), taken("#step 5. #over 3.", 7)], (5, 7, 4)),
-        ([taken("#step 5.", 7), taken("#over 6. #over 1.", 8), AcceptedUpdate(None, 9)], (5, 9, 6)),
-        ([taken("#step 5. #over 4.", 7), taken("#anew.", 1)], (1, 1, 0)),
-        ([taken("#step 5. #over 4.", 7), taken("#step 3. #anew. #over 2.", 4)], (3, 4, 2)),
+        ([accepted("#over 4.")], (1, 1, 4)),
+        ([accepted("#over 4."), accepted("#step 5. #over 3.", 7)], (5, 7, 4)),
+        ([accepted("#step 5.", 7), accepted("#over 6. #over 1.", 8), AcceptedUpdate(None, 9)], (5, 9, 6)),
+        ([accepted("#step 5. #over 4.", 7), accepted("#anew.", 1)], (1, 1, 0)),
+        ([accepted("#step 5. #over 4.", 7), accepted("#step 3. #anew. #over 2.", 4)], (3, 4, 2)),
         ([ONE, checkpoint_of(step=7, horizon=8, keep_from=6)], (7, 8, 6)),
     ],
 )
@@ -232,7 +232,7 @@ def test_history_returns_later_entries_and_last_update():
     assert longer.entries_after(longer) == []
     assert longer.entries_after(log) == [TWO, THREE]
     assert log.entries_after(longer) is None
-    assert longer.entries_after(History()) is None, "it can be of another stream"
+    assert longer.entries_after(History()) is None, "the history can belong to another stream"
     assert (History().before_update, History().with_entries(AcceptedUpdate(None, 1)).update) == (None, None)
     for one in (longer, longer.with_entries(AcceptedUpdate(None, 3))):
         assert (one.before_update, one.update) == (longer.before, THREE.update)
@@ -292,7 +292,7 @@ def test_history_keeps_at_most_two_checkpoints():
     first = solver.log
     for step in range(1, 31):
         play(solver, f"#step {step} : 0. #forget {step}.")
-        assert solver.log.length <= 4, "then there is a checkpoint"
+        assert solver.log.length <= 4, "a checkpoint replaces longer histories"
         assert solver.log.update.step == step
         log, kept = solver.log, 0
         while log is not None:

@@ -1,4 +1,4 @@
-"""What the horizon of an answer leaves out: steps and actions beyond it, however a program writes their cycle."""
+"""Horizons: answers contain no steps or actions beyond them, independent of the form of the cycle term."""
 
 import pytest
 from stream_play import WALK, atoms, planner_of, play

@@ -1,4 +1,4 @@
-"""Whether a program's answers outlive further steps."""
+"""Idling: whether answers of a program stay answers if more steps are grounded."""
 
 import pytest
 from stream_play import WALK, plan, planner_of, play
@@ -10,7 +10,7 @@ from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.question import UNKNOWN
 from rosoclingo.planning.solver import PlanSolver
 
-#: The same walk, with an action at every step.
+#: The same walk, with a mandatory action at each step.
 FORCED = WALK.replace("{ _action_lib", "1 { _action_lib")
 
 
@@ -51,7 +51,7 @@ def test_may_idle_leaves_errors_to_the_search():
 
 @pytest.mark.parametrize(("program", "horizon"), [(WALK, 9), (FORCED, 3)])
 def test_steps_are_ground_in_blocks_only_if_idling(program, horizon):
-    """A program that demands an action at every step has no short plan once more steps are ground."""
+    """A program with mandatory actions has no short plan once more steps are grounded."""
     solver = planner_of(program, horizon_limit=30)
     solver.solve()
     answer = play(solver, "#step 1. _request(3,1).")

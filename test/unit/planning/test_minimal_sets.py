@@ -1,4 +1,4 @@
-"""Minimal unsatisfiable subsets and minimum diagnoses, compared with all subsets of small random instances."""
+"""Minimal unsatisfiable subsets and minimum diagnoses, compared with brute force on small random instances."""
 
 from contextlib import suppress
 from itertools import combinations
@@ -29,9 +29,9 @@ def satisfiable(things, conflicts):
 
 
 def oracle_of(conflicts, tells="yes or no"):
-    """The oracle that excludes each conflict; it returns no more, or all broken conflicts as a core, or the first one.
+    """Return an oracle for these conflicts; ``tells`` selects the quality of its cores and models.
 
-    A model adds the last things first, which are those that nobody prefers.
+    A model prefers the last things, which the algorithms prefer least.
     """
 
     def ask(things):
@@ -49,13 +49,13 @@ def oracle_of(conflicts, tells="yes or no"):
 
 
 def noting(oracle):
-    """The same oracle, and the list of what it is asked."""
+    """Return the oracle with a list of its questions."""
     asked = []
     return (lambda things: asked.append(set(things)) or oracle(things)), asked
 
 
 def limited(oracle, questions):
-    """The same oracle, for so many questions."""
+    """Return the oracle limited to a number of ``questions``."""
     left = iter(range(questions))
 
     def ask(things):
@@ -67,7 +67,7 @@ def limited(oracle, questions):
 
 
 def subsets(things):
-    """All subsets, smaller ones first, those of one size in lexicographic order."""
+    """Return all subsets, ordered by size and then lexicographically."""
     return [some for size in range(len(things) + 1) for some in combinations(things, size)]
 
 
@@ -104,7 +104,7 @@ def test_find_diagnosis_returns_the_first_smallest_one(tells, conflicts):
     for one, mus in found.items():
         assert mus.minimal
         assert is_mus(mus.items, conflicts)
-        assert set(mus.items) & set(found) == {one}, "all others of it are kept"
+        assert set(mus.items) & set(found) == {one}, "each conflict explains one element of the diagnosis"
 
 
 @ORACLES

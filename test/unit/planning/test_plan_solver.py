@@ -1,4 +1,4 @@
-"""The solver of plans: what random streams and the tests of its parts leave out."""
+"""The planner: behaviour that neither random streams nor tests of its parts cover."""
 
 import time
 from types import SimpleNamespace
@@ -13,7 +13,7 @@ from rosoclingo.planning.strategies import soon
 
 @pytest.mark.parametrize(("options", "needed"), [({"plan_time": 9.0}, 3.0), ({}, 0.0)])
 def test_solver_counts_the_time_until_an_answer(monkeypatch, options, needed):
-    """Whatever the clock shows at the end: the search goes on to improve the answer."""
+    """The clock after the search is irrelevant, as the search continues to improve the answer."""
     ended = SimpleNamespace(perf_counter=time.perf_counter, process_time=lambda: 100.0)
     monkeypatch.setattr(solver_module, "time", ended)
     monkeypatch.setattr(soon, "time", SimpleNamespace(process_time=lambda: 103.0))
@@ -24,7 +24,7 @@ def test_solver_counts_the_time_until_an_answer(monkeypatch, options, needed):
 def test_solver_reports_messages_of_clingo_once():
     solver = planner_of("#cumulative t. #external e(t). c(Y+t) :- e(t), p(Y). #base. p(1). p(a).")
     found = [one for step in (1, 2) for one in play(solver, f"#step {step} : 0. e({step}). e(x).").warnings]
-    assert sum("e(x)" in one for one in found) == 2, "each update ignores something"
+    assert sum("e(x)" in one for one in found) == 2, "each update has an ignored fact"
     assert sum("undefined operation" in one for one in found) == 1
 
 
@@ -38,7 +38,7 @@ def test_solver_keeps_the_last_plan_without_an_answer():
 
 
 def line(first, last):
-    """The actions of a walk to the right."""
+    """Return the actions of a walk to the right."""
     return [f"_action_lib(move,{step},{step})" for step in range(first, last + 1)]
 
 

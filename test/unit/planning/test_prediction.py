@@ -1,4 +1,4 @@
-"""Predicted updates are answered without a search, as a search would answer them."""
+"""Predicted updates: they need no search and get the answer that a search would give."""
 
 import pytest
 from hypothesis import event, given, settings
@@ -31,7 +31,7 @@ wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 """
 FAILS = "failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.\n"
 
-#: Rules about returns, some of which matter.
+#: Rules about returns, some of which affect answers.
 RULES = [
     FAILS,
     "rests(t) :- _return(go,1,t).\n:- rests(t-1), _action_lib(go,2,t).\n",
@@ -39,12 +39,12 @@ RULES = [
     "far(t) :- at(3,t).\nfar(t) :- far(t-1).\ntired(t) :- far(t-1), _return(go,X,t).\n#show tired/1.\n",
     "unsure(t) :- _action_lib(go,X,t), not _return(go,X,t), X = 2.\n#show unsure/1.\n",
     "often(t) :- 1 { _return(go,X,t) : at(X,t) }.\n#show often/1.\n",
-    "#show told(X,t) : _return(go,X,t), X > 0.\n",
+    "#show seen(X,t) : _return(go,X,t), X > 0.\n",
     "{ _action_lib(call,X,t) } :- at(X,t-1), _return(go,X,t-1).\n",
     ":- _action_lib(go,X,t), _action_lib(go,Y,t-1), X < Y, not _return(go,Y,t-1).\n",
 ]
 
-#: What comes with each step: places that are wanted, and whether the action before has failed.
+#: For each step: requested places, and whether the previous action has failed.
 NEWS = st.lists(st.tuples(st.lists(st.integers(-3, 4), max_size=1), st.booleans()), min_size=1, max_size=8)
 
 
@@ -54,12 +54,12 @@ def solver_of(text, **options):
 
 
 def due(solver):
-    """The actions that the last plan has for the step of the last update."""
+    """Return the actions of the last plan at the step of the last update."""
     return {one for one in solver.log.plan.actions if cycle_of(one) == solver.step}
 
 
 def next_update(solver, fails=False, wanted=(), bound=20, further=()):
-    """The update that begins the next step: planned actions were executed, with success or a failure."""
+    """Return the update of the next step: planned actions were executed, with success or failure."""
     step, done = solver.step, sorted(due(solver))
     values = [parse_atom(f"_return(go,no,{step})") if fails else success_of(action) for action in done]
     items = [commitment(one) for one in done] + [Statement(one) for one in values]
@@ -72,12 +72,12 @@ def statements(*texts):
 
 
 def asked(solver, *items):
-    """The answer to a request for place 3."""
+    """Request place 3 and return the answer."""
     return solver.update(StreamUpdate(1, 20, (*statements("_request(3,1)"), *items)))
 
 
 def searched(solver, log, update, demanded=()):
-    """The shortest answer of a solver that reads a ``log`` and searches."""
+    """Return the shortest answer of a solver that restores ``log`` and searches."""
     other = PlanSolver(solver.program)
     other.restore(History.parse(log.text()))
     items = (*update.items, Volatile(), *map(commitment, demanded))
@@ -154,7 +154,7 @@ AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
 def test_update_is_predicted_after_a_successful_step(step, items, expected):
     plan, returns = Plan(frozenset([NOW, THEN]), 2), frozenset([success_of(NOW)])
     assert is_predicted(plan, returns, 1, StreamUpdate(step, None, items)) is expected
-    assert not is_predicted(Plan(frozenset([NOW]), 2), returns, 1, StreamUpdate(step, None, items)), "no action is left"
+    assert not is_predicted(Plan(frozenset([NOW]), 2), returns, 1, StreamUpdate(step, None, items)), "no action remains"
 
 
 def test_prediction_belongs_to_one_history(searches):
@@ -184,7 +184,7 @@ FAR = "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).\n"
         ("odd(t) :- not _return(go,2,t), at(2,t).\n", 2, 2),
         ("odd(t) :- _return(go,_,t-1), at(3,t-1).\n", 2, 2),
         ("often(t) :- 1 { _return(go,X,t) : at(X,t) }.\n", 0, 0),
-        ("#show told(X,t) : _return(go,X,t).\n", 0, 0),
+        ("#show seen(X,t) : _return(go,X,t).\n", 0, 0),
         ("#show _return/3.\n", 0, 0),
         ("#minimize { 1,X,t : at(X,t) }.\n", 0, 0),
     ],
@@ -213,7 +213,7 @@ def test_returns_are_predicted_for_single_plain_answers(text, options, items, re
 
 
 def test_uncertain_returns_after_a_shortest_plan_are_searched(searches):
-    """There can be a shorter plan with them."""
+    """They can permit a shorter plan."""
     solver = solver_of(WALK + FAR, plan_time=None)
     asked(solver)
     predicted = []
@@ -239,7 +239,7 @@ def test_improved_plan_predicts_uncertain_returns_too(searches):
 
 
 def test_long_history_of_predicted_updates_is_compacted(compacts_at_once, monkeypatch, searches):
-    """A reader grounds little, and its answers show as many executed actions."""
+    """A reader grounds few steps, and its answers show the same executed actions."""
     monkeypatch.setattr(solver_module, "LONG_PREDICTED", 4)
 
     def walk(solver, steps):
@@ -257,15 +257,15 @@ def test_long_history_of_predicted_updates_is_compacted(compacts_at_once, monkey
     searches.clear()
     walk(solver, 3)
     solver.compact()
-    assert solver.log.length == 4, "that is not long"
+    assert solver.log.length == 4, "the history is still short"
     walk(solver, 2)
     solver.compact(lambda: True)
-    assert solver.log.length == 6, "it was stopped"
+    assert solver.log.length == 6, "compaction was stopped"
     assert reader_of(solver).snapshot.past is None
     assert searches == []
     solver.compact()
     assert solver.log.length == 0
-    assert len(searches) == 1, "the predicted answer is asked for, with all its actions given"
+    assert len(searches) == 1, "one search for the predicted answer, with all actions assumed"
     walk(solver, 1)
     assert len(searches) == 1, "the next update is still predicted"
     walk(same, 6)

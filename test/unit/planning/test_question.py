@@ -1,4 +1,4 @@
-"""One question to a grounding: what is assumed, the limit of conflicts, the stop, and ``#heuristic``."""
+"""One question to a grounding: assumptions, conflict limit, stop, and ``#heuristic``."""
 
 from itertools import count
 
@@ -32,7 +32,7 @@ def ask(grounding, stopped=lambda: False, **limits):
 def test_question_ends_at_its_conflict_limit():
     grounding = grounding_of(PIGEONS)
     assert ask(grounding, given=TIGHT, conflicts=5).satisfiable is None
-    assert ask(grounding, conflicts=5).satisfiable is True, "that is easy"
+    assert ask(grounding, conflicts=5).satisfiable is True, "five conflicts suffice"
 
 
 def test_question_limit_does_not_affect_the_next():
@@ -40,7 +40,7 @@ def test_question_limit_does_not_affect_the_next():
     given = [(parse_atom("a(1)"), True)]
     assert ask(grounding, given=given, conflicts=0).satisfiable is not True
     assert ask(grounding, given=given).satisfiable is False
-    assert not grounding.is_conflicting, "what was assumed is not in force"
+    assert not grounding.is_conflicting, "assumptions are not permanent"
 
 
 def test_question_respects_a_stop_during_the_search():
@@ -52,7 +52,7 @@ def test_question_respects_a_stop_during_the_search():
     ("given", "answers"), [({}, 4), ({"a(1)": True, "b(1)": False}, 1), ({"a(7)": True}, 0), ({"a(7)": False}, 4)]
 )
 def test_question_finds_answers_with_its_assumptions(given, answers):
-    """No answer has an unknown atom."""
+    """Unknown atoms are false in each answer."""
     grounding = grounding_of("#program cumulative(t). { a(t); b(t) }. #program volatile(t).")
     found = ask(grounding, models=0, given=[(parse_atom(atom), value) for atom, value in given.items()])
     assert len(found.answers) == answers

@@ -1,4 +1,4 @@
-"""Recorded streams get the recorded answers: a sample of them, all with ROSOCLINGO_STREAMS=1000."""
+"""Recorded streams get the recorded answers: a sample, or all with ROSOCLINGO_STREAMS=1000."""
 
 import os
 from statistics import median
@@ -8,17 +8,17 @@ from recorded_streams import DOMAINS, KINDS, LATE, first_plans, play, recorded, 
 
 pytestmark = [pytest.mark.slow, pytest.mark.once]
 SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "15"))
-FEW = 15  # of which the day has no explanation: those of the mailbot and of control programs are compared
+FEW = 15  # in a sample this small, explanations are compared for all kinds except day
 
 
 def streams(kind):
-    """The sampled streams of a kind."""
+    """Return the sampled streams of a kind."""
     return [one for one in recorded()[:SAMPLE] if one["kind"] == kind]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_updates_get_the_recorded_answers(kind):
-    """Plans of equal length can differ in their number of actions, which are compared in total."""
+    """Plans of equal length can differ in their number of actions, so their total is compared."""
     before, now = 0, 0
     for record in streams(kind):
         for (update, *expected), found in zip(record["updates"], play(record)):

@@ -1,4 +1,4 @@
-"""Which rules tell what returns bear on."""
+"""Return rules: auxiliary rules that show which returns affect an answer."""
 
 import pytest
 
@@ -9,7 +9,7 @@ ACTS = "#program cumulative(t). #external _return/3. { _action_lib(go,1..3,t) }.
 
 
 def texts(rules):
-    """The rules that are made for a program with these, without the sign that ends them."""
+    """Return the return rules of a program with these rules, without the final dots."""
     found = return_rules(ReactiveProgram.from_text(ACTS + rules + " #program volatile(t)."))
     return (
         None

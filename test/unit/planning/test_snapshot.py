@@ -1,4 +1,4 @@
-"""Snapshots: values and the fold; test_history.py compares it with a reference, test_stream_updates.py has examples."""
+"""Snapshots: values and the fold (see also test_history.py and test_stream_updates.py)."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ SNAPSHOT = Snapshot(
 
 
 def ignored(result):
-    """The heads that were not declared external."""
+    """Return the heads of ignored statements."""
     return [warning.split()[1] for warning in result.warnings]
 
 
@@ -59,13 +59,13 @@ def test_snapshot_is_steady_if_nothing_lapses_next():
         ("sees(x,7)", True),
         ("sees(x,8)", False),
         ("unused(1)", False),
-        ("told(3)", False),
+        ("heard(3)", False),
     ],
 )
 def test_only_facts_of_compacted_steps_are_too_late(atom, too_late):
     program = ReactiveProgram.from_text(
         "#external sees/2. #external unused/1. #program cumulative(t). day(t). #external e(t). "
-        "#external held(T) : day(T), T > t-2. seen(X,t) :- sees(X,T), T > t-2. a(t) :- told(t). #program volatile(t)."
+        "#external held(T) : day(T), T > t-2. seen(X,t) :- sees(X,T), T > t-2. a(t) :- heard(t). #program volatile(t)."
     )
     assert Snapshot(step=12).is_too_late(program, parse_atom(atom)) is False
     assert Snapshot(step=12, past=Past(9, frozenset())).is_too_late(program, parse_atom(atom)) is too_late
@@ -87,7 +87,7 @@ def test_first_snapshot_is_at_step_one(first):
 
 @pytest.mark.parametrize(("done", "late"), [("", "12"), (":- not _action_lib(go,x,1).", "2")])
 def test_snapshot_accepts_returns_of_the_last_cycles(done, late):
-    """And for the last cycle."""
+    """The last cycle, and the last cycle with actions."""
     text = "#cumulative t. #external _return(go,x,t). { _action_lib(go,x,t) }. #volatile t."
     solver = planner_of(text)
     play(solver, f"#step 2. #closed 1. {done}")

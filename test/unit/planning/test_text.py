@@ -1,4 +1,4 @@
-"""Snapshots as plain values: nothing of them is lost on the way to another process or a file."""
+"""Snapshots as messages: serialization to another process or a file keeps every value."""
 
 import json
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""Telling gringo 3's language from clingo 5's."""
+"""Detecting the dialect of a text: gringo 3 or clingo 5."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What cannot be translated is refused with file, line and reason."""
+"""Untranslatable text is refused with file, line and reason."""
 
 import pytest
 

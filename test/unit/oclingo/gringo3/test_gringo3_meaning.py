@@ -1,4 +1,4 @@
-"""Answers of translated gringo 3 programs; the expected ones follow from gringo 3's manual and grammar."""
+"""Answers of translated programs; the expected answers follow from the manual and grammar of gringo 3."""
 
 import pytest
 from gringo3_answers import answers, optima, solve, translated
@@ -32,7 +32,7 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate_program
         ("d(2..4). s(A,B) :- A = #min [ d(X)=X ], B = #max [ d(X) : X < 4 = X ]. #hide d/1.", ["s(2,3)"]),
         ("2 #max [ a=2, b=3 ] 2.", ["a"]),
         ("{ a, b }. ok :- 2 #count [ a, a, b ] 2. #hide. #show ok/0. #show b/0.", ["", "b", "b", "ok"]),
-        # comparisons beside aggregates
+        # comparisons around aggregates
         ("1 == { a, b, c }.", ["a", "b", "c"]),
         ("1 < { a, b } <= 2. #hide.", [""]),
         ("3 > { a, b } >= 2. #hide.", [""]),
@@ -69,7 +69,7 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate_program
         ("{ a, b }. e :- #even { a, b }. o :- #odd { a, b }.", ["a b e", "a o", "b o", "e"]),
         ("{ a, b }. e :- #even [ a=2, b=3 ]. n :- not #odd [ a=2, b=3 ].", ["a b", "a e n", "b", "e n"]),
         ("x. #odd { a, b } :- x.", ["a x", "b x"]),
-        # pools: all options hold in a body, each gives a rule in a head
+        # pools: a conjunction in a body, one rule per option in a head
         ("b(1). b(2). ok :- b(1;2). no :- b(1;3).", ["b(1) b(2) ok"]),
         ("p(a,1;2). q(1;2,x;y). r(1,2;;3,4).", ["p(a,1) p(a,2) q(1,x) q(1,y) q(2,x) q(2,y) r(1,2) r(3,4)"]),
         ("p(1,2). p(2,3). t(X,Z) :- p(X,Y;;Y,Z). #hide p/2.", ["t(1,3)"]),
@@ -77,7 +77,7 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate_program
         ("d(1). d(2). { p(X;Y) : d(X) : d(Y) : X < Y }. #hide d/1.", ["", "p(1)", "p(1) p(2)", "p(2)"]),
         ("{ p(1), p(2), q }. ok :- p(1;2) : not r, q. #hide. #show ok/0.", [*[""] * 7, "ok"]),
         ("d(1;2). e(2). ok(X) :- e(X), d(X) : e(X;X).", ["d(1) d(2) e(2) ok(2)"]),
-        # intervals: one rule for each value, but local under conditions and in disjunctions
+        # intervals: one rule per value, except under conditions and in disjunctions
         ("p(1). ok :- p(1..3). no :- not p(1..3).", ["no ok p(1)"]),
         ("{ p(1) }. p(2). ok :- p(1..2) : p(2). #hide. #show ok/0.", ["", "ok"]),
         ("a(1..2) | b.", ["a(1)", "a(2)", "b"]),
@@ -115,7 +115,7 @@ def test_translated_program_has_the_expected_answers(program, expected):
         ("1 { a, b } 1. d(1..2). #minimize [ a : d(X), b=3 ]. #hide d/1.", ["a"]),
         ("1 { a, b } 1. d(1..2). #minimize [ a : d(_), b=2 ]. #hide d/1.", ["a", "b"]),
         ("1 { p(1..3) } 1. #maximize { p(1..2) }.", ["p(1)", "p(2)"]),
-        # later statements weigh more, and statements of one priority add up
+        # later statements have priority, and statements of equal priority add up
         ("1 { a, b } 1. #minimize { a }. #minimize { b }.", ["a"]),
         ("1 { a, b } 1. #minimize [ a=1@2, b=2@1 ].", ["b"]),
         ("1 { a, b } 1. #minimize [ a@1 ]. #minimize [ a@1, b=1@1 ].", ["b"]),

@@ -1,4 +1,4 @@
-"""Properties that hold for any text, and answers of random programs against a model of gringo 3's meaning."""
+"""Properties of the translation of any text, and answers of random programs against a model of gringo 3."""
 
 import itertools
 import operator
@@ -116,7 +116,7 @@ def between(value, bounds):
 
 
 def expected(meaning):
-    """The answers of a free choice with `ok` where it is meant to hold."""
+    """Return all subsets of a free choice, with `ok` if ``meaning`` holds."""
     return sorted(" ".join(sorted([*true, *(["ok"] if meaning(true) else [])])) for true in SUBSETS)
 
 

@@ -1,4 +1,4 @@
-"""The text of translations: what stays as it was, and where the lines are."""
+"""The text of translations, with unchanged parts and line numbers."""
 
 import pytest
 from gringo3_answers import translated

@@ -1,4 +1,4 @@
-"""Which actions an answer may hold: the rules that are added to a program, and what an action is."""
+"""Rules that exclude actions beyond the horizon, and the recognition of actions."""
 
 import pytest
 

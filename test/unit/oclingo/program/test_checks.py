@@ -1,4 +1,4 @@
-"""Faults that clingo does not see: what is taken for one, what is not, and what is said of it."""
+"""Checks of a program beyond those of clingo, and their messages."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""After how many cycles facts bear on actions, and the cycle of facts of now."""
+"""The delay after which facts affect actions, and the cycle that replaces ``now``."""
 
 import pytest
 from shipped import shipped
@@ -8,9 +8,9 @@ from rosoclingo.reasoning.input_feeder import Clock
 
 RULES = """
 #external _request/2. #external low/1. #external far/1. #external fire/2. #external wet/2. #external quiet/1.
-#external mood/1. #external seen/2. #external base_told/2.
+#external mood/1. #external seen/2. #external base_report/2.
 #program base.
-told(X,C) :- base_told(X,C).
+reported(X,C) :- base_report(X,C).
 #program cumulative(t).
 #external door(t).
 {{ do(X,t) : _request(X,t+1) }} :- {condition}.
@@ -23,8 +23,8 @@ at(X,t) :- at(X,t-1), not do(a,t).
 """
 
 
-#: A late fact makes what was done possible all the same; it counts from the next cycle on.
-DONE_WHEN_IT_RETURNED = """{ _action_lib(go,x,t) } :- late(x,t), _return(go,V,t).
+#: A returned action was executed even if a late fact contradicts it; the fact counts from the next cycle on.
+EXECUTED_IF_RETURNED = """{ _action_lib(go,x,t) } :- late(x,t), _return(go,V,t).
 old(t) :- late(x,t-1). :- old(t), _action_lib(go,x,t)."""
 
 
@@ -43,8 +43,8 @@ old(t) :- late(x,t-1). :- old(t), _action_lib(go,x,t)."""
         ("wet/2", "#true", "wets(X,t) :- wet(X,t-1). :- wets(X,t), at(X,t).", 1),
         ("far/1", "#true", "near(t) :- far(T), T < t. :- near(t), do(X,t).", 1),
         ("far/1", "#true", "near(t) :- far(T), T <= t, t-T < 9. :- near(t), do(X,t).", 0),
-        ("base_told/2", "#true", ":- told(X,t), do(X,t).", 0),
-        ("base_told/2", "#true", ":- told(X,t-1), do(X,t).", 1),
+        ("base_report/2", "#true", ":- reported(X,t), do(X,t).", 0),
+        ("base_report/2", "#true", ":- reported(X,t-1), do(X,t).", 1),
         ("door/1", "not door(t)", "", 0),
         ("quiet/1", "#true", "", 0),
         ("seen/2", "not low(t)", "looks(t) :- seen(X,t).", 0),
@@ -53,7 +53,7 @@ old(t) :- late(x,t-1). :- old(t), _action_lib(go,x,t)."""
         (
             "late/2",
             "#true",
-            DONE_WHEN_IT_RETURNED,
+            EXECUTED_IF_RETURNED,
             1,
         ),
     ],

@@ -1,4 +1,4 @@
-"""Terms in rules: their values are clingo's, and what is the step plus a constant is told from all else."""
+"""Terms in rules: their values, their offsets from the step, and how far bodies look back."""
 
 import clingo
 import pytest
@@ -35,7 +35,7 @@ def test_evaluate_agrees_with_clingo_on_arithmetic(text):
     control.ground([("base", [])])
     expected = [one.symbol.arguments[0] for one in control.symbolic_atoms]
     value = evaluate(term(text), CONSTANTS)
-    assert value is None or [value] == expected  # what goes beyond 32 bits is left to clingo
+    assert value is None or [value] == expected  # values beyond 32 bits are left to clingo
     if expected and abs(expected[0].number) < 1000 and "**" not in text:
         assert value == expected[0]
 

@@ -1,4 +1,4 @@
-"""Nodes know where they stand in the file that they were read from, and so do those that are made of others."""
+"""Nodes keep their place in the source file, also in statements composed of other nodes."""
 
 from clingo.ast import BodyAggregateElement, Position, Sign
 
@@ -6,7 +6,7 @@ from rosoclingo.oclingo.program.nodes import make, parse
 
 
 def moved(text):
-    """Its statements, ten lines further down in a file."""
+    """Return the statements of ``text``, moved ten lines down in a file."""
     statements = parse(text)
     for one in statements:
         one.move(lambda position: Position("file.lp", position.line + 10, position.column))

@@ -1,4 +1,4 @@
-"""What is odd is told once, with its place and a mend; programs are used all the same."""
+"""Warnings about odd programs: each is given once, with its place and a fix, and the program is usable."""
 
 import pytest
 
@@ -66,8 +66,8 @@ def test_undefined_operations_are_reported_once_while_solving():
     program = ReactiveProgram.from_text(text, "f.lp")
     assert program.warnings == []
     solver = ReactiveSolver(program)
-    (told,) = solver.solve().warnings
-    assert told.startswith("f.lp:3:17: undefined operation (1/X)")
+    (warning,) = solver.solve().warnings
+    assert warning.startswith("f.lp:3:17: undefined operation (1/X)")
     assert solver.update(parse_update("#step 3. #endstep.")).warnings == ()
 
 
@@ -114,14 +114,14 @@ def play(solver, text):
 
 def test_unused_facts_are_reported_only_once():
     solver = ReactiveSolver(ReactiveProgram.from_text("{ c }.\n" + STEPS))
-    (told,) = play(solver, "#step 1. ee(1). e(1).")
-    assert told.startswith("No rule and no #external of the program mentions ee/1")
-    assert told.endswith("(is e/1 meant?).")
+    (warning,) = play(solver, "#step 1. ee(1). e(1).")
+    assert warning.startswith("No rule and no #external of the program mentions ee/1")
+    assert warning.endswith("(is e/1 meant?).")
     assert play(solver, "#step 2. ee(2).") == ()
     assert play(solver, "x(1). e(2) :- x(1). -c.") == ()
     assert play(solver, "x(2).") == ()
     assert len(play(solver, "zzz.")) == 1
-    assert play(solver, "y(1) :- c.") == (), "it says what it depends on"
+    assert play(solver, "y(1) :- c.") == (), "a rule has a body to depend on"
     assert len(play(solver, "y(2).")) == 1
 
 

@@ -1,4 +1,4 @@
-"""At which steps a rule could see an atom: never fewer than clingo grounds, none beyond what comparisons allow."""
+"""The steps whose rules can match an atom: a superset of those that clingo grounds, limited by comparisons."""
 
 from itertools import combinations
 
@@ -23,7 +23,7 @@ OPERATORS = st.sampled_from(["<", "<=", ">", ">=", "=", "!="])
 
 
 def seen(comparison):
-    """The steps at which clingo grounds a rule with the comparison, with the values of T."""
+    """Return the pairs of T and step for which clingo grounds a rule with the comparison."""
     control = clingo.Control(["--warn=none", "-cn=3"], logger=lambda code, text: None)
     control.add("base", [], " ".join(f"d({value})." for value in VALUES))
     control.add("step", ["t"], f"hit(T,t) :- d(T), {comparison}.")
@@ -32,7 +32,7 @@ def seen(comparison):
 
 
 def could_see(comparison):
-    """The same as the program tells it without grounding."""
+    """Return the pairs of T and step that the program reports without grounding."""
     text = f"#program cumulative(t).\n#external d/1.\nhit(T,t) :- d(T), {comparison}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text, constants={"n": "3"})
     atoms = [parse_atom(f"d({value})") for value in VALUES]
@@ -73,7 +73,7 @@ def test_may_see_is_limited_by_comparisons(comparison, age):
         ("d(t)", "d(a)", set()),
         ("d(t+2)", "d(5)", {3}),
         ("d(T,t)", "d(x,2)", {2}),
-        ("d(f(t))", "d(f(3))", set(STEPS)),  # what is within a term is not looked at: any step will do
+        ("d(f(t))", "d(f(3))", set(STEPS)),  # arguments of terms are not inspected: any step matches
         ("d(f(t+1))", "d(f(3))", set(STEPS)),
         ("d(f(t))", "d(g(3))", set()),
         ("d(f(1))", "d(f(1,2))", set()),
@@ -104,7 +104,7 @@ BODIES = ["d(t,t+1)", "d(t-2,T)", "d(T,t)", "d(t+1,a)", "d(x,T)"]
 
 
 def with_bodies(*bodies):
-    """A program with a rule of the steps for each of ``bodies``."""
+    """Return a program whose cumulative part has one rule per body."""
     rules = "".join(f"hit({number},t) :- {body}, v(T).\n" for number, body in enumerate(bodies))
     text = f"#external d/2.\nv(1..9).\n#program cumulative(t).\n{rules}#program volatile(t).\n"
     return ReactiveProgram.from_text(text)

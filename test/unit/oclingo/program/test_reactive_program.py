@@ -1,4 +1,4 @@
-"""Reactive programs: parts, directives, constants, and faults that name file, line and mend, all at once."""
+"""Reactive programs: parts, directives, constants, and complete lists of faults with file, line and fix."""
 
 import clingo
 import pytest
@@ -136,8 +136,8 @@ def test_program_faults_name_line_and_fix(text, line, words):
 
 def test_redefinitions_are_reported_at_rules_of_steps():
     found = faults("v :- a.\n{ a }.\n" + STEPS + "#program cumulative(t).\nw :- m(t).\nv :- m(t).\nu :- m(t).\n")
-    told = [(line, text.split("redefinition: ")[1][0]) for _, line, text in found if "redefinition" in text]
-    assert told == [(9, "u"), (8, "v"), (7, "w")]
+    reported = [(line, text.split("redefinition: ")[1][0]) for _, line, text in found if "redefinition" in text]
+    assert reported == [(9, "u"), (8, "v"), (7, "w")]
 
 
 def test_external_of_a_step_needs_no_step_argument():
@@ -185,7 +185,7 @@ def test_volatile_rule_holds_only_at_the_horizon(part):
 
 
 class _Rules(clingo.backend.Observer):
-    """Counts the rules that are ground."""
+    """Counts the grounded rules."""
 
     count = 0
 
@@ -225,6 +225,6 @@ def test_program_reports_missing_and_undecodable_files(tmp_path):
 
 
 def test_search_for_redefinitions_ends_without_a_result():
-    """The look for redefinitions gives up what only a real grounding could tell."""
+    """The check is abandoned if only a complete grounding could decide it."""
     text = STEPS + "#program cumulative(t).\nn(0) :- t > 1.\nn(X+1) :- n(X), X < 2000000000.\n"
     assert ReactiveProgram.from_text(text).parts

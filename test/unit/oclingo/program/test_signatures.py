@@ -1,4 +1,4 @@
-"""What statements mention, against clingo itself where it can tell."""
+"""Occurrences of atoms in statements, values of terms, and dependencies; clingo is the reference for values."""
 
 import clingo
 import pytest
@@ -22,8 +22,8 @@ def statement(text):
     return found[-1]
 
 
-def told(text):
-    """The atoms of a statement: heads with an h, positive body atoms with a +, others with a -."""
+def marked_atoms(text):
+    """Return the atoms of a statement: h marks heads, + positive body atoms, - other atoms."""
     marks = {(True, False): "h", (False, True): "+", (False, False): "-"}
     return sorted(marks[one.head, one.positive] + str(one.signature) for one in occurrences(statement(text)))
 
@@ -56,7 +56,7 @@ def told(text):
     ],
 )
 def test_occurrences_classify_all_atoms_of_statements(text, atoms):
-    assert told(text) == sorted(atoms.split())
+    assert marked_atoms(text) == sorted(atoms.split())
 
 
 def test_rule_edges_lead_from_positive_bodies_to_heads():
@@ -87,7 +87,7 @@ TERMS = st.recursive(
 
 
 def value_of(text):
-    """The value that clingo gives a term, None for none."""
+    """Return clingo's value of a term, or None."""
     control = clingo.Control(["-cn=3", "-cword=text", "--warn=none"], logger=lambda code, message: None)
     control.add("base", [], f"v({text}).")
     control.ground([("base", [])])

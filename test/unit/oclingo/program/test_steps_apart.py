@@ -1,4 +1,4 @@
-"""What steps see of one another: which may be ground together."""
+"""Dependencies between steps: which steps can be grounded together."""
 
 import pytest
 

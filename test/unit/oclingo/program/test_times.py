@@ -1,4 +1,4 @@
-"""Which argument of an atom is its time."""
+"""The argument of an atom that is its time."""
 
 import pytest
 
@@ -45,7 +45,7 @@ def program():
         ("plan", 2, 1),
         ("clean", 2, 1),
         ("span", 3, 2),
-        ("mixed", 2, 1),  # its heads disagree: then the last one, where rules use it as a time
+        ("mixed", 2, 1),  # heads disagree: the last argument, if rules use it as a time
         ("known", 1, None),
         ("door", 2, 1),
         ("since", 2, 1),

@@ -1,4 +1,4 @@
-"""Updates as a program reads them: ``_failed(A,V,C)`` with each return that is not what its action was about."""
+"""The update reader: it adds ``_failed(A,V,C)`` to each return that differs from the parameter of its action."""
 
 import pytest
 from stream_play import atoms, planner_of, play
@@ -27,7 +27,7 @@ def test_reader_treats_the_parameter_as_success(value, found, order):
     assert atoms(play(solver, order.format(DONE, f"_return(go,{value},1)."))) == found
     solver = planner_of(PROGRAM)
     play(solver, f"#step 2. {DONE}")
-    assert atoms(play(solver, f"#step 3. _return(go,{value},1).")) == found, "it was committed before"
+    assert atoms(play(solver, f"#step 3. _return(go,{value},1).")) == found, "the commitment was in an earlier update"
 
 
 @pytest.mark.parametrize(

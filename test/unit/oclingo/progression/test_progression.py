@@ -1,4 +1,4 @@
-"""Online progressions: reading, printing, errors with their places."""
+"""Online progressions: parsing, printing, and errors with line and column."""
 
 import clingo
 import pytest

@@ -1,4 +1,4 @@
-"""What updates say of the past: ``#closed``, ``#over``, ``#withdraw``, ``#anew``."""
+"""Directives about the past: ``#closed``, ``#over``, ``#withdraw``, ``#anew``."""
 
 import pytest
 from core_driver import ERRANDS

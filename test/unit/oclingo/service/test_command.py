@@ -1,4 +1,4 @@
-"""The command oclingo: options, streams, the prompt, the service as a process, faults and exit codes."""
+"""The command oclingo: options, streams, prompt, service process, errors and exit codes."""
 
 import io
 import json
@@ -53,7 +53,7 @@ go(1).
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Work in a folder with a program and a stream."""
+    """Change to a folder with programs and a stream."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "program.lp").write_text(PROGRAM, encoding="utf-8")
     (tmp_path / "endless.lp").write_text(ENDLESS, encoding="utf-8")
@@ -65,7 +65,7 @@ def files(tmp_path, monkeypatch):
 
 
 def play(capsys, *words):
-    """Exit code, standard output and standard error of a run in this process."""
+    """Run the command in this process; return exit code, standard output and standard error."""
     code = main(words)
     return (code, *capsys.readouterr())
 
@@ -76,14 +76,14 @@ def start(*words, **options):
 
 
 def run(*words, text=""):
-    """The same as a process, with ``text`` on standard input."""
+    """Run the command as a process with ``text`` on standard input; return the same values."""
     with start(*words, stdin=subprocess.PIPE) as process:
         output, error = process.communicate(text)
     return process.returncode, output, error
 
 
 class Serving:
-    """The command as a service."""
+    """A process of the command that serves clients."""
 
     def __init__(self, *words):
         self.process = start(*words, "--port", "0")
@@ -95,7 +95,7 @@ class Serving:
         return Client(self.port)
 
     def end(self, number=None):
-        """Exit code and standard error after a signal."""
+        """Send a signal, if any; return exit code and standard error."""
         if number is not None:
             self.process.send_signal(number)
         error = self.process.communicate(timeout=60)[1]
@@ -134,7 +134,7 @@ def test_command_passes_options_to_the_solver(files, capsys):
     _, output, _ = play(capsys, "program.lp", "-c", "n=3", "0", "--stream", "updates.str", "--json")
     assert len(json.loads(output.splitlines()[0])["answers"]) == 3
     _, output, _ = play(capsys, "program.lp", "--stream", "updates.str", "--json")
-    assert len(json.loads(output.splitlines()[0])["answers"]) == 1, "one answer unless told otherwise"
+    assert len(json.loads(output.splitlines()[0])["answers"]) == 1, "the default is one answer"
     code, output, _ = play(capsys, "program.lp", "--imax=1", "--stream", "updates.str", "--json")
     assert code == 1
     assert "beyond the horizon limit 1" in json.loads(output.splitlines()[1])["error"]
@@ -161,7 +161,7 @@ def test_bound_option_applies_to_unbounded_updates(files, capsys):
     assert code == 20
     assert output == "#step 1.\n#end step.\nUNSAT at step 101\n\n"
     code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
-    assert (code, "Interrupted at horizon " in output) == (0, True), "there is no bound"
+    assert (code, "Interrupted at horizon " in output) == (0, True), "--bound 0 removes the bound"
 
 
 def test_progress_reports_step_and_seconds_of_searches():
@@ -174,10 +174,10 @@ def test_progress_reports_step_and_seconds_of_searches():
         progress.clear()
         progress.report(0.0, "update of step 2", 2)
         progress.clear()
-    told = "update of step 1, up to step 101: at step {}, no answer yet after {} s".format
-    assert lines.getvalue() == told(25, 10) + "\n" + told(50, 20) + "\n"
-    assert screen.getvalue().startswith("\r" + told(2, 1) + "\r" + told(5, 2) + "\r")
-    assert screen.getvalue().endswith(told(55, 22) + "\r" + " " * len(told(55, 22)) + "\r")
+    progress_line = "update of step 1, up to step 101: at step {}, no answer yet after {} s".format
+    assert lines.getvalue() == progress_line(25, 10) + "\n" + progress_line(50, 20) + "\n"
+    assert screen.getvalue().startswith("\r" + progress_line(2, 1) + "\r" + progress_line(5, 2) + "\r")
+    assert screen.getvalue().endswith(progress_line(55, 22) + "\r" + " " * len(progress_line(55, 22)) + "\r")
 
 
 def test_stream_errors_are_reported_and_skipped(files, capsys):
@@ -269,7 +269,7 @@ def test_interactive_prompt_answers_until_stop(files):
     code, output, error = run("program.lp", "0", "--interactive", text=text)
     assert (code, error) == (0, "")
     assert "<input>:2:11: X is a variable" in output
-    assert output.count("Answer") == 2, "what comes after #stop. is not taken"
+    assert output.count("Answer") == 2, "text after #stop. is ignored"
     assert run("program.lp", "--interactive", "--json", text="#step 1. go(1). #endstep. #step 2.")[1].count("\n") == 2
 
 
@@ -353,10 +353,13 @@ def test_plan_time_limits_the_proof_of_shortness(files, capsys):
 
 
 def test_plan_time_requires_the_shortest_option(files, capsys):
-    for words, told in ((["--plan-time", "1"], "--plan-time needs --shortest"), (["--plan-time", "-1"], "not a time")):
+    for words, message in (
+        (["--plan-time", "1"], "--plan-time needs --shortest"),
+        (["--plan-time", "-1"], "not a time"),
+    ):
         with pytest.raises(SystemExit):
             main(["program.lp", "--stream", "updates.str", *words])
-        assert told in capsys.readouterr().err
+        assert message in capsys.readouterr().err
 
 
 def test_service_page_documents_all_command_options(capsys):

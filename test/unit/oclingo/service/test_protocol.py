@@ -51,7 +51,7 @@ def test_requests_accept_updates_up_to_the_first_error():
 
 
 def feed(buffer, data):
-    """The messages that are complete with further data."""
+    """Add ``data`` to the buffer and return the messages that are complete."""
     buffer.add(data)
     return list(iter(buffer.next_message, None))
 

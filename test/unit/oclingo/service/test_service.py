@@ -15,13 +15,13 @@ from rosoclingo.oclingo.service import server as service
 CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n"
-GOAL = ECHO + ":- not c(t).\n"  # endless while no e(t) comes
+GOAL = ECHO + ":- not c(t).\n"  # a search is endless until an update asserts e(t)
 STEP = "#step {0} : 0. e({0}). #endstep."
 
 
 @pytest.fixture(scope="module")
 def echo():
-    """A service whose state tests may change, but for externals of steps below 100."""
+    """A service shared by tests; they must not define externals of steps below 100."""
     with running(ECHO) as found:
         yield found
 
@@ -30,12 +30,12 @@ def echo():
 def client(echo):
     found = echo.client()
     yield found
-    assert found.ask("#step 1 : 0. #endstep.").end == "end", "the connection goes on"
+    assert found.ask("#step 1 : 0. #endstep.").end == "end", "the connection stays usable"
     found.close()
 
 
 def kill(client):
-    """Break the connection as a killed process does, without any good-bye."""
+    """Reset the connection, as the kernel does for a killed process."""
     client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     client.close()
 
@@ -180,7 +180,7 @@ def test_client_that_stopped_sending_is_answered(echo):
     client.send(*["#step 141. #endstep."] * 20)
     client.socket.shutdown(socket.SHUT_WR)
     assert [client.reply().end for _ in range(20)] == ["end"] * 20
-    assert client.item() is None, "then the service hangs up, too"
+    assert client.item() is None, "the service closes its side, too"
 
 
 def test_each_client_gets_answers_to_its_updates(echo):
@@ -264,7 +264,7 @@ def test_waiting_update_ends_an_endless_search():
         assert (reply.end, reply.answers) == ("end", [])
         assert reply.warnings[0].startswith("The search for step 1 ended at horizon ")
         assert reply.warnings[0].endswith("without an answer: another update waits. The update stays in force.")
-        assert second.reply().warnings, "the same holds for updates of one client"
+        assert second.reply().warnings, "updates of the same client interrupt a search, too"
         assert second.reply().end == "unsat"
 
 
@@ -291,7 +291,7 @@ def test_update_with_endless_grounding_is_dropped():
     program = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
     with running(program, time_limit=1.0) as found:
         client = found.client()
-        while client.ask("#step 1. e(1). #endstep.").sets != [["e(1)"]]:  # the limit is short for a slow machine
+        while client.ask("#step 1. e(1). #endstep.").sets != [["e(1)"]]:  # the time limit is short for a slow machine
             pass
         reply = client.ask("#step 2. #endstep.")
         assert reply.end == "error"

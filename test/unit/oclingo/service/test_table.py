@@ -42,7 +42,7 @@ def test_wide_table_is_split_into_blocks():
     text = table(",".join(f"p({time})" for time in range(1, 31)) + ",q(29)", last=30, width=60)
     blocks = text.count("p(t)")
     assert blocks == 2
-    assert text.count("q(t)") == 1, "a row without a mark in a block is left out"
+    assert text.count("q(t)") == 1, "empty rows of a block are omitted"
     assert max(map(len, text.splitlines())) <= 60
     assert text.count("x") == 31
 

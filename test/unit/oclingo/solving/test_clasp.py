@@ -1,4 +1,4 @@
-"""What clasp itself gets wrong, and is kept from."""
+"""Workarounds for known bugs of clasp."""
 
 from pathlib import Path
 from typing import ClassVar, List
@@ -15,7 +15,7 @@ from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.solver import PlanSolver
 
-#: Part of what the mailbot's program became once (in aspif): clasp's equivalence preprocessing loses all its answers.
+#: Part of a grounding of the mailbot's program (aspif) that clasp's equivalence preprocessing makes unsatisfiable.
 EQUIVALENCES = Path(__file__).parents[3] / "data" / "equivalences.aspif"
 
 
@@ -24,7 +24,7 @@ def add_rules(backend, lines):
     atoms = {}
 
     def literal(number):
-        """The literal of this control for that of the file."""
+        """Map a literal of the file to the literal of the control."""
         atom = atoms[abs(number)] if abs(number) in atoms else atoms.setdefault(abs(number), backend.add_atom())
         return atom if number > 0 else -atom
 
@@ -77,10 +77,10 @@ UPDATES = (
 )
 
 
-class Watched(clingo.Control):
-    """A control that counts its solve calls and knows its arguments."""
+class CountingControl(clingo.Control):
+    """A control that counts its solve calls and stores its arguments."""
 
-    every: ClassVar[List["Watched"]] = []
+    every: ClassVar[List["CountingControl"]] = []
 
     def __init__(self, arguments=(), *more, **named):
         super().__init__(arguments, *more, **named)
@@ -88,17 +88,17 @@ class Watched(clingo.Control):
         self.every.append(self)
 
     def solve(self, *arguments, **named):
-        """Count, and solve."""
+        """Count the call, and solve."""
         self.calls += 1
         return super().solve(*arguments, **named)
 
 
 @pytest.fixture
 def controls(monkeypatch):
-    """All controls that were made since."""
-    monkeypatch.setattr(Watched, "every", [])
-    monkeypatch.setattr(clingo, "Control", Watched)
-    return Watched.every
+    """Replace ``clingo.Control``; yields the list of all controls created in the test."""
+    monkeypatch.setattr(CountingControl, "every", [])
+    monkeypatch.setattr(clingo, "Control", CountingControl)
+    return CountingControl.every
 
 
 def check_arguments(controls):
@@ -125,7 +125,7 @@ def test_planning_controls_disable_equivalence_preprocessing(controls, options):
     check_arguments(controls)
 
 
-#: What the rules of a step define, mostly from externals of this step and the one before, and from what.
+#: Heads of rules of a step -> possible body atoms, mostly externals of this and the previous step.
 TIMED = {"b(t)": ("e(t)", "e(t-1)"), "c(t)": ("e(t)", "e(t-1)", "b(t)"), "d(t)": ("e(t)", "b(t)", "c(t)", "p(t)")}
 SIGNS = st.sampled_from(("not ", "not ", ""))
 RULES = st.sampled_from(sorted(TIMED)).flatmap(
@@ -159,7 +159,7 @@ STREAMS = st.lists(
 
 
 @pytest.mark.slow
-@settings(max_examples=max(300, settings().max_examples))  # about one in a hundred shows what equivalences lose
+@settings(max_examples=max(300, settings().max_examples))  # about one example in a hundred reveals the bug
 @given(PARTS, STREAMS)
 def test_answers_after_several_updates_equal_those_from_scratch(parts, updates):
     reference = Reference(parts)
@@ -173,8 +173,8 @@ def test_answers_after_several_updates_equal_those_from_scratch(parts, updates):
             return
 
 
-FOUND = [
-    # a fact of an update, while it closes an external of its own step
+REGRESSIONS = [
+    # an update that asserts a fact and closes an external of the same step
     (
         "#cumulative t. #external e(t). b(t) :- not e(t). c(t) :- not e(t-1). d(t) :- e(t). d(t) :- not c(t).",
         ["#step 1 : 0. #endstep.", "#step 2 : 0. #volatile. e(1). #forget 2. #endstep."],
@@ -188,7 +188,7 @@ FOUND = [
 ]
 
 
-@pytest.mark.parametrize(("program", "updates", "answer"), FOUND)
+@pytest.mark.parametrize(("program", "updates", "answer"), REGRESSIONS)
 def test_answer_contains_the_facts_of_its_update(program, updates, answer):
     solver = ReactiveSolver(ReactiveProgram.from_text(program), models=0)
     results = [solver.update(parse_update(text)) for text in updates]

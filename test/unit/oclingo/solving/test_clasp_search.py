@@ -11,7 +11,7 @@ CHOICE = "{ a(1..n) }. :- not a(1). #const n=5."
 
 
 def ask(text, stopped=lambda: False, assumed=None, models=1, conflicts=None, **constants):
-    """The result, the core if something is ``assumed``, and the answers that were found."""
+    """Search a program; return the result, the core as indices of ``assumed``, and the answers."""
     program = ReactiveProgram.from_text(text, constants=constants)
     control, answers = clingo.Control(program.arguments()), []
     program.load_into(control)

@@ -1,4 +1,4 @@
-"""Answers that the real oClingo gave (test/data/oclingo_golden.json), through the library."""
+"""The library gives the recorded answers of the original oClingo (test/data/oclingo_golden.json)."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").
 
 
 def words(answer):
-    """The answer as the file has it: the sorted words of what oClingo sent, each once."""
+    """Return the answer in the format of the file: the distinct words of its text, sorted."""
     return sorted(set(" ".join(map(str, answer)).split()))
 
 

@@ -1,4 +1,4 @@
-"""Atoms of open signatures: the same answers however the program is ground, and few groundings."""
+"""Atoms of open signatures: answers are independent of the order of grounding, and regrounding is rare."""
 
 from unittest import mock
 

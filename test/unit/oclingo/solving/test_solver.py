@@ -17,8 +17,8 @@ def test_optimizing_solver_accepts_answers_without_costs(models):
     )
     assert [sorted(map(str, answer)) for answer in solver.solve().answers] == [[]]
     assert [sorted(map(str, answer)) for answer in play(solver, "#step 1.").answers] == [[]]
-    told = play(solver, "#step 2. _request(x,2).")
-    assert [sorted(map(str, answer)) for answer in told.answers] == [["_request(x,2)", "go(1,x,2)"]]
+    requested = play(solver, "#step 2. _request(x,2).")
+    assert [sorted(map(str, answer)) for answer in requested.answers] == [["_request(x,2)", "go(1,x,2)"]]
 
 
 def test_optimizing_solver_returns_only_optimal_answers():
@@ -52,7 +52,7 @@ def test_solver_distinguishes_permanent_from_temporary_unsatisfiability():
 
 
 def test_permanently_unsatisfiable_result_has_the_bound_as_horizon():
-    """As oClingo, which grows up to it; what was grounded is not more for that."""
+    """As in oClingo, which grows up to the bound; the solver does not ground these steps."""
     solver = solver_of("{ a }. #cumulative t. #external e(t). #volatile t.")
     result = play(solver, "#step 1 : 6. :- not a. :- a.")
     assert (result.horizon, result.permanent) == (7, True)
@@ -109,5 +109,7 @@ def test_horizon_limit_refuses_later_steps():
     with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
         play(solver, "#step 4.")
     assert solver.step == 3
-    assert play(solver, "_request(0,3).").outcome is SolveOutcome.SATISFIABLE, "an update without a step stays at it"
+    assert play(solver, "_request(0,3).").outcome is SolveOutcome.SATISFIABLE, (
+        "an update without a step keeps the previous step"
+    )
     assert solver.solve().outcome is SolveOutcome.SATISFIABLE

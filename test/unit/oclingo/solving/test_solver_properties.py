@@ -1,4 +1,4 @@
-"""The incremental solver equals one that solves the accumulated program from scratch, update by update."""
+"""The incremental solver agrees with a reference that solves the accumulated program after each update."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +9,7 @@ from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
 
 
 def compare(parts, updates):
-    """Play the updates on both solvers and compare all that they say."""
+    """Play the updates on both solvers and compare their results."""
     reference = Reference(parts)
     solver = ReactiveSolver(ReactiveProgram.from_text(parts.text()), models=0)
     for update in updates:
@@ -22,7 +22,7 @@ def compare(parts, updates):
         assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
         if result.permanent:
             return
-        # a fact that other rules have made true for good is passed over in silence
+        # a fact that is already permanently true is ignored without a warning
         assert sum("declared external" in warning for warning in result.warnings) <= ignored
 
 

@@ -1,4 +1,4 @@
-"""Updates of all kinds, one after the other: their answers and ignored heads, however the program is ground."""
+"""Sequences of updates of all kinds: answers and ignored heads, independent of the way of grounding."""
 
 import pytest
 from stream_logs import copied, cut, texts
@@ -15,9 +15,9 @@ XY = "{ x ; y }. #cumulative t. #volatile t."
 OPPOSITES = "- | x q(1) | y -q(1)"
 LOOP = "{ a }. #cumulative t. #external e(t). #external f(t). #external g(t). d(t) :- e(t), a. #volatile t."
 
-#: A program and its updates; ``=>`` precedes the answers, of which ``-`` is empty, and ``!`` the ignored heads.
+#: A program and its updates; ``=>`` precedes the answers (``-``: an empty answer), ``!`` the ignored heads.
 STREAMS = [
-    # open signatures, externals, and heads that only the stream knows
+    # open signatures, externals, and heads unknown to the program
     (OPEN, "#step 3. => -", "e(n). => a(n) b(n,1) b(n,2) b(n,3) e(n)"),
     (E, "#step 1. e(1). => c(1) e(1)", "e(1). e(1). => c(1) e(1)", "#step 2. e(1). => c(1) e(1)"),
     (E, "#step 1. e(3). #volatile. e(2). => -", "#step 3. => c(3) e(3)"),
@@ -27,7 +27,7 @@ STREAMS = [
      "#step 1. p. m(1). e(0). e(5) :- m(1). => p | p m(1) ! m(1) e(0)"),
     (E, "#step 1. new. #volatile. old. => new old", "#step 2. #volatile. old. => new old", "#step 3. => new"),
     (E, "#step 1. new :- e(1). #forget 1. => -", "#step 2. => -", "#step 3. new. => - ! new"),
-    # one definition after the other
+    # repeated definitions of a head
     ("{ a }. " + E, "#step 1. e(1) :- a. => - | a c(1) e(1)", "e(1). => - | a c(1) e(1) ! e(1)"),
     ("{ a }. " + E, "#step 1. #volatile. e(1). #cumulative. e(1). :- a. => c(1) e(1)",
      "e(1) :- a. => c(1) e(1) ! e(1)"),
@@ -99,13 +99,13 @@ def check_answers(solver, line):
         assert [one for one in result.warnings if "declared" in one] == list(map(IGNORED.format, ignored.split()))
 
 
-@pytest.mark.parametrize("way", ["in place", "ground again", "planner"])
+@pytest.mark.parametrize("way", ["in place", "regrounding", "planner"])
 @pytest.mark.parametrize(("program", "updates"), [(program, updates) for program, *updates in STREAMS])
 def test_stream_has_the_expected_answers(program, updates, way):
     kind = PlanSolver if way == "planner" else ReactiveSolver
     solver = solver_of(program if "#volatile" in program else program + " #volatile t.", kind, models=0)
     for line in updates:
-        if way == "ground again":
+        if way == "regrounding":
             drop_grounding(solver)
         check_answers(solver, line)
 
@@ -125,7 +125,7 @@ def test_closed_cycle_rejects_actions_of_later_steps(before, cycle, kind):
         play(solver, text)
     result = play(solver, "#step 5. #closed 3.")
     number = len(result.answers)
-    assert number == 16 if kind is ReactiveSolver else number > 1, "a plan has no actions after its horizon"
+    assert number == 16 if kind is ReactiveSolver else number > 1, "a plan has no actions beyond its horizon"
     assert not any(parse_atom("_action_lib(go,x,3)") in answer for answer in result.answers)
 
 
@@ -184,7 +184,7 @@ def test_reapply_reaches_the_horizon_of_stopped_searches():
     assert {"c(9)", "e(9)"} <= set(atoms(play(reader, "#step 9.")))
 
 
-@pytest.mark.parametrize("ahead", ["", "q(t) :- p(t+1)."])  # which no step sees that is ground alone
+@pytest.mark.parametrize("ahead", ["", "q(t) :- p(t+1)."])  # a body atom of the next step
 def test_reapply_reaches_the_horizon_of_a_search(ahead):
     solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.")
     update = parse_update("#step 1. #endstep.")
@@ -225,7 +225,7 @@ ALWAYS, IF_A, NEVER = (
 @pytest.mark.parametrize("rule", ["w(X,t) :- r(X,t).", ""])
 @SOLVERS
 def test_open_predicate_can_be_defined_in_any_section(kind, rule, before, update, now, later):
-    """Whether the program is ground up to that step before or with the update; the same updates lead readers there."""
+    """Readers that reapply the updates, or restore the history, give the same answers."""
     solver = solver_of(f"{{ a }}. #external r/2. #cumulative t. {rule} #volatile t.", kind, models=0)
     if not rule:
         now, later = ([[atom for atom in one if atom[0] != "w"] for one in answers] for answers in (now, later))
@@ -239,7 +239,7 @@ def test_open_predicate_can_be_defined_in_any_section(kind, rule, before, update
 
 
 def readers_of(solver, played):
-    """Solvers that know what was played without a search of it."""
+    """Return solvers that have accepted the ``played`` updates without a search."""
     readers = [type(solver)(solver.program, models=0) for _ in range(2)]
     if isinstance(solver, PlanSolver):
         for reader, log in zip(readers, (copied(solver.log), cut(solver))):

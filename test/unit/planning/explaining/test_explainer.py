@@ -1,4 +1,4 @@
-"""Reasons for "no plan" against brute force: clingo alone on the text without the rules and facts that are dropped."""
+"""Explanations of infeasibility, checked by brute force with plain clingo on subsets of the rules and facts."""
 
 from itertools import combinations
 
@@ -55,7 +55,7 @@ def has_answer(text, horizon):
 
 
 class Case:
-    """A program of one rule a line; clingo is asked for what is kept of it, each horizon on its own."""
+    """A program with one rule per line, whose subsets plain clingo can solve for each horizon."""
 
     def __init__(self, facts, stream=(), choice=CHOICES[0], constraints=(), volatile=VOLATILE[:1]):
         self.facts, self.stream, self.choice = facts, stream, choice
@@ -94,12 +94,12 @@ CASES = st.builds(
 )
 
 
-def all_but(things, *gone):
-    return [one for one in things if one not in gone]
+def all_but(things, *removed):
+    return [one for one in things if one not in removed]
 
 
 def check(case):
-    """The blamed rules are the fewest that forbid a plan; what else is reported of them and the facts is true."""
+    """Check that the explanation has the fewest conflicting rules, and that its other statements are true."""
     found = case.explain()
     assert (found is None) == case.has_plan()
     if found is None:
@@ -112,17 +112,17 @@ def check(case):
     for fewer in combinations(case.rules, len(rules) - 1) if rules else ():
         assert case.has_plan(fewer), f"{fewer} are enough"
     for one in found.rules:
-        gone = [one.rule.text, *(other.text for other in one.besides)]
-        assert case.has_plan(all_but(case.rules, *gone))
-        for back in gone:
-            assert not case.has_plan([*all_but(case.rules, *gone), back])
+        removed = [one.rule.text, *(other.text for other in one.besides)]
+        assert case.has_plan(all_but(case.rules, *removed))
+        for restored in removed:
+            assert not case.has_plan([*all_but(case.rules, *removed), restored])
     check_facts([one.text[:-1] for one in found.told], case.stream, lambda few: case.has_plan(rules, None, few))
     check_facts([one.text for one in found.facts], case.facts, lambda few: case.has_plan(rules, few))
     return found
 
 
 def check_facts(named, everything, has_plan):
-    """There is a plan without any one of those that are named, with all others or with those named alone."""
+    """Check that dropping any named fact permits a plan, given all other facts or only the named ones."""
     alone = all(has_plan(all_but(everything, fact)) for fact in named)
     together = not has_plan(named) and all(has_plan(all_but(named, fact)) for fact in named)
     assert alone or together

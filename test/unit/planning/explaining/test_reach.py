@@ -1,4 +1,4 @@
-"""What no number of steps reaches, against brute force: small worlds soon reach each of their states."""
+"""Unreachable atoms, checked by brute force in small worlds, whose states are all reached in few steps."""
 
 from pathlib import Path
 
@@ -15,11 +15,11 @@ from rosoclingo.planning.history import History
 PAPER = Path(__file__).resolve().parents[4] / "encodings" / "paper.lp"
 STEPS = 2
 THINGS = "abcd"
-ALL = 2 ** len(THINGS) + 2  # steps in which each state of these things is reached that ever is
+ALL = 2 ** len(THINGS) + 2  # enough steps to reach every reachable state
 
 
 class World:
-    """Things that are true or not; actions that need some, make one true and another one false."""
+    """Boolean things, and actions that require some of them, make one true and another one false."""
 
     def __init__(self, first, actions, forbidden, wanted):
         self.wanted = wanted
@@ -45,7 +45,7 @@ class World:
         ]
 
     def holds(self, atom, heeding=True):
-        """Whether an atom holds at the end of some plan of any length; without ``heeding`` constraints are ignored."""
+        """Return whether an atom holds at the end of some plan; ``heeding``: whether constraints count."""
         lines = [line for line in self.lines if heeding or not line.startswith(":-")]
         control = clingo.Control(["-Wnone"])
         control.add("base", [], "\n".join(lines))
@@ -63,7 +63,7 @@ def explained(program, facts="", steps=STEPS):
 
 
 def check(world, steps=STEPS):
-    """What is said to be never so never is."""
+    """Check that atoms reported as unreachable are unreachable."""
     text = "\n".join([*world.lines, "#program volatile(t).", f":- not has({world.wanted},t).", ""])
     found = explained(ReactiveProgram.from_text(text, "world.lp"), steps=steps)
     if found is None:
@@ -109,7 +109,7 @@ def test_reach_traces_a_missing_effect_to_its_cause():
     ("goal", "atom", "last"),
     [
         ("goal(office1,office9,1)", "delivered(1,t)", "next(_,office9)"),
-        ("goal(office9,office1,1)", "picked(1,t)", "next(_,office9)"),  # what is waiting is handed on until then
+        ("goal(office9,office1,1)", "picked(1,t)", "next(_,office9)"),  # mail waits until its pickup
     ],
 )
 def test_reach_knows_that_the_paper_lacks_an_office(goal, atom, last):

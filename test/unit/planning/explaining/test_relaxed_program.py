@@ -1,4 +1,4 @@
-"""The rules of a program by their kinds, of which a search can drop some."""
+"""Relaxed programs: the kinds of rules that a search can disable."""
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.named_rules import RuleKind

@@ -1,4 +1,4 @@
-"""Explanations in words: those of the program's author, steps, and whether longer plans could help."""
+"""The text of explanations: the author's comments, steps, and whether longer plans could help."""
 
 from itertools import count
 
@@ -101,7 +101,7 @@ def test_explanation_without_constraints_names_the_facts():
 
 
 def why_not_after(looks):
-    """What is found until so many looks at the stop; None for nothing."""
+    """Return the explanation found within ``looks`` polls of the stop, or None."""
     calls = count()
     try:
         return why_not(SHUT, halt=lambda: next(calls) >= looks)

@@ -1,4 +1,4 @@
-"""Shorter plans: actions up to the present step stay, and a stop at any moment leaves a plan."""
+"""Improving plans: actions up to the present step stay, and a stop at any time leaves a valid plan."""
 
 import time
 from functools import lru_cache
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.usefixtures("reorder_effort")
 
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
 
-#: What comes with each step: places that are wanted, and whether the action before has failed.
+#: For each step: requested places, and whether the previous action has failed.
 NEWS = st.tuples(st.lists(st.integers(-4, 5), max_size=3), st.booleans())
 
 
@@ -34,7 +34,7 @@ def solver_of(advice=True, **options):
 
 
 def stop_after(looks):
-    """A stop that comes after so many looks, None for never."""
+    """Return a stop callback that returns true after ``looks`` polls (None: never)."""
     numbers = count()
     return lambda: looks is not None and next(numbers) >= looks
 
@@ -49,14 +49,14 @@ def moved(action, steps):
 
 
 def adopt(solver, actions, horizon):
-    """Have the solver continue with a plan of these actions, atoms or texts, which nobody has proven the shortest."""
+    """Let the solver adopt a plan of these actions (atoms or texts), not proven to be shortest."""
     plan = Plan(frozenset(parse_atom(one) if isinstance(one, str) else one for one in actions), horizon)
     solver.restore(solver.log.adopt(plan))
     return plan
 
 
 def idle(solver, steps):
-    """Have the solver continue with the same plan, but its later actions come so many steps later."""
+    """Let the solver adopt its plan with all future actions delayed by ``steps``."""
     plan, step = solver.log.plan, solver.step
     actions = [one if cycle_of(one) <= step else moved(one, steps) for one in plan.actions]
     return adopt(solver, actions, plan.horizon + steps)
@@ -84,7 +84,7 @@ def test_improve_keeps_actions_up_to_the_present(advice, news, steps, looks):
             assert walk.allows(result.horizon, frozenset(at(better, walk.step, result.horizon)))
             plan = better
         assert solver.log.plan == plan
-        assert solver.log.key == key, "nothing but the plan is appended"
+        assert solver.log.key == key, "only the plan is appended"
         done = at(plan, walk.step, walk.step)
         if looks is None:
             next_step = Walk(walk.step + 1, walk.facts, walk.done | done)
@@ -93,7 +93,7 @@ def test_improve_keeps_actions_up_to_the_present(advice, news, steps, looks):
 
 # ---- Together with predicted updates ---------------------------------------------------------------------------------
 
-#: A robot on a line whose actions fail where they return something other than their parameter.
+#: A robot on a line whose actions fail if they return anything except their parameter.
 LINE = """
 #program base. at(0,0).
 #program cumulative(t).
@@ -110,7 +110,7 @@ wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 #program base.
 #show _action_lib/3.
 """
-#: There is no action in the first steps.
+#: The first steps have no action.
 LATE = LINE + "#program cumulative(t). :- _action_lib(A,X,t), t < 4."
 PLACES = tuple(f"{place}" for place in range(-3, 5))
 MAIL = tuple(f"goal(office{a},office{b},{{}})" for a in range(1, 5) for b in range(1, 5) if a != b)
@@ -124,8 +124,8 @@ def program_of(name):
     return ReactiveProgram.from_text({"line": LINE, "late": LATE}.get(name) or SOUND[name][0])
 
 
-def roomy(name, horizon, requests=(), **options):
-    """A solver that finds long plans, since so many steps are ground before its first question; with some requests."""
+def with_horizon(name, horizon, requests=(), **options):
+    """Return a solver that finds long plans, as its first grounding has ``horizon`` steps; it has some requests."""
     solver = PlanSolver(program_of(name), plan_time=0.0, **options)
     solver.restore(History().with_entries(AcceptedUpdate(None, horizon)))
     if requests:
@@ -134,7 +134,7 @@ def roomy(name, horizon, requests=(), **options):
 
 
 def news(solver, goals=(), fails=False):
-    """The update by which the next step begins: actions were executed, or have failed; goals can be new."""
+    """Return the update of the next step, with executed or failed actions and new goals."""
     step = solver.step
     done = sorted(at(solver.log.plan, step, step)) if solver.log.plan else []
     returns = [parse_atom(f"_return({one.arguments[0]},broken,{step})") if fails else success_of(one) for one in done]
@@ -144,7 +144,7 @@ def news(solver, goals=(), fails=False):
 
 
 def assert_answer(solver, result):
-    """The result is an answer in a grounding that a fresh solver makes from the whole history."""
+    """Check that a grounding of the whole history in a new solver has the result as an answer."""
     fresh = PlanSolver(solver.program, plan_time=0.0)
     fresh.restore(History.parse(solver.log.text()))
     snapshot = fresh.snapshot
@@ -166,14 +166,14 @@ def assert_answer(solver, result):
 @settings(max_examples=settings.default.max_examples // 6)
 @given(st.data())
 def test_improve_respects_the_whole_history(name, data):
-    """Whatever came since the last search: predicted updates, checkpoints, compaction."""
+    """After any predicted updates, checkpoints and compaction since the last search."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(solver_module, "LEAST_STEPS", data.draw(st.sampled_from([1, 16])))
         improve_at_random(name, data)
 
 
 def improve_at_random(name, data):
-    solver = roomy(name, data.draw(st.integers(8, 16)), log_limit=data.draw(st.sampled_from([2, 100])))
+    solver = with_horizon(name, data.draw(st.integers(8, 16)), log_limit=data.draw(st.sampled_from([2, 100])))
     draw, known = Random(data.draw(st.integers(0, 10**6))), 0
     for _ in range(data.draw(st.integers(3, 8))):
         goals = []
@@ -200,7 +200,7 @@ def improve_at_random(name, data):
 
 
 def test_predicted_updates_after_improve_need_no_search(searches):
-    solver = roomy("line", 24, [-3, 6])
+    solver = with_horizon("line", 24, [-3, 6])
     idle(solver, 3)
     better = solver.improve()
     assert better.predicted
@@ -211,17 +211,17 @@ def test_predicted_updates_after_improve_need_no_search(searches):
         assert solver.log.predicted
         assert_answer(solver, result)
     assert result.answers == better.answers
-    assert len(searches) == 9, "those of the comparison"
+    assert len(searches) == 9, "only the comparisons search"
 
 
 def reread(solver):
-    """Have the solver forget its answer, which the next update could leave as it is."""
+    """Let the solver forget its answer, so that the next update is not predicted."""
     solver.restore(History.parse(solver.log.text()))
 
 
 def test_improve_keeps_past_idle_steps_idle():
-    """Though the grounding was searched before them, and the plan does nothing before they are over."""
-    solver = roomy("line", 20, [3])
+    """Although the last search was before these steps and the plan idles in them."""
+    solver = with_horizon("line", 20, [3])
     reread(solver)
     plan = solver.log.plan
     adopt(solver, [moved(one, 4) for one in plan.actions], plan.horizon + 4)
@@ -235,7 +235,7 @@ def test_improve_keeps_past_idle_steps_idle():
     assert_answer(solver, better)
 
 
-#: The robot jumps at 4 unless its return from cycle 2 has come.
+#: The robot can jump at 4 unless there is a return of cycle 2.
 JUMPS = (
     LINE.replace("{ _action_lib(go,X+1,t);", "{ _action_lib(jump,X+2,t); _action_lib(go,X+1,t);")
     + """
@@ -250,7 +250,7 @@ moved(t) :- _action_lib(jump,X,t), not failed(t).
 
 @pytest.mark.parametrize("returns", [True, False])
 def test_improve_refuses_plans_that_returns_exclude(returns):
-    """Returns since the search."""
+    """The returns arrived after the last search."""
     solver = PlanSolver(ReactiveProgram.from_text(JUMPS), plan_time=0.0)
     solver.update(StreamUpdate(1, 40, (fact(parse_atom("_request(6,2)")),)))
     reread(solver)
@@ -276,7 +276,7 @@ def test_improve_refuses_plans_that_returns_exclude(returns):
 
 
 def requested(further="", text="", steps=2, **options):
-    """A solver with a plan that idles for so many steps."""
+    """Return a solver with a plan that idles for ``steps`` steps."""
     program = ReactiveProgram.from_text(program_text() + text) if text else PROGRAMS[True]
     solver = PlanSolver(program, **{"plan_time": 0.0, **options})
     solver.update(parse_update(f"#step 1. _request(3,1). {further} #endstep."))
@@ -295,7 +295,7 @@ LOOP = "#program cumulative(t). #external e(t). c(t) :- e(t)."
         {"text": LOOP, "further": "e(1) :- c(1)."},
         {"plan_time": 100.0, "steps": 0},
     ],
-    ids=["many answers", "ground again for a loop", "the shortest plan"],
+    ids=["many answers", "regrounding for a loop", "the shortest plan"],
 )
 def test_improve_leaves_plans_it_cannot_shorten(options, searches):
     solver = requested(**options)
@@ -304,7 +304,7 @@ def test_improve_leaves_plans_it_cannot_shorten(options, searches):
     assert searches == []
 
 
-#: A robot paints walls; each paint has a price, and the last one dries slowly.
+#: A robot paints walls with paints of different prices.
 PAINT = """
 #program cumulative(t).
 #external _request/2. #external _return/3.
@@ -323,7 +323,7 @@ wanted(W,t) :- wanted(W,t-1).
 
 
 def price(plan):
-    """The cost of a plan for PAINT, by its rule."""
+    """Return the cost of a plan for PAINT."""
     walls = [one.arguments[1].arguments for one in plan.actions if str(one.arguments[0]) == "paint"]
     return sum(wall.number * paint.number % 5 for wall, paint in walls)
 
@@ -332,7 +332,7 @@ def price(plan):
 @pytest.mark.parametrize("walls", [1, 4, 8])
 @pytest.mark.parametrize("steps", [0, 2])
 def test_improve_lowers_the_cost_of_optimizing_programs(walls, steps):
-    """Up to the least cost, which the search without a limit proves; what is under way stays."""
+    """Down to the optimum, which a search without a limit proves; running actions stay."""
     program = ReactiveProgram.from_text(PAINT)
     wanted = " ".join(f"_request(paint({wall},{wall}),2)." for wall in range(1, walls + 1))
     solver = PlanSolver(program, plan_time=0.0)
@@ -353,7 +353,7 @@ def test_improve_lowers_the_cost_of_optimizing_programs(walls, steps):
 
 
 def test_improve_continues_its_trials_after_an_update(searches):
-    solver = roomy("line", 16, [-2, 4])
+    solver = with_horizon("line", 16, [-2, 4])
     for _ in range(2):
         improve_fully(solver)
         searches.clear()
@@ -376,7 +376,7 @@ def test_improved_plan_replaces_the_previous_answer():
     assert (Plan.from_result(result), result.shortest) == (solver.log.plan, False)
     assert 0.0 <= result.statistics.pop("solve") <= seconds
     assert result.statistics == {"ground": 0.0, "needed": 0.0}
-    assert reader.improve() is None, "it has no plan"
+    assert reader.improve() is None, "there is no plan to improve"
     reader.restore(History.parse(requested().log.text()))
     assert reader.improve().horizon < 5
     improve_fully(solver)
@@ -403,7 +403,7 @@ def test_improve_removes_all_idle_steps_at_once():
 
 @pytest.mark.parametrize("looks", [0, 1, 2, 3, 5])
 def test_improve_asks_no_question_after_a_stop(looks, monkeypatch):
-    """The next call continues."""
+    """The next call continues the improvement."""
     solver = requested("_request(-4,1).")
     plan, stop, stopped, ask = solver.log.plan, stop_after(looks), [], Grounding.ask
 
@@ -413,7 +413,7 @@ def test_improve_asks_no_question_after_a_stop(looks, monkeypatch):
 
     def asked(grounding, question, stopped_now):
         assert True not in stopped
-        stopped_now()  # a search that is quick never looks, one that is slow does
+        stopped_now()  # emulate a slow search: a quick one would not poll the stop
         return ask(grounding, question, stopped_now)
 
     with monkeypatch.context() as patched:
@@ -434,12 +434,12 @@ def test_improve_stopped_while_grounding_continues_later():
     solver.restore(solver.log.with_entries(AcceptedUpdate(None, 150)))
     looks = count()
     assert solver.improve(lambda: next(looks) >= 2) is None
-    assert next(looks) <= 5, "not one for each piece"
+    assert next(looks) <= 5, "it does not continue piece by piece"
     assert solver.log.plan == plan
     assert solver.improve().horizon < plan.horizon
 
 
-#: Plants in a corridor are watered, the fern before another one.
+#: A robot waters plants in a corridor; the fern comes before another plant.
 GARDEN = """
 #program base. at(0,0). plant(fern,2). plant(lily,2). plant(rose,0). plant(ivy,0). first(fern,{}).
 #program cumulative(t).

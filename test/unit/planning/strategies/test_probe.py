@@ -1,4 +1,4 @@
-"""Probes: whether there would be an answer without some facts, against a solver that never has them."""
+"""Probes: whether there is an answer without some facts, compared with a solver that never receives them."""
 
 from itertools import combinations
 
@@ -63,7 +63,7 @@ def some(rules, most):
 
 @st.composite
 def streams(draw):
-    """A program, updates, the last of which is probed, and assumable facts."""
+    """Draw a program, updates (the last one is probed) and assumable facts."""
     text = PROGRAM.format(
         base=draw(some(BASE, 2)), cumulative=draw(some(CUMULATIVE, 3)), volatile=draw(some(VOLATILE, 2))
     )
@@ -86,7 +86,7 @@ def streams(draw):
 
 
 def without(solver, text, update, disabled):
-    """Whether a solver that never had the ``disabled`` facts has an answer."""
+    """Return whether a solver that never received the ``disabled`` facts has an answer."""
     fresh, entries = planner_of(text), [one for one in solver.log.entries if isinstance(one, AcceptedUpdate)]
     fresh.restore(fresh.log.with_entries(*(AcceptedUpdate(one.update.less(disabled), one.horizon) for one in entries)))
     return fresh.update(update.less(disabled)).outcome is SolveOutcome.SATISFIABLE
@@ -130,13 +130,13 @@ def atoms(text):
 
 
 def probe(solver, text, assumable, disabled="", **stops):
-    """The verdict on an update; assumable and disabled facts as text."""
+    """Return the verdict on an update, with assumable and disabled facts given as text."""
     found = solver.inquire(parse_update(f"{text} #endstep."), atoms(assumable), atoms(disabled), **stops)
     return Reply(found.satisfiable, core=found.core)
 
 
 def verdicts(solver, text, assumable):
-    """Whether there is an answer with the assumable facts, and without them."""
+    """Return whether there is an answer with the assumable facts, and without them."""
     return [probe(solver, text, assumable, disabled).satisfiable for disabled in ("", assumable)]
 
 
@@ -145,7 +145,7 @@ def test_probe_sees_updates_since_the_last_probe():
     assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)").satisfiable
     play(solver, "#step 1 : 3. knock(d).")
     for disabled in ("", "bolt(a)"):
-        assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)", disabled) == Reply(False), "none is blamed"
+        assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)", disabled) == Reply(False), "the core is empty"
 
 
 def test_probe_respects_the_bound_of_its_update():
@@ -156,20 +156,20 @@ def test_probe_respects_the_bound_of_its_update():
 
 
 def test_probe_finds_answers_that_later_steps_exclude():
-    """From the third step on there is no answer without told(a), before it none with told(b) or told(c)."""
+    """From step 3 on each answer requires seen(a); seen(b) and seen(c) exclude shorter ones."""
     solver = planner_of(
-        "#external told/1. #program cumulative(t). :- t > 2, not told(a). "
-        "#program volatile(t). :- t < 2, told(b). :- t < 4, told(c)."
+        "#external seen/1. #program cumulative(t). :- t > 2, not seen(a). "
+        "#program volatile(t). :- t < 2, seen(b). :- t < 4, seen(c)."
     )
 
     def without(disabled):
-        text = "#step 1 : 6. told(a). told(b). told(c)."
-        return probe(solver, text, "told(a) told(b) told(c)", disabled)
+        text = "#step 1 : 6. seen(a). seen(b). seen(c)."
+        return probe(solver, text, "seen(a) seen(b) seen(c)", disabled)
 
-    found = without("told(a)")
+    found = without("seen(a)")
     assert not found.satisfiable
-    assert found.core >= atoms("told(a) told(c)")
-    assert all(without(one).satisfiable for one in ("", "told(a) told(c)", "told(a) told(b) told(c)"))
+    assert found.core >= atoms("seen(a) seen(c)")
+    assert all(without(one).satisfiable for one in ("", "seen(a) seen(c)", "seen(a) seen(b) seen(c)"))
 
 
 @pytest.mark.parametrize(
@@ -233,7 +233,7 @@ def test_probe_regrounds_after_an_error(monkeypatch):
 
 @pytest.fixture
 def work(monkeypatch):
-    """What is ground and searched, as text: + for a new grounding, >7 for growing to step 7, 1..5 for a search."""
+    """Record work as text: + for a new grounding, >7 for growing to step 7, 1..5 for a search."""
     done = []
 
     def note(name, text_of):

@@ -1,4 +1,4 @@
-"""Candidates for shorter plans: the same tasks in another order, by the rules that the plan itself shows."""
+"""Candidates for shorter plans: tasks in another order, by transitions that the plan itself contains."""
 
 from random import Random
 
@@ -10,14 +10,14 @@ from rosoclingo.oclingo import parse_atom
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.strategies.reorder import reordered
 
-#: From a over b to c and back, twice; 7 steps are enough after the first.
+#: Twice from a over b to c and back; 7 steps suffice.
 TO_AND_FRO = "go a; go b; go c; water fern; go b; go a; water rose; go b; go c; water lily; go b; go a; water ivy"
 
 CAPACITY = 2
 
 
 def plan_of(acts, first=1):
-    """The plan that does one act after the other: "go a; take b"."""
+    """Return the plan with these acts in sequence, such as "go a; take b"."""
     texts = [one.split(" ", 1) for one in acts.split("; ") if one]
     actions = [f"_action_lib({kind},{what},{cycle})" for cycle, (kind, what) in enumerate(texts, first)]
     return Plan(frozenset(map(parse_atom, actions)), first + len(texts) - 1)
@@ -38,7 +38,7 @@ def test_reordered_joins_tasks_at_one_place(first):
     assert sorted(map(cycle_of, found.actions)) == [*range(first + 1, first + 7)]
     assert acts_of(found)[2:4] == ["go b", "go c"]
     back = candidate(plan_of(TO_AND_FRO + "; go b"), 1)
-    assert (back.horizon, acts_of(back)[-1]) == (8, "go b"), "it ends where the plan ends"
+    assert (back.horizon, acts_of(back)[-1]) == (8, "go b"), "it ends at the place where the plan ends"
 
 
 def test_reordered_continues_open_chains_on_the_way():
@@ -77,7 +77,7 @@ def test_reordered_ends_its_search_at_a_stop():
 
 
 class World:
-    """A corridor with packages, which refuses impossible actions."""
+    """A corridor with packages; impossible actions are errors."""
 
     def __init__(self, packages, carried=()):
         self.packages, self.carried, self.waiting = packages, set(carried), {*packages} - {*carried}
@@ -99,7 +99,7 @@ class World:
 
 
 def some_plan(packages, carried, draw):
-    """The acts of a plan that takes and puts down packages at random."""
+    """Return a random plan as acts that take and put packages, and the world after it."""
     world, acts = World(packages, carried), []
     while world.waiting or world.carried:
         ready = [("put", one) for one in sorted(world.carried)]

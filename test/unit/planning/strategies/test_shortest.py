@@ -1,4 +1,4 @@
-"""The search for a shortest plan: which horizons it asks for, and when more steps are ground."""
+"""The strategy for shortest plans: the horizons of its questions, and when it grounds more steps."""
 
 import pytest
 from fake_grounding import FakeGrounding
@@ -20,7 +20,7 @@ WORLDS = st.fixed_dictionaries(
 
 
 def run(answers, models=1, hint=0, block=1, **options):
-    """Return the reply, None after a stop; and the questions."""
+    """Return the reply (None after a stop) and the questions."""
     world = FakeGrounding({horizon: [] for horizon in answers}, **{"most": 9, **options})
     found, asked = world.run(lambda asking: shortest(asking, models, hint), block)
     assert found is None or found.proven is (found.reply.satisfiable is True)

@@ -1,4 +1,4 @@
-"""Plans soon: the questions that are asked, and plans of whole streams against a plain reading of the program."""
+"""The strategy for plans soon: its questions, and its plans in streams compared with a reference."""
 
 from itertools import count, product
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice i
 
 @pytest.fixture
 def plain(monkeypatch):
-    """The first plan is searched with as few conflicts as a shorter one, and is not trimmed (see test_trim.py)."""
+    """Search the first plan with few conflicts, and do not trim it (test_trim.py tests that)."""
 
     def as_found(found, *_rest, **_options):
         return found
@@ -38,7 +38,7 @@ def plain(monkeypatch):
 
 
 def clock(read):
-    """Let ``read`` return the processor time."""
+    """Replace the processor time by ``read``."""
     return mock.patch.object(soon, "time", SimpleNamespace(process_time=read))
 
 
@@ -47,7 +47,7 @@ def plan(horizon, *cycles, shortest=False):
 
 
 def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted=False):
-    """Return the plan's horizon, False for none and None after a stop; whether it is proven; and the questions."""
+    """Return the plan's horizon (False: no plan, None: stopped), whether it is proven, and the questions."""
     world = FakeGrounding(plans, **options)
     with clock(world.time):
         limit = TimeLimit(seconds, predicted)
@@ -73,7 +73,7 @@ LAST = st.none() | st.builds(lambda horizon, cycles: plan(horizon, *cycles), HOR
 
 @given(st.dictionaries(HORIZONS, st.lists(HORIZONS, max_size=4), max_size=3), WORLDS, LAST, st.sampled_from([1, 8]))
 def test_soon_returns_the_best_plan_when_stopped(plans, world, last, block):
-    """In time it is proven; a stop or the end of the time leaves the best plan so far, if there is one."""
+    """With enough time the plan is proven; a stop or timeout returns the best plan so far."""
     reachable = [horizon for horizon in plans if horizon <= world["most"]]
     best, proven, asked = run(plans, world, last, block=block)
     assert (best, proven) == (min(reachable, default=False), bool(reachable))
@@ -88,7 +88,7 @@ def test_soon_returns_the_best_plan_when_stopped(plans, world, last, block):
 
 
 def cases(*rows):
-    """Cases of plans, options of the grounding, settings of the search, and what is asked."""
+    """Parametrize by plans, options of the grounding, settings of the search, and expected questions."""
     return pytest.mark.parametrize(("plans", "options", "settings", "asked"), rows)
 
 
@@ -98,7 +98,7 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
 
 @pytest.mark.usefixtures("plain")
 @cases(
-    # half as many steps more, with advice a quarter, a block at least; and the least horizon by itself
+    # grow by half (a quarter with heuristics), at least one block; also ask the lowest horizon alone
     ({50: [50]}, {"horizon": 41, "hard": {1: 150}}, NOW, "1..41/100 1..1/100 >61 1..61/100"),
     (
         {12: [12]},
@@ -109,12 +109,12 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
     ({60: [60]}, {"horizon": 41}, NOW, "1..41/100 >61 42..61/100"),
     ({12: [12]}, {"most": 12}, NOW, "1..1/100 >9 2..9/100 >12 10..12"),
     ({20: [20]}, ADVISED, NOW, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
-    # as many steps as the program claims and a quarter more, in pieces; but the claim is not believed
+    # ground a quarter more steps than the program claims, in pieces; the claim is not trusted
     ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100 16..21/100"),
     ({180: []}, {"claims": 160, "most": 300}, NOW, "1..1/100 >65 >129 >193 >200 2..200/100"),
-    # each horizon before the next if further steps can end answers
+    # search each horizon before growing if further steps can exclude answers
     ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
-    # shorter plans, and proofs, with twice the conflicts each time
+    # shorter plans and proofs; the conflict limit doubles
     (
         {9: [9], 4: [4]},
         {"horizon": 9, "hard": {1: 150, 2: 350}},
@@ -127,7 +127,7 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
         {},
         "1..9/100 1..8/100 1..1/100 1..4/100 1..4/100? 1..1/100 1..4/200",
     ),
-    # the best, or more, of the answers of the plan's horizon
+    # optimal or several answers at the horizon of the plan
     ({9: [9]}, {"horizon": 9}, {"models": 0}, "1..9/100 1..8/100 9..9!0"),
     ({9: [9]}, {"horizon": 9}, {"models": 2, **NOW}, "1..9/100 9..9!2"),
     ({9: [9]}, {"horizon": 9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9+9-1-2-3-4-5-6-7-8/1000! 9..9!"),
@@ -140,7 +140,7 @@ ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
         "1..9/100 1..9/100? 1..9/200 1..9/200? 1..9/400",
     ),
     ({50: [50]}, {"horizon": 2, "dead": 2}, {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
-    # the rest of the last plan as it is, or one step later, without other actions; then with more; then any plan
+    # the rest of the last plan, unchanged or one step later; then with more actions; then any plan
     ({3: [2, 3]}, {"step": 2, "horizon": 5}, {"last": plan(4, 1, 2, 3), **NOW}, "3..4+2+3-4-5/100"),
     ({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, {"last": plan(4, 1, 2, 3, 4), **NOW}, ">4 4..4+2+3+4/100"),
     ({4: [2, 4]}, {"step": 2, "horizon": 4}, {"last": plan(2, 1, 2), **NOW}, "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
@@ -186,18 +186,18 @@ def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
 )
 @pytest.mark.usefixtures("plain")
 def test_soon_spends_a_tenth_on_shortening_valid_plans(last, predicted, least):
-    """A predicted one that was not the shortest is not shortened; without a valid plan there is all the time."""
+    """Predicted plans not proven shortest are kept; without a valid plan the full time is used."""
     assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, seconds=20, predicted=predicted)[0] == least
 
 
 # ---- Streams ---------------------------------------------------------------------------------------------------------
 
-#: For each step, requested places, and whether the action before has failed.
+#: For each step: requested places, and whether the previous action has failed.
 NEWS = st.tuples(st.lists(st.integers(-3, 4), max_size=2), st.booleans())
 
 
 def play(solver, news, bound=None):
-    """Play a stream in which the plan is executed; yield the walk, the result and what was left before each update."""
+    """Play a stream that executes the plan; yield walk, result and the rest of the previous plan."""
     walk, left = Walk(), None
     for wanted, fails in news:
         done = frozenset(one for one in left.actions if cycle_of(one) == walk.step) if left else frozenset()
@@ -218,7 +218,7 @@ def play(solver, news, bound=None):
     st.lists(NEWS, min_size=1, max_size=6),
 )
 def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
-    """Each is a plan, the shortest if there is time; without time the last one is kept if it is one still."""
+    """Plans are valid, and shortest if there is time; without time a valid last plan is kept."""
     with clock(count(0.0).__next__):
         check_stream(PlanSolver(PROGRAMS[advice], plan_time=plan_time, log_limit=2), plan_time, bound, news)
 
@@ -246,7 +246,7 @@ def check_stream(solver, plan_time, bound, news):
 
 @pytest.mark.parametrize("news", ["", "_request(0,2)."])
 def test_soon_does_not_shorten_predicted_plans(news, searches):
-    ticks = iter([0.0, 2.0])  # it stands still from then on
+    ticks = iter([0.0, 2.0])  # the clock stops at the last value
     solver = PlanSolver(PROGRAMS[True], plan_time=1.0)
     with clock(lambda: next(ticks, 2.0)):
         first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
@@ -259,7 +259,7 @@ def test_soon_does_not_shorten_predicted_plans(news, searches):
 
 
 def test_soon_returns_the_best_answer_in_time(monkeypatch):
-    """To prove that fourteen pigeons in thirteen holes can't all sit alone takes for ever."""
+    """Proving the optimum for fourteen pigeons in thirteen holes takes too long."""
     text = """
         #program base. pigeon(1..14). hole(1..13).
         #program cumulative(t). 1 { sits(P,H,t) : hole(H) } 1 :- pigeon(P).
@@ -274,7 +274,7 @@ def test_soon_returns_the_best_answer_in_time(monkeypatch):
         return ask(grounding, question, stopped)
 
     def now():
-        """The time is over as soon as the search for the best has a plan."""
+        """Expire as soon as the search for the optimum has a plan."""
         return float(bool(before) and before[0].shown is not before[1])
 
     monkeypatch.setattr(Grounding, "ask", asked)

@@ -1,4 +1,4 @@
-"""Trimmed plans have no superfluous actions and no idle steps."""
+"""Trimming plans: superfluous actions and idle steps are removed."""
 
 from types import SimpleNamespace
 
@@ -11,9 +11,10 @@ from rosoclingo.planning.strategies.trim import trimmed
 
 
 def trim(horizon, cycles, *plans, step=0, first=1, advises=False, most=99):
-    """Trim a plan where there are ``plans``, sets of cycles; return the cycles of the result, its horizon, questions.
+    """Trim the plan with these ``cycles``; return cycles and horizon of the result, and the questions.
 
-    Each cycle has one action; that of cycles up to ``step`` stays. There is a stop after ``most`` questions.
+    ``plans`` are the valid plans as sets of cycles, with one action per cycle. Actions up to ``step`` stay. A stop
+    comes after ``most`` questions.
     """
     asking = SimpleNamespace(
         program=SimpleNamespace(advises=advises), actions=lambda first, last: sorted(actions(*range(first, last + 1)))
@@ -47,13 +48,13 @@ def trim(horizon, cycles, *plans, step=0, first=1, advises=False, most=99):
         (3, (1, 2, 3), [(1, 3), (1, 2)], {}, [1, 2], 2),
         (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4)], {}, [2, 4], 4),
         (4, (1, 2, 3, 4), [(2, 4), (1, 2)], {}, [1, 2], 2),
-        # idle steps, one of which is needed; and an idle end
+        # idle steps, also necessary ones and at the end
         (4, (2, 4), [(1, 3)], {}, [2, 4], 4),
         (4, (2, 4), [()], {}, [], 1),
         (5, (2, 4), [(2, 4)], {}, [2, 4], 4),
         (5, (2, 4), [(1, 2)], {}, [1, 2], 2),
         (5, (), [()], {}, [], 1),
-        # the present, and the least horizon of any plan
+        # the present step, and the lowest horizon of a plan
         (5, (1, 2, 4, 5), [(1, 2, 5), (1, 2, 3)], {"step": 2}, [1, 2, 3], 3),
         (5, (1, 2), [(1, 2)], {"first": 4}, [1, 2], 4),
         # stops

@@ -1,4 +1,4 @@
-"""Channels: messages arrive whole, and nobody waits for a reader."""
+"""Channels: messages arrive complete, and a sender does not block."""
 
 import socket
 import threading
@@ -13,7 +13,7 @@ LONG = {"text": "x" * 2**21}
 
 @pytest.fixture
 def ends():
-    """A channel, and the other end of its connection."""
+    """Yield a channel and the other end of its connection."""
     here, there = socket.socketpair()
     with there:
         there.settimeout(300.0)

@@ -1,4 +1,4 @@
-"""Explanations by a process of its own: the same reasons, and an end in time."""
+"""Explanations in a worker process: the same reasons, and a deadline."""
 
 import pytest
 
@@ -13,7 +13,7 @@ PROGRAM = ReactiveProgram.from_text(
     "#program cumulative(t).\n#external on(t).\n{ up(t) }.\n:- up(t), on(t-1).\n#program volatile(t).\n:- not up(t).\n",
     "lift.lp",
 )
-#: Grounding of step 2 has no end.
+#: Grounding step 2 does not terminate.
 EXPLODING = ReactiveProgram.from_text(
     "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n#volatile t.\n:- e(1).\n"
 )

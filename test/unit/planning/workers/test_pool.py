@@ -1,4 +1,4 @@
-"""Pools of workers: the same answers, whatever happens to a process."""
+"""Worker pools: the same answers even if processes are killed or replaced."""
 
 import json
 import os
@@ -35,9 +35,9 @@ CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n"
 ENDLESS = ECHO + "#volatile t.\n:- not c(t).\n"
-#: Grounding of step 2 has no end.
+#: Grounding step 2 does not terminate.
 EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
-#: Grounding a fact big(1) takes some tenths of a second; blocks of steps are ground one after the other.
+#: Grounding a fact big(1) takes some tenths of a second; blocks of steps are grounded in sequence.
 IN_PIECES = "#external big/1.\n#cumulative t.\nn(t) :- big(B), X = 1..20000, X * t == 19999 * t.\n"
 
 PLANS = {"shortest": True}
@@ -52,7 +52,7 @@ def echo():
 
 @pytest.fixture
 def patient(monkeypatch):
-    """Options of a pool that waits for groundings."""
+    """Return options of a pool that waits for groundings."""
     monkeypatch.setattr(worker, "GRACE", 600.0)
     return {"patience": 600.0}
 
@@ -62,7 +62,7 @@ def pool_of(text, **options):
 
 
 def fed(solver, text, stopped=None):
-    """The result of an update."""
+    """Send an update and return the result."""
     return solver.update(parse_update(f"#step {text} #endstep."), stopped)
 
 
@@ -71,7 +71,7 @@ def answers(result):
 
 
 def after_work(pool, seconds=0.1):
-    """A stop request once the worker has worked for some time on the command."""
+    """Return a stop callback that returns true once the worker has used that much processor time."""
     before = pool.cpu_time
     return lambda: pool.cpu_time > before + seconds
 
@@ -118,7 +118,7 @@ def test_pool_update_that_is_refused_changes_nothing():
 
 
 def test_pool_answers_omit_cycles_long_over():
-    """Atoms of the present and atoms without a cycle are in each answer."""
+    """Each answer contains recent atoms and atoms without a cycle."""
     with pool_of("#program base. named(x). #show named/1. #show c/1. " + ECHO, shortest=True) as pool:
         solver = ProcessSolver(pool)
         for step in range(1, 31):
@@ -127,7 +127,7 @@ def test_pool_answers_omit_cycles_long_over():
     assert answers(result) == [sorted([*recent, "named(x)"])]
 
 
-# ---- The life of workers ---------------------------------------------------------------------------------------------
+# ---- Lifetime of workers ---------------------------------------------------------------------------------------------
 
 
 def test_workers_need_no_file_of_the_program(tmp_path):
@@ -184,26 +184,26 @@ def test_standby_takes_the_place_of_killed_worker():
     with pool_of(EXPLODING, patience=0.1, standby=True) as pool:
         solver = ProcessSolver(pool)
         pool.start()
-        assert pool.standby_pid is None, "one starts after the other"
+        assert pool.standby_pid is None, "workers start in sequence"
         fed(solver, "1. e(1).")
         for _ in range(2):
             fed(solver, "1.")
-            lost, spare, worked, elapsed = pool.pid, pool.standby_pid, pool.cpu_time, pool.stopwatch()
+            lost, standby, worked, elapsed = pool.pid, pool.standby_pid, pool.cpu_time, pool.stopwatch()
             with pytest.raises(DroppedError, match="ignored a stop while grounding"):
                 fed(solver, "2. e(2).", after_work(pool))
             assert ended(lost)
-            assert (pool.pid, pool.standby_pid) == (spare, None)
-            assert pool.cpu_time > worked + 0.1, "the work of a killed worker counts"
+            assert (pool.pid, pool.standby_pid) == (standby, None)
+            assert pool.cpu_time > worked + 0.1, "the time of killed workers counts"
             assert elapsed() > 0.1
             assert (solver.step, solver.horizon) == (1, 1)
         assert answers(fed(solver, "1.")) == [["e(1)"]]
-        spare = pool.standby_pid
-    assert ended(spare)
+        standby = pool.standby_pid
+    assert ended(standby)
 
 
 @pytest.fixture
 def memory(monkeypatch):
-    """Sizes of workers, one for each look; workers are replaced if they grow by more than 100, or by half."""
+    """Fake sizes of workers, one per query; a worker that grows by more than 100, or by half, is replaced."""
     sizes = []
     monkeypatch.setattr(worker, "GROWTH", 100)
     monkeypatch.setattr(SolverWorker, "memory", property(lambda self: sizes.pop(0)))
@@ -212,7 +212,7 @@ def memory(monkeypatch):
 
 @pytest.mark.slow
 def test_grown_worker_is_replaced_between_two_searches(memory):
-    """clingo never frees a term: only the end of the process gives the memory back."""
+    """clingo never frees symbols: only the end of the process returns the memory."""
     memory += [100, 190, 201, 300, 440, 451, 99]
     with pool_of(ENDLESS, **PLANS, horizon_limit=100, log_limit=0) as pool:
         solver, twin, pids = ProcessSolver(pool), PlanSolver(ReactiveProgram.from_text(ENDLESS)), []
@@ -249,7 +249,7 @@ def test_stop_ends_search_and_keeps_its_update(options, patient):
         pid = pool.pid
         result = fed(solver, "2.", after_work(pool))
         assert (result.outcome, solver.step) == (SolveOutcome.INTERRUPTED, 2)
-        assert pool.pid == pid, "it heeded the stop"
+        assert pool.pid == pid, "the worker obeyed the stop"
         assert result.horizon == solver.horizon > 2
         if options:
             checkpoint = solver.log.entries[0]
@@ -258,7 +258,7 @@ def test_stop_ends_search_and_keeps_its_update(options, patient):
         kill(pool)
         late = fed(solver, f"{result.horizon} : 0. e({result.horizon}).")
         assert late.outcome is SolveOutcome.SATISFIABLE
-        if options:  # whose answers show no atoms of former cycles
+        if options:  # answers of planners omit atoms of past cycles
             reader = PlanSolver(ReactiveProgram.from_text(ENDLESS))
             reader.restore(solver.log)
             late = reader.solve()
@@ -301,7 +301,7 @@ def test_stop_while_worker_starts_lets_it_load(patient):
 
 
 def update_of(cycle, done):
-    """The update of one cycle of a robot that is asked to go here and there, after the actions ``done``."""
+    """Return the update of one cycle after the actions ``done``, sometimes with a request."""
     past = f"#closed {cycle - 1}. #over {max(0, cycle - 10)}. " if cycle > 1 else ""
     request = f"_request({cycle % 5 - 2},{cycle + 1})." if cycle % 7 == 0 else ""
     return f"{cycle}. {past}" + "".join(f":- not {atom}. " for atom in done) + request
@@ -310,19 +310,19 @@ def update_of(cycle, done):
 @pytest.mark.once
 @pytest.mark.slow
 def test_pool_stream_survives_twenty_kills():
-    """Of the active worker, the standby or both, between two updates and during one."""
+    """Kills hit the active worker, the standby or both, between updates and during searches."""
     draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(RUN), log_limit=2)
     with pool_of(RUN, **PLANS, log_limit=2, standby=True) as pool:
         solver, kills, cycle, done, now = ProcessSolver(pool), [], 0, [], []
 
         def kill_some():
             for pid in draw.choice([[pool.pid], [pool.standby_pid], [pool.pid, pool.standby_pid]]):
-                with suppress(TypeError, ProcessLookupError):  # there is none
+                with suppress(TypeError, ProcessLookupError):  # there is no such process
                     os.kill(pid, signal.SIGKILL)
                     assert ended(pid)
                     kills.append(pid)
 
-        while len(kills) < 20 or len(done) < 3:  # a kill comes only if the worker is still searching
+        while len(kills) < 20 or len(done) < 3:  # kills happen only while the worker searches
             cycle += 1
             if draw.random() < 0.5:
                 kill_some()

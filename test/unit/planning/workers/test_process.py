@@ -1,4 +1,4 @@
-"""Workers that are forks: the same answers and the same ends as those that are new processes."""
+"""Worker processes, forked and spawned: answers, exit codes and open files."""
 
 import os
 import select
@@ -52,10 +52,10 @@ def test_fork_that_fails_ends_with_the_error(monkeypatch, capfd):
 
 
 def test_forked_worker_has_no_other_open_files():
-    """Else connections that the parent closes would stay open."""
+    """Otherwise connections closed by the parent would stay open."""
     reader, writer = os.pipe()
     with WorkerPool(PROGRAM, fork=True) as pool:
         pool.start()
         os.close(writer)
-        assert select.select([reader], [], [], 0)[0], "its writer is open in the worker"
+        assert select.select([reader], [], [], 0)[0], "the writer is still open in the worker"
     os.close(reader)

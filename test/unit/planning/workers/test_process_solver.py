@@ -1,4 +1,4 @@
-"""Solvers that work in processes: their answers are those of a solver in this process, and some are prefetched."""
+"""Process solvers: they answer as a solver in this process, and prefetch answers."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ from rosoclingo.planning.workers.process_solver import ProcessSolver
 PROGRAM = ReactiveProgram.from_text(ONWARD)
 ASK = parse_update("#step 1 : 50. _request(5,1). #endstep.")
 FAILED = onward(2, "no")
-#: The first action failed and was done again.
+#: The first action failed and was repeated.
 AGAIN = onward(3, "no", place=1)
 
 
@@ -28,7 +28,7 @@ def pool_of(program=PROGRAM, **options):
 
 @pytest.fixture
 def here():
-    """A solver in this process that has been asked."""
+    """Return a solver in this process that has answered ASK."""
     one = PlanSolver(PROGRAM, plan_time=60.0)
     one.update(ASK)
     return one
@@ -36,14 +36,14 @@ def here():
 
 @pytest.fixture(scope="module")
 def pool():
-    """A pool for all tests, as its workers take long to start."""
+    """Share a pool between tests, as workers take long to start."""
     with pool_of(standby=True) as one:
         yield one
 
 
 @pytest.fixture
 def solver(pool):
-    """A solver that has been asked; the standby is idle."""
+    """Return a process solver that has answered ASK; the standby is idle."""
     one = ProcessSolver(pool)
     one.update(ASK)
     wait_until_prepared(pool)
@@ -56,14 +56,14 @@ def solver(pool):
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("waits", [True, False])
 def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
-    """Also while it still searches; the other worker becomes the standby."""
-    old, spare = pool.pid, pool.standby_pid
+    """Also if it is still searching; the other worker becomes the standby."""
+    old, standby = pool.pid, pool.standby_pid
     assert solver.prefetch(FAILED)
     if waits:
         wait_until_prepared(pool)
     worked = pool.cpu_time
     assert solver.update(FAILED) == here.update(FAILED)
-    assert (pool.pid, pool.standby_pid) == (spare, old)
+    assert (pool.pid, pool.standby_pid) == (standby, old)
     assert pool.cpu_time >= worked
     assert (solver.log.key, solver.log.plan) == (here.log.key, here.log.plan)
     assert solver.update(AGAIN) == here.update(AGAIN)
@@ -74,7 +74,7 @@ def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
 def test_answer_after_predicted_updates_is_prefetched(here, pool, solver, comes):
     before, later = [onward(2, 1), onward(3, 2)], onward(4, "no")
     pids = pool.pid, pool.standby_pid
-    assert not solver.prefetch(onward(3, 2), [FAILED]), "that is not predicted"
+    assert not solver.prefetch(onward(3, 2), [FAILED]), "the failure is not predicted"
     assert solver.prefetch(later, before)
     if comes == "earlier":
         for update in (FAILED, AGAIN):
@@ -90,7 +90,7 @@ def test_answer_after_predicted_updates_is_prefetched(here, pool, solver, comes)
 
 
 def as_planned(plan, step):
-    """The update after a cycle that went as planned."""
+    """Return the update after a cycle that succeeded."""
     done = sorted(one for one in plan.actions if cycle_of(one) == step - 1)
     items = "".join(f":- not {one}. _return({','.join(map(str, one.arguments))})." for one in done)
     return parse_update(f"#step {step} : 50. #closed {step - 1}. {items} #endstep.")
@@ -106,28 +106,28 @@ def test_prefetched_plan_is_shortened_until_its_update(here):
         assert solver.prefetch(later, [before])
         wait_until_prepared(pool)
         found = [solver.update(update) for update in (before, later)]
-        spare = pool.pid
+        standby = pool.pid
         assert solver.log.plan == Plan.from_result(found[-1])
         solver.update(as_planned(solver.log.plan, 4))
-        assert pool.pid == spare
+        assert pool.pid == standby
     assert found[-1].horizon == [here.update(update).horizon for update in (before, later)][-1]
 
 
 @pytest.mark.parametrize("value", ["1", "other"])
 def test_prefetched_answer_is_unused_after_another_update(here, pool, solver, value):
     pid = pool.pid
-    assert not here.has_prefetched(FAILED), "nobody prefetches"
+    assert not here.has_prefetched(FAILED), "nothing is prefetched"
     solver.prefetch(FAILED)
     wait_until_prepared(pool)
     assert solver.has_prefetched(FAILED)
-    assert not solver.has_prefetched(onward(2, value)), "that is another one"
+    assert not solver.has_prefetched(onward(2, value)), "another update was prefetched"
     assert solver.update(onward(2, value)) == here.update(onward(2, value))
     assert pool.pid == pid
 
 
 def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
     slow = onward(2, "slow")
-    assert not solver.has_prefetched(slow, lambda: False), "nobody prefetches"
+    assert not solver.has_prefetched(slow, lambda: False), "nothing is prefetched"
     os.kill(pool.standby_pid, signal.SIGSTOP)
     try:
         solver.prefetch(slow)
@@ -151,9 +151,9 @@ def test_standby_prefetches_the_latest_question(here, pool, solver):
     for _ in range(2):
         solver.prefetch(FAILED)
         wait_until_prepared(pool)
-    spare = pool.standby_pid
+    standby = pool.standby_pid
     assert solver.update(FAILED) == here.update(FAILED)
-    assert pool.pid == spare
+    assert pool.pid == standby
 
 
 @pytest.mark.parametrize("when", ["begun", "ready"])
@@ -164,23 +164,23 @@ def test_lost_standby_costs_only_its_answer(here, pool, solver, when):
     os.kill(pool.standby_pid, signal.SIGKILL)
     assert ended(pool.standby_pid)
     assert not solver.has_prefetched(FAILED)
-    assert solver.prefetch(FAILED), "another one begins"
+    assert solver.prefetch(FAILED), "a new standby starts"
     assert solver.update(FAILED) == here.update(FAILED)
 
 
 def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
-    """It abandons its search, of which nothing gets into the next answer."""
+    """It drops its search, which does not affect the next answer."""
     solver.prefetch(FAILED)
-    spare = pool.standby_pid
+    standby = pool.standby_pid
     kill(pool)
     assert solver.update(onward(2, "other")) == here.update(onward(2, "other"))
-    assert pool.pid == spare
+    assert pool.pid == standby
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("again", [True, False])
 def test_improved_plan_causes_prefetching_once_more(here, again):
-    """The search for the update after a failure begins with it; an answer from before is one, too."""
+    """The search after a failure starts from the improved plan; an older prefetched answer stays valid."""
     with pool_of(plan_time=0.0, standby=True) as pool:
         solver = ProcessSolver(pool)
         best = here.log.plan
@@ -193,9 +193,9 @@ def test_improved_plan_causes_prefetching_once_more(here, again):
             if again or plan is worse:
                 assert solver.prefetch(FAILED)
                 wait_until_prepared(pool)
-        spare = pool.standby_pid
+        standby = pool.standby_pid
         result = solver.update(FAILED)
-        assert pool.pid == spare
+        assert pool.pid == standby
         assert solver.log.plan == Plan.from_result(result)
         assert not again or result.horizon == best.horizon + 1
 
@@ -213,18 +213,18 @@ def test_prefetched_update_is_refused_when_it_comes():
         assert solver.update(onward(2, "1")).step == 2
 
 
-# ---- Predicted updates, improvements and questions what would be -----------------------------------------------------
+# ---- Predicted updates, improvements and hypothetical questions ------------------------------------------------------
 
 
 @pytest.fixture
 def alone():
-    """A pool without a standby."""
+    """Yield a pool without a standby."""
     with pool_of() as one:
         yield one
 
 
 def from_now_on(result):
-    """A result without the actions of the past, of which a worker sends the latest alone."""
+    """Return the result without past actions, as a worker sends only the latest."""
     answers = [{one for one in answer if one.arguments[-1].number >= result.step} for answer in result.answers]
     return replace(result, answers=answers, statistics={})
 
@@ -255,7 +255,7 @@ def test_predicted_update_does_not_wait_for_the_worker(alone, between):
 
 @pytest.mark.slow
 def test_worker_appends_checkpoint_after_predicted_updates(alone, monkeypatch):
-    """A stop does not wait for it, and another worker reads it."""
+    """A stop does not wait for the checkpoint, and another worker can read it."""
     monkeypatch.setattr(process_solver, "LONG_PREDICTED", 3)
     here, solver = PlanSolver(PROGRAM, plan_time=60.0), ProcessSolver(alone)
 
@@ -277,7 +277,7 @@ def test_worker_appends_checkpoint_after_predicted_updates(alone, monkeypatch):
             assert length() == (1 if step == 6 else 3)
         if step == 7:
             kill(alone)
-    assert length() == 3, "the checkpoint and the updates since"
+    assert length() == 3, "the checkpoint and the later updates"
     found, expected = solver.update(onward(9, "no")), here.update(onward(9, "no"))
     assert (found.outcome, found.horizon) == (expected.outcome, expected.horizon)
 
@@ -287,7 +287,7 @@ ASK_PLAIN = parse_update("#step 1. _request(3,1). #endstep.")
 
 
 def idling(pool):
-    """A solver with a plan that idles for a cycle, the plan, and its first action."""
+    """Return a solver with a plan that idles for a cycle, the plan, and its first action."""
     solver = ProcessSolver(pool)
     assert solver.improve() is None
     soon = solver.update(ASK_PLAIN)
@@ -301,7 +301,7 @@ def idling(pool):
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("event", ["", "stopped", "killed"])
 def test_worker_improves_the_plan_in_force(event):
-    """One that was started since, too; a stop does not wait for it."""
+    """Also a worker started later; a stop does not wait for the improvement."""
     with pool_of(PLAIN, plan_time=0.0) as pool:
         solver, worse, action = idling(pool)
         if event == "killed":

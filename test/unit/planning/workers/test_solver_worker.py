@@ -1,4 +1,4 @@
-"""Worker processes: nobody waits for one that hangs."""
+"""Solver workers: nothing waits for a worker that hangs."""
 
 import os
 import signal
@@ -13,7 +13,7 @@ PATIENCE = 300.0
 
 
 def load(text=""):
-    """A request to load a program."""
+    """Return a request to load a program."""
     return WorkerRequest("load", ([Source("a.lp", f"#program base. a. {text}")], {}, {}))
 
 
