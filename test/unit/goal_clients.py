@@ -33,13 +33,13 @@ class Clients:
 
     def leave_out(self):
         """The next update reaches the program without the new goals: the solver cannot take them in time."""
-        self.goals.taken(self._taken().goals, ())
+        self.goals.update_accepted(self._taken().goals, ())
         return self
 
     def _taken(self, step=None):
         self.step = self.step + 1 if step is None else step
         batch = self.feeder.next_update(self.step)
-        self.feeder.taken(batch)
+        self.feeder.update_accepted(batch)
         return batch
 
     def plan(self, seconds=0.0):
@@ -56,7 +56,7 @@ class Clients:
         if chosen:
             self.goals.defer(chosen, "too much", self.step)
         else:
-            self.goals.queue.stay(chosen)
+            self.goals.queue.keep(chosen)
 
     def put_off(self, *goals):
         """These goals wait."""
@@ -80,13 +80,13 @@ class Clients:
 
     def stay(self, *goals):
         """These goals, or all, cannot be deferred."""
-        self.goals.queue.stay([self.goal(number) for number in numbers_of(goals)] if goals else self.goals.live)
+        self.goals.queue.keep([self.goal(number) for number in numbers_of(goals)] if goals else self.goals.live)
 
     def give_time(self):
         self.goals.queue.give_time()
 
     def go_on(self):
-        self.goals.queue.go_on()
+        self.goals.queue.reset_patience()
 
     # -- expectations, as words of a script
 
@@ -110,7 +110,7 @@ class Clients:
 
     def in_vain(self, *goals):
         """Expect these goals to give way to another."""
-        assert numbers(self.goals.queue.in_vain()) == numbers_of(goals)
+        assert numbers(self.goals.queue.yielding()) == numbers_of(goals)
 
     def tells(self, number, *words):
         """Expect that it was reported once, in these words, why a goal waits; never without words."""

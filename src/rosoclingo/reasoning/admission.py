@@ -45,7 +45,7 @@ class Admission:
     Attributes:
         now: the time in seconds.
         stuck: the number of searches in a row without a plan in time and without a goal to defer.
-        left: whether an arrival has interrupted the last search.
+        interrupted: whether an arrival has interrupted the last search.
 
     """
 
@@ -55,7 +55,7 @@ class Admission:
         self._live, self._limit, self._most, self._wanted = live, overtaking_limit, at_once, SHARE * seconds
         self._room = self._first = FIRST if seconds else None
         self._growth = FASTER
-        self.now, self.stuck, self.left = 0.0, 0, False
+        self.now, self.stuck, self.interrupted = 0.0, 0, False
 
     @property
     def size(self) -> Optional[int]:
@@ -129,12 +129,12 @@ class Admission:
 
     # -- after a search
 
-    def found(self, seconds: Optional[float] = None) -> None:
+    def plan_found(self, seconds: Optional[float] = None) -> None:
         """Record a plan for the program's goals, found in ``seconds``; None if none of the goals is new."""
-        planned, self.left = [goal for goal in self.served if goal.fed], False
+        planned, self.interrupted = [goal for goal in self.served if goal.fed], False
         for goal in planned:
             goal.tries, goal.together = 0, max(goal.together, len(planned))
-        self.go_on()
+        self.reset_patience()
         if self._room is None or seconds is None:
             return
         factor = math.sqrt(self._wanted / seconds) if self._wanted and seconds else self._growth
@@ -148,7 +148,7 @@ class Admission:
         was a plan for the others. A single fresh goal is tried alone next. If the program has only one goal, it is
         deferred if another goal can take its place.
         """
-        goals, self.left = self._movable, False
+        goals, self.interrupted = self._movable, False
         if len(goals) > 1:
             new = [goal for goal in goals if goal in fresh]
             for goal in new if len(new) == 1 else ():
@@ -157,9 +157,9 @@ class Admission:
         for goal in goals:
             goal.tries += 1
             goal.overtaken = 0
-        return self.in_vain()
+        return self.yielding()
 
-    def in_vain(self) -> List[Goal]:
+    def yielding(self) -> List[Goal]:
         """Return the program's goals if they should yield to a queued goal with fewer failed searches, else none."""
         goals = self._movable
         least = min((goal.tries for goal in goals), default=0)
@@ -173,13 +173,13 @@ class Admission:
         self.limit(len(self.served))
         if not self.served:
             self._room = self._first
-        self.go_on()
+        self.reset_patience()
 
     def limit(self, number: int) -> None:
         """Limit the room to ``number`` goals after a search or an update took too long."""
         self._room, self._growth = max(1, number), SLOWLY
 
-    def stay(self, goals: Sequence[Goal]) -> None:
+    def keep(self, goals: Sequence[Goal]) -> None:
         """Record that no goal can be deferred, and that ``goals`` are in hand: the next search has more time."""
         self.stuck += bool(goals or not self._movable)  # the tries of a single goal are counted
         for goal in goals:
@@ -187,10 +187,10 @@ class Admission:
 
     def give_time(self) -> None:
         """Record that the solver accepted no update in time: the next search has more time."""
-        self.left = False
+        self.interrupted = False
         self.stuck += 1
 
-    def go_on(self) -> None:
+    def reset_patience(self) -> None:
         """Record that the next search is for other goals, and reset its time limit."""
         self.stuck = 0
         for goal in self._live():
@@ -208,9 +208,9 @@ class Admission:
     def unhurried(self) -> bool:
         """Whether a search can continue until an arrival, because there are no other goals to plan for."""
         nothing_else = any(goal.in_hand for goal in self._live()) or len(self._movable) + len(self._ready) <= 1
-        return self.patience > 1 and not self.in_vain() and nothing_else
+        return self.patience > 1 and not self.yielding() and nothing_else
 
-    def why_left(self, cancelled: Container[str], new: bool) -> str:
+    def why_interrupted(self, cancelled: Container[str], new: bool) -> str:
         """Return why an arrival interrupts the search, empty if it does not.
 
         Arrivals are cancels of the goals with the keys ``cancelled``, or a ``new`` goal. The cancel of an admitted goal
@@ -218,11 +218,11 @@ class Admission:
         before. No arrival interrupts the next search, unless all its goals are cancelled.
         """
         unwanted = [goal for goal in self.served if goal.cancelling or goal.key in cancelled]
-        if self.left and len(unwanted) < len(self.served):
+        if self.interrupted and len(unwanted) < len(self.served):
             return ""
         if any(goal.key in cancelled for goal in unwanted):
             return "a goal was cancelled"
-        yields = self.tried is not None and self.first not in self._movable and not (self.left or self.stuck)
+        yields = self.tried is not None and self.first not in self._movable and not (self.interrupted or self.stuck)
         return "a goal has arrived" if new and yields else ""
 
     # -- persisted state

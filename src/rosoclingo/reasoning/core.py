@@ -58,11 +58,11 @@ class Core:
         watch_recovery: SearchWatch = unwatched,
         watch_joining: Optional[SearchWatch] = None,
     ) -> None:
-        self._tell, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
+        self._emit, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
         self._problem = self._announce.problem
         self._settings, self._watch_recovery = settings, watch_recovery
         self._planner = Planner(make_solver, settings.horizon_limit, watch)
-        self._speaks = program.defines(STATUS, 3)
+        self._has_status_rules = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
         self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
@@ -173,7 +173,7 @@ class Core:
         with suppress(DisturbedError):
             found = self._preemption.unwanted(self._planner) if self._settings.preempt else ()
             if found:
-                self._tell(ActionsPreempted(self.cycle, found))
+                self._emit(ActionsPreempted(self.cycle, found))
 
     def _due(self) -> bool:
         """Whether a new cycle is due: after arrivals, ended actions, or an interrupted search, or as the plan asks."""
@@ -185,7 +185,7 @@ class Core:
         return unseen or bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
 
     def _next_cycle(self, now: float) -> None:
-        if goals := self.queue.in_vain():
+        if goals := self.queue.yielding():
             with suppress(DisturbedError):
                 self._defer(goals, "no plan was found in time")
         executed = self._execution.end_cycle()
@@ -273,10 +273,10 @@ class Core:
     def _accept(self, state: State, batch: Batch) -> State:
         """Record the facts of an accepted update; omitted facts are fed again unless the solver refused them."""
         self._step, present = batch.step, self._planner.in_force.heads
-        for fact in self._feeder.taken(batch, present, state.situation is Situation.REFUSED):
+        for fact in self._feeder.update_accepted(batch, present, state.situation is Situation.REFUSED):
             self._problem(f"{fact.sent} is dropped: the solver accepts no update with it", fact.origin)
-        self._execution.taken(batch.facts, present)
-        self._goals.taken(batch.goals, present)
+        self._execution.update_accepted(batch.facts, present)
+        self._goals.update_accepted(batch.goals, present)
         return state._replace(batch=batch, accepted=True)
 
     # -- there is an answer, or none
@@ -305,7 +305,7 @@ class Core:
             self._problem(problem)
         if settled.recovery is None:
             for one in settled.unmet:
-                self._goals.give_up(one.goal, one.text(Explanations(), ""))
+                self._goals.abort(one.goal, one.text(Explanations(), ""))
             return self._judged(state, result)
         self._plan = extract_plan(result.answers[0]) if result.answers else None
         self._announce.plan(result, self._shown())
@@ -328,11 +328,11 @@ class Core:
             self._execution.begin(self._step, actions, now)
             if self._settings.preempt:
                 self._preemption.begin()
-            self._tell(ActionsDispatched(self._step, actions))
+            self._emit(ActionsDispatched(self._step, actions))
         shown = self._shown()
         self._announce.plan(result, shown)
         statuses = GoalStatuses(result.answers[0], self._step)
-        reading = Reading(statuses, plan, since, self._step, result.horizon, self._speaks)
+        reading = Reading(statuses, plan, since, self._step, result.horizon, self._has_status_rules)
         self._improvable = not result.shortest
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
         self._goals.read(reading)
@@ -366,7 +366,7 @@ class Core:
         if found.way is Way.WITHHELD:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
         for one, stream in streams_of(found.unmet, state.no_plan) if state.no_plan is not None else ():
-            self._tell(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
+            self._emit(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
         self._step += 1
         explanations = Explanations(found.result.answers[0])
@@ -395,7 +395,7 @@ class Core:
         self._problem(f"ERROR: the program has no answer with its history: {state.why}; it forgets its history")
         old = [goal for goal in self._goals.fed if goal not in state.batch.goals]
         self._goals.end(old, Outcome.ABORTED, "is aborted: the program forgets its history")
-        self._goals.again(state.batch.goals)
+        self._goals.resend(state.batch.goals)
         self._execution.forget_all()
         self._announce.updates(self._step, updates)
         return self._answered(state._replace(batch=Batch(self._planner.in_force), no_plan=None), result)
@@ -412,7 +412,7 @@ class Core:
         """Keep the last plan if it is still valid, deferred by the cycles without actions."""
         cycle, plan = self._latest
         actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
-        result = self._planner.still(actions) if actions and not state.batch.known_goals else None
+        result = self._planner.solve_with(actions) if actions and not state.batch.known_goals else None
         return None if result is None else state._replace(situation=Situation.PLAN, result=result)
 
     def _defer_goals(self, state: State) -> Optional[State]:
@@ -431,7 +431,7 @@ class Core:
 
     def _search_again(self, state: State) -> State:
         self._plan = None
-        self.queue.left |= state.situation is Situation.DISTURBED
+        self.queue.interrupted |= state.situation is Situation.DISTURBED
         return state.settled
 
     def _shown(self) -> Tuple[Action, ...]:

@@ -48,7 +48,7 @@ def defer(
             number = len({*fed, *gone})
             manager.defer(gone, f"{number} goals were too many: {why}", published)
             return planner, f"{why}: {len(gone)} of {number} goals wait"
-    manager.queue.stay(chosen)
+    manager.queue.keep(chosen)
     return planner, f"{why}: the search goes on"
 
 
@@ -75,10 +75,10 @@ def _withdrawable(
         gone = requests_of([*fresh, *withdrawn])
         cancelled = [one for one in fed if one not in fresh and one not in withdrawn]
         cancels = (Statement(cancellation(one.identifier, step)) for one in cancelled)
-        beside = planner.restarted(gone | successes)
-        beside.lookahead = limit
+        trial = planner.restarted(gone | successes)
+        trial.lookahead = limit
         try:
-            result = beside.update(StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *cancels)))
+            result = trial.update(StreamUpdate(step, items=(*map(Withdraw, sorted(gone)), *cancels)))
         except SolverError:
             return None
         return result.horizon - step if result.outcome is SolveOutcome.SATISFIABLE else None

@@ -159,7 +159,7 @@ class Announcer:
     """
 
     def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
-        self._tell, self._cycle, self._present = observer, cycle, present
+        self._emit, self._cycle, self._present = observer, cycle, present
         self.state: Optional[FrozenSet[Symbol]] = None
         self.published = 0
 
@@ -172,12 +172,12 @@ class Announcer:
         """Report several updates that lead to a step."""
         self.published = step
         for update in updates:
-            self._tell(UpdateSent(step, str(update.plain), str(update)))
+            self._emit(UpdateSent(step, str(update.plain), str(update)))
 
     def plan(self, result: SolveResult, shown: Tuple[Action, ...]) -> None:
         """Report the result of a search, and the beliefs if they have changed."""
         cycle, seconds = self._cycle(), result.statistics
-        self._tell(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
+        self._emit(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
         state = self._present.of(result.answers[0], cycle) if result.answers else self.state
         if state != self.state:
             self.state = state
@@ -186,13 +186,13 @@ class Announcer:
     def present(self) -> None:
         """Report the beliefs, if they are known."""
         if self.state is not None:
-            self._tell(StateChanged(self._cycle(), self.state))
+            self._emit(StateChanged(self._cycle(), self.state))
 
     def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
         """Report the progress of each goal."""
         for goal in goals:
-            self._tell(GoalProgress(step, goal.key, goal.state, shown, remark=goal.remark))
+            self._emit(GoalProgress(step, goal.key, goal.state, shown, remark=goal.remark))
 
     def problem(self, message: str, origin: str = "") -> None:
         """Report a problem."""
-        self._tell(Problem(self._cycle(), message, origin))
+        self._emit(Problem(self._cycle(), message, origin))

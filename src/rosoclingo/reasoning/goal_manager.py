@@ -25,7 +25,7 @@ MOST_DOUBLINGS = 6
 
 
 class GoalManager:
-    """The goals of all clients. ``tell`` receives an event for each change, ``cycle`` returns the logical time.
+    """The goals of all clients. ``emit`` receives an event for each change, ``cycle`` returns the logical time.
 
     Attributes:
         queue: the admission, which decides which goals the program has and which are queued.
@@ -36,14 +36,14 @@ class GoalManager:
         self,
         program: ReactiveProgram,
         feeder: InputFeeder,
-        tell: Callable[[Event], None],
+        emit: Callable[[Event], None],
         cycle: Callable[[], int],
         settings: CoreSettings,
     ) -> None:
         self._program, self._hearing = program, Hearing.of(program)
         self._hearing.prepare(Signature(REQUEST, 2))
         self._feeder = feeder
-        self._tell = tell
+        self._emit = emit
         self._cycle = cycle
         self._goals: Dict[str, Goal] = {}  # handle -> live goal, oldest first
         self.queue = Admission(
@@ -73,7 +73,7 @@ class GoalManager:
             self._check_heard(goal)
             self._check_unique(goal)
         except GoalError as error:
-            self._tell(GoalRefused(self._cycle(), key, text, str(error)))
+            self._emit(GoalRefused(self._cycle(), key, text, str(error)))
             return
         self._goals[key], goal.waits = goal, True
         self._admit()
@@ -81,7 +81,7 @@ class GoalManager:
             before = self.queue.first or self.queue.tried
             limit = f"at most {self.queue.size} goals are planned for at a time"
             why = limit if before is None else f"{before} has priority"
-            self.tell_wait([goal], why)
+            self.report_wait([goal], why)
 
     def _check_heard(self, goal: Goal) -> None:
         """Raise GoalError for a goal that no rule can see; it would count as met without a plan."""
@@ -126,13 +126,13 @@ class GoalManager:
     def read(self, reading: Reading) -> None:
         """Update the states of the program's goals from an answer; report its faults."""
         for fault in (*reading.plan.faults, *reading.statuses.faults):
-            self._tell(Problem(self._cycle(), fault))
+            self._emit(Problem(self._cycle(), fault))
         for goal in self.fed:
             update_status(goal, reading)
             if goal.refused:
                 self._feeder.add_rejection(goal.identifier)
 
-    def give_up(self, goal: Goal, message: str) -> None:
+    def abort(self, goal: Goal, message: str) -> None:
         """Abort a goal that the program has; the next update, if there is one, cancels it in the program."""
         self._feeder.add_rejection(goal.identifier)
         goal.end(Outcome.ABORTED, message)
@@ -144,7 +144,7 @@ class GoalManager:
                 self._feeder.withdraw(goal)
                 goal.end(outcome, f"{goal} {why}")
 
-    def again(self, goals: Iterable[Goal]) -> None:
+    def resend(self, goals: Iterable[Goal]) -> None:
         """Feed the requests of live goals again, to a program that has forgotten them."""
         for goal in goals:
             if goal.live:
@@ -164,7 +164,7 @@ class GoalManager:
 
         ``seconds`` is the planning time, None if none of the goals is new.
         """
-        self.queue.found(seconds)
+        self.queue.plan_found(seconds)
         self._admit()
 
     def take_out(self, goals: Sequence[Goal], published: int) -> None:
@@ -172,7 +172,7 @@ class GoalManager:
         self._withdraw(goals, published)
         for goal in goals:
             goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
-        self.queue.go_on()
+        self.queue.reset_patience()
 
     def defer(self, goals: Sequence[Goal], why: str, published: int) -> None:
         """Queue goals that were withdrawn from the program; ``published`` is the last reported cycle."""
@@ -184,7 +184,7 @@ class GoalManager:
         known = requests_of(goal for goal in goals if (goal.request_cycle or 0) <= published + 1)
         self._feeder.add_withdrawals(known)
 
-    def taken(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
+    def update_accepted(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
         """Defer the goals whose requests are not among the heads of the accepted update: the solver dropped them."""
         left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
         if not left:
@@ -202,7 +202,7 @@ class GoalManager:
             goal.waits = True
             self._feeder.withdraw(goal)
             goal.forget()
-        self.tell_wait(goals, why)
+        self.report_wait(goals, why)
         self._admit()
 
     # -- persisted state
@@ -225,10 +225,10 @@ class GoalManager:
             goal.waits = False
             self._feeder.add_goal(goal)
 
-    def tell_wait(self, goals: Iterable[Goal], why: str) -> None:
+    def report_wait(self, goals: Iterable[Goal], why: str) -> None:
         """Report why goals wait."""
         for goal in goals:
-            self._tell(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
+            self._emit(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
 
     # -- changes of goals
 
@@ -237,7 +237,7 @@ class GoalManager:
             self.queue.end(goal)
             del self._goals[goal.key]
             self._admit()
-        self._tell(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
+        self._emit(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
 
     def _admit(self) -> None:
         """Feed the goals that are admitted now."""

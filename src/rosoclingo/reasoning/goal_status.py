@@ -92,7 +92,7 @@ class Reading(NamedTuple):
         since: the first cycle whose statuses have not been read yet.
         cycle: the current cycle.
         horizon: the horizon of the answer.
-        speaks: whether the program has rules for ``_status``.
+        has_rules: whether the program has rules for ``_status``.
 
     """
 
@@ -101,7 +101,7 @@ class Reading(NamedTuple):
     since: int
     cycle: int
     horizon: int
-    speaks: bool
+    has_rules: bool
 
 
 def update_status(goal: Goal, reading: Reading) -> None:
@@ -123,8 +123,8 @@ def update_status(goal: Goal, reading: Reading) -> None:
         goal.known = True
         _obey(goal, status)
     elif first > cycle:
-        _update_early(goal, statuses.read(goal.identifier, first), reading.horizon >= first and not reading.speaks)
-    elif reading.speaks and not goal.known:
+        _update_early(goal, statuses.read(goal.identifier, first), reading.horizon >= first and not reading.has_rules)
+    elif reading.has_rules and not goal.known:
         _end(goal, Outcome.REJECTED, "it has rules for _status, but none gives this goal a status")
     else:
         goal.accept()

@@ -157,7 +157,9 @@ class OmittedFacts:
         fit = frozenset(ready[: self._room])
         return {one: seen for one, seen in facts.items() if one not in self._tries or one in fit}
 
-    def taken(self, facts: Iterable[Observation], left: Sequence[Observation], refused: bool) -> List[Observation]:
+    def update_accepted(
+        self, facts: Iterable[Observation], left: Sequence[Observation], refused: bool
+    ) -> List[Observation]:
         """Record that an update omitted the facts ``left``; return the facts to drop.
 
         A fact is dropped if it was alone in too many updates, or in a single one if the solver refused it.
@@ -235,7 +237,7 @@ class InputFeeder:
         waits = self._requests or self._executed or self._left.due(self._facts)
         return bool(waits) and self.arrivals != self._waits
 
-    def has_beside(self, expected: Container[Optional[Symbol]]) -> bool:
+    def has_unexpected(self, expected: Container[Optional[Symbol]]) -> bool:
         """Return whether the next update contains more than requests, executed actions and ``expected`` facts."""
         unexpected = (fact for fact in self._left.due(self._facts) if fact not in expected)
         return bool(self._rejected or self._withdrawn) or any(True for _ in unexpected)
@@ -296,11 +298,11 @@ class InputFeeder:
         if answer in self._facts:
             self._facts[answer] = self._facts[answer]._replace(actions=actions)
 
-    def next_update(self, step: int, over: int = 0, chosen: Optional[Sequence[Request]] = None) -> Batch:
-        """Return the update that starts cycle ``step``, or a later one; call ``taken`` once the solver has accepted it.
+    def next_update(self, step: int, first_open: int = 0, chosen: Optional[Sequence[Request]] = None) -> Batch:
+        """Return the update that starts cycle ``step``, or a later one.
 
-        The update contains the ``chosen`` requests, None for all. Facts of cycles before ``over`` are too late, and are
-        redated to the present.
+        Call :meth:`update_accepted` once the solver has accepted it. The update contains the ``chosen`` requests, None
+        for all. Facts of cycles before ``first_open`` are too late, and are redated to the present.
 
         A new goal waits for another update if a fact of this one takes effect only there, or if this update cancels an
         aborted goal with the same identifier.
@@ -309,13 +311,15 @@ class InputFeeder:
         chosen = self._requests if chosen is None else chosen
         requests = [one for one in chosen if not (too_early and isinstance(one, Goal))]
         due = self._left.due(self._facts)
-        batch = self._batch(step, self._executed, self._after_rejected(requests), due.values(), over)
+        batch = self._batch(step, self._executed, self._after_rejected(requests), due.values(), first_open)
         turns = _turns(due.values())
         most = max(turns.values(), default=0)
         facts = [fact for atom, fact in due.items() if turns.get(atom, most) == most]
-        return batch._replace(first=self._batch(step, self._executed, batch.requests, facts, over) if most else None)
+        return batch._replace(
+            first=self._batch(step, self._executed, batch.requests, facts, first_open) if most else None
+        )
 
-    def taken(
+    def update_accepted(
         self, batch: Batch, present: Optional[Container[Optional[Symbol]]] = None, refused: bool = False
     ) -> List[Observation]:
         """Record that the solver has accepted the latest update with the heads ``present``, None for all.
@@ -331,7 +335,7 @@ class InputFeeder:
         kept = [one for one in batch.requests if one in self._rejected]
         self._rejected, self._executed, self._waits, self._withdrawn = kept, (), None, frozenset()
         left = [one for one in batch.facts if not one.is_return and one.atom not in present]
-        lost = self._left.taken(batch.facts, left, refused)
+        lost = self._left.update_accepted(batch.facts, left, refused)
         for fact in frozenset(batch.facts).difference(left).union(lost):
             self._facts.pop(fact.sent, None)
         for goal in batch.goals:
@@ -379,19 +383,19 @@ class InputFeeder:
         self._facts = {symbol_of(text): Observation.of_record(value) for text, value in facts}
 
     def preview(
-        self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), over: int = 0
+        self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), first_open: int = 0
     ) -> StreamUpdate:
         """Return the next update as it would be with ``further`` facts."""
         facts = {**self._left.due(self._facts), **{atom: Observation(atom, step) for atom in further}}
         requests = self._after_rejected(self._requests)
-        return self._batch(step, (*self._executed, *executed), requests, facts.values(), over).update
+        return self._batch(step, (*self._executed, *executed), requests, facts.values(), first_open).update
 
     def predicted(
-        self, step: int, executed: Sequence[Action], requests: Iterable[Request] = (), over: int = 0
+        self, step: int, executed: Sequence[Action], requests: Iterable[Request] = (), first_open: int = 0
     ) -> StreamUpdate:
         """Return the update of ``step`` with the commitments and success returns of ``executed``, and ``requests``."""
         returns = (Observation(success_of(action), step - 1) for action in executed)
-        return self._batch(step, executed, requests, returns, over).update
+        return self._batch(step, executed, requests, returns, first_open).update
 
     def _after_rejected(self, requests: Sequence[Request]) -> Tuple[Request, ...]:
         """Return the cancellations of rejected goals, followed by ``requests``.
@@ -410,14 +414,14 @@ class InputFeeder:
         executed: Iterable[Action],
         requests: Iterable[Request],
         facts: Iterable[Observation],
-        over: int = 0,
+        first_open: int = 0,
     ) -> Batch:
         done, facts = tuple(executed), tuple(facts)
         turns = _turns(facts)
         step += self._further_cycles(turns, step)
-        dated = (self._dated(fact, step - turns.get(fact.atom, 0), over) for fact in facts)
+        dated = (self._dated(fact, step - turns.get(fact.atom, 0), first_open) for fact in facts)
         seen = tuple(_in_order(sorted(dated, key=lambda fact: -turns.get(fact.sent, 0)), done))
-        items: List[Item] = [Over(over)] if over > 0 else []
+        items: List[Item] = [Over(first_open)] if first_open > 0 else []
         items += [Withdraw(one) for one in sorted(self._withdrawn)]
         items += [commitment(action.atom) for action in done]
         items += [Statement(self._request(item, step)) for item in requests]
@@ -430,9 +434,9 @@ class InputFeeder:
         first_ones = (fact for fact, turn in turns.items() if turn == most)
         return most + (most > 0 and any(self._clock.is_too_early(fact, step) for fact in first_ones))
 
-    def _dated(self, fact: Observation, step: int, over: int) -> Observation:
+    def _dated(self, fact: Observation, step: int, first_open: int) -> Observation:
         cycle = None if fact.is_return else self._clock.cycle_of(fact.atom)
-        if cycle is not None and cycle < over:
+        if cycle is not None and cycle < first_open:
             return fact._replace(atom=self._clock.at_present(fact.atom, step), outdated=True)
         return fact._replace(atom=self._clock.dated(fact.atom, step))
 

@@ -20,7 +20,7 @@ MANY = 10
 MOST_ORIGINS = 100
 
 #: Maximum number of characters of a logged problem; longer texts lose their middle.
-TOLD = 900
+LONGEST_LINE = 900
 
 _NUMBERS = re.compile("[0-9]+")
 _STRINGS = re.compile(r'"(?:[^"\\]|\\.)*"')
@@ -59,9 +59,9 @@ class LogThrottle:
     def take(self, problem: Problem, now: float) -> str:
         """Return the log message for a problem, empty for none; ``now`` is in seconds of a monotonic clock."""
         self.count += 1
-        self.latest = shortened(f"cycle {problem.cycle}: {problem.message}", TOLD)
+        self.latest = shortened(f"cycle {problem.cycle}: {problem.message}", LONGEST_LINE)
         self._forget(now)
-        origin, text = self._origin(problem.origin), shortened(problem.message, TOLD)
+        origin, text = self._origin(problem.origin), shortened(problem.message, LONGEST_LINE)
         text = _NUMBERS.sub("", text) if origin else text
         every = self._buckets.setdefault((origin, ""), _Bucket(now))
         key = origin, _kind_of(text)

@@ -13,11 +13,11 @@ from rosoclingo.reasoning.stream_planner import Planner
 class Preemption:
     """Checks the running actions after each arrival, and reports each unwanted action once."""
 
-    def __init__(self, feeder: InputFeeder, execution: ExecutionMonitor, told: bool) -> None:
-        """Check the actions that ``execution`` awaits; ``told`` is true if the program receives ``_cancel/3``."""
+    def __init__(self, feeder: InputFeeder, execution: ExecutionMonitor, declared: bool) -> None:
+        """Check the actions that ``execution`` awaits; ``declared`` is true if the program receives ``_cancel/3``."""
         self._feeder = feeder
         self._execution = execution
-        self._told = told
+        self._declared = declared
         self._considered = 0
         self._found: FrozenSet[Action] = frozenset()
 
@@ -55,7 +55,7 @@ class Preemption:
 
     def _end(self, actions: Tuple[Action, ...]) -> Tuple[Action, ...]:
         """Record actions as unwanted, and feed their cancellations to the program; return them."""
-        for action in actions if self._told else ():
+        for action in actions if self._declared else ():
             self._feeder.add_fact(action.cancellation)
         self._considered = self._feeder.arrivals
         self._found |= frozenset(actions)
@@ -65,18 +65,18 @@ class Preemption:
         cycle = executed[0].cycle
         returns = [self._execution.preempted(action) for action in running]
         try:
-            beside = planner.restarted()
-            ended = [action.cancellation for action in running] if self._told else []
-            result = beside.update(self._feeder.preview(cycle + 1, executed, [*ended, *returns]))
+            trial = planner.restarted()
+            ended = [action.cancellation for action in running] if self._declared else []
+            result = trial.update(self._feeder.preview(cycle + 1, executed, [*ended, *returns]))
             unheard = any(str(atom) in warning for atom in returns for warning in result.warnings)
             if unheard or result.outcome is not SolveOutcome.SATISFIABLE:
                 return ()
-            again = {action: action._replace(cycle=beside.log.step).atom for action in running}
-            steps = result.horizon - beside.log.step
+            again = {action: action._replace(cycle=trial.log.step).atom for action in running}
+            steps = result.horizon - trial.log.step
             return tuple(
                 action
                 for action, atom in again.items()
-                if atom not in result.answers[0] and not beside.may_begin_with(atom, steps)
+                if atom not in result.answers[0] and not trial.may_begin_with(atom, steps)
             )
         except SolverError:
             return ()

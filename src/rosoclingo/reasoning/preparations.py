@@ -24,7 +24,7 @@ class Join(NamedTuple):
     Attributes:
         planner: the planner whose updates are predicted.
         requests: the goals and the identifiers of cancelled goals.
-        over: the cycle before which facts are too late, fixed until the requests join.
+        first_open: the first cycle for which facts can still be fed, fixed until the requests join.
         lookahead: the lookahead of all updates until then.
         updates: the predicted updates, the last one without the requests.
         whole: the last update with the requests.
@@ -33,7 +33,7 @@ class Join(NamedTuple):
 
     planner: Planner
     requests: Tuple[Request, ...]
-    over: int
+    first_open: int
     lookahead: int
     updates: Tuple[StreamUpdate, ...]
     whole: StreamUpdate
@@ -84,7 +84,7 @@ class Preparations:
         join = self.join
         if join is not None:
             planner.has_prepared(join.whole)  # reads the reports of the standby worker, which can be long
-            if self._is_broken(join, planner) or self._feeder.has_beside(join.updates[step - join.first].heads):
+            if self._is_broken(join, planner) or self._feeder.has_unexpected(join.updates[step - join.first].heads):
                 self.join = None
         if self.join is not None or not self._execution.awaited:
             return
@@ -92,11 +92,13 @@ class Preparations:
         situation = (planner.log, feeder.arrivals, feeder.pending, self._requests, execution.awaited)
         if situation == self._prepared:
             return
-        over, lookahead = self._outlook(planner, plan, step)
+        first_open, lookahead = self._outlook(planner, plan, step)
         likely = execution.likely_return(succeeds=feeder.pending)
-        if self._begin_join(planner, plan, step, over, lookahead):
+        if self._begin_join(planner, plan, step, first_open, lookahead):
             return
-        if likely is None or planner.prepare([feeder.preview(step, execution.under_way, [likely], over)], lookahead):
+        if likely is None or planner.prepare(
+            [feeder.preview(step, execution.under_way, [likely], first_open)], lookahead
+        ):
             self._prepared = situation
 
     def next_update(self, planner: Planner, plan: TaskPlan, step: int) -> Batch:
@@ -104,16 +106,16 @@ class Preparations:
 
         The update has the new requests if a plan with them was found, or if the current plan ends without them.
         """
-        over, planner.lookahead = self._outlook(planner, plan, step)
-        batch, join = self._feeder.next_update(step, over), self.join
+        first_open, planner.lookahead = self._outlook(planner, plan, step)
+        batch, join = self._feeder.next_update(step, first_open), self.join
         if self._watch is None or not (join or self._requests):
             return batch
-        rest, predicted = self._feeder.next_update(step, over, ()), self._predicted(plan, step, over)
+        rest, predicted = self._feeder.next_update(step, first_open, ()), self._predicted(plan, step, first_open)
         goes_on = not rest.failures and planner.predicts(predicted)
         if join is not None and (self._is_broken(join, planner) or rest.update != join.updates[step - join.first]):
             self.join = None
         if self.join is None and goes_on and rest.update == predicted:
-            self._begin_join(planner, plan, step, over, planner.lookahead)
+            self._begin_join(planner, plan, step, first_open, planner.lookahead)
         if self.join is None:
             self._cycles = self._cycles if plan.steps_after(step - 1) else 1
             return rest if goes_on and self._is_late(planner, batch, rest) else batch
@@ -121,50 +123,50 @@ class Preparations:
             if not goes_on or planner.has_prepared(self.join.whole, self._watch):
                 return self._complete(self.join)
             self._cycles, self.join = 2 * len(self.join.updates), None
-            self._begin_join(planner, plan, step, over, planner.lookahead)
+            self._begin_join(planner, plan, step, first_open, planner.lookahead)
         return rest
 
     def _outlook(self, planner: Planner, plan: TaskPlan, step: int) -> Tuple[int, int]:
         """Return the cycle before which facts are too late for the update of ``step``, and its lookahead."""
         if self.join is not None:
-            return self.join.over, self.join.lookahead
+            return self.join.first_open, self.join.lookahead
         goals, fed = len(self._goals.queue.served), self._goals.fed
         steps = steps_for(goals, self._limit, plan.steps_after(step - 1), goals - len(fed))
         oldest = min((goal.request_cycle or step for goal in fed), default=step)
-        return planner.over(step, oldest - 1), steps
+        return planner.first_open(step, oldest - 1), steps
 
     @property
     def _requests(self) -> Tuple[Request, ...]:
         """The requests that can join; goals without room come last."""
         return (*self._feeder.requests, *self._goals.queue.joinable)
 
-    def _predicted(self, plan: TaskPlan, step: int, over: int, requests: Iterable[Request] = ()) -> StreamUpdate:
+    def _predicted(self, plan: TaskPlan, step: int, first_open: int, requests: Iterable[Request] = ()) -> StreamUpdate:
         """Return the update of ``step`` after the success of all actions, with ``requests``."""
-        return self._feeder.predicted(step, plan.at(step - 1), requests, over)
+        return self._feeder.predicted(step, plan.at(step - 1), requests, first_open)
 
-    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, over: int, lookahead: int) -> bool:
+    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, first_open: int, lookahead: int) -> bool:
         """Start a search for a plan with the new requests; return whether there are any and it has begun."""
         requests, left = self._requests, plan.steps_after(step - 1)
-        disturbed = self._feeder.has_beside(self._predicted(plan, step, over).heads)
+        disturbed = self._feeder.has_unexpected(self._predicted(plan, step, first_open).heads)
         if self._watch is None or not requests or disturbed:
             return False
         goals = len({*self._goals.queue.served, *goals_of(requests)})
         steps = max(lookahead, steps_for(goals, self._limit, left, goals - len(self._goals.fed)))
         last = step - 1 + min(self._cycles, left + 1)
-        updates = [self._predicted(plan, one, over) for one in range(step, last + 1)]
-        whole = self._predicted(plan, last, over, requests)
+        updates = [self._predicted(plan, one, first_open) for one in range(step, last + 1)]
+        whole = self._predicted(plan, last, first_open, requests)
         if not planner.prepare([*updates[:-1], whole], steps):
             return False
-        planner.lookahead, self.join = steps, Join(planner, requests, over, steps, tuple(updates), whole)
+        planner.lookahead, self.join = steps, Join(planner, requests, first_open, steps, tuple(updates), whole)
         if last > step:
-            self._goals.tell_wait(goals_of(requests), f"it joins the plan in cycle {last}")
+            self._goals.report_wait(goals_of(requests), f"it joins the plan in cycle {last}")
         return True
 
     def _complete(self, join: Join) -> Batch:
         """Return the update in which requests join."""
         self.join, self._cycles = None, max(1, 3 * self._cycles // 4)
         self._goals.join(goal for goal in goals_of(join.requests) if goal.waits)
-        return self._feeder.next_update(join.cycle, join.over, join.requests)
+        return self._feeder.next_update(join.cycle, join.first_open, join.requests)
 
     def _is_late(self, planner: Planner, batch: Batch, rest: Batch) -> bool:
         """Return whether ``batch`` has more requests than ``rest``, and no answer was found soon."""

@@ -75,7 +75,7 @@ def forget_history(
 ) -> Optional[Tuple[Planner, List[StreamUpdate], SolveResult]]:
     """Start again at ``step`` without a history; None if there is no answer even then. Raises UndecidedError."""
     try:
-        found = planner.anew(step)
+        found = planner.reset(step)
     except DroppedError:
         raise UndecidedError from None
     except SolverError:

@@ -164,12 +164,12 @@ class ExecutionMonitor:
         program: ReactiveProgram,
         feeder: InputFeeder,
         clock: Clock,
-        tell: Callable[[Event], None],
+        emit: Callable[[Event], None],
         cycle: Callable[[], int],
     ) -> None:
         self._program = program
         self._feeder = feeder
-        self._tell = tell
+        self._emit = emit
         self._cycle = cycle
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
@@ -222,7 +222,7 @@ class ExecutionMonitor:
             with self._guarded(origin, text):
                 self._take(origin, _read(text), len(text), message)
         if len(facts) > MOST_FACTS:
-            self._tell(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
+            self._emit(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
     def expire(self, now: float, limit: float) -> None:
         """Fail actions that have not returned within ``limit`` seconds; 0 waits for ever."""
@@ -233,7 +233,7 @@ class ExecutionMonitor:
             return
         for action, answer in self._dispatch.expire(TIMEOUT):
             text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
-            self._tell(Problem(self._cycle(), text, action.interface_name))
+            self._emit(Problem(self._cycle(), text, action.interface_name))
             with self._guarded(action.interface_name, str(answer.atom)):
                 self._feed_return(action.interface_name, answer.atom)
 
@@ -278,7 +278,7 @@ class ExecutionMonitor:
             yield
         except (ProgressionError, KeywordError, ReturnError) as error:
             message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
-            self._tell(Problem(self._cycle(), message, origin))
+            self._emit(Problem(self._cycle(), message, origin))
 
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
         """Accept a fact; raises KeywordError for a malformed return, and ReturnError for a rejected fact."""
@@ -295,10 +295,10 @@ class ExecutionMonitor:
                 raise ReturnError(f"{self._feeder.waiting} facts already wait for the next update")
             if size > SHORT or not self._is_known(atom):
                 self._text += size
-                self._tell(FactTaken(self._cycle(), atom))
+                self._emit(FactTaken(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle(), message)
 
-    def taken(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
+    def update_accepted(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
         """Record the ``facts`` of an accepted update that are ``present`` in it; omitted facts can be sent again."""
         for fact in facts:
             if fact.atom not in present:
@@ -307,7 +307,7 @@ class ExecutionMonitor:
                 self.observations.append(fact)
             if fact.outdated:
                 text = f"{fact.sent} from interface {fact.origin} is too late: it is redated to {fact.atom}"
-                self._tell(Problem(self._cycle(), text))
+                self._emit(Problem(self._cycle(), text))
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
         """Redate or withhold observations; ``failures`` are the failures of the last update."""
@@ -319,7 +319,7 @@ class ExecutionMonitor:
         moved = [one.observation._replace(atom=one.redated) for one in changes if one.redated is not None]
         self.observations = deque([*kept, *moved], maxlen=MEMORY)
         for one in changes:
-            self._tell(Problem(self._cycle(), str(one), one.observation.origin))
+            self._emit(Problem(self._cycle(), str(one), one.observation.origin))
 
     def has_unhandled(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
         """Return whether there are unhandled failures, including failures that ``warnings`` report as ignored."""
@@ -355,7 +355,7 @@ class ExecutionMonitor:
 
     def _feed_return(self, origin: str, atom: Symbol) -> None:
         """Feed a return that has been recorded."""
-        self._tell(ReturnTaken(self._cycle(), atom))
+        self._emit(ReturnTaken(self._cycle(), atom))
         self._check(atom)
         self._feeder.add_fact(atom, origin, self._cycle())
 

@@ -141,7 +141,7 @@ class Planner:
         plan = self.log.plan
         return plan is not None and plan.shortest and plan.horizon > step
 
-    def over(self, step: int, since: int = 0) -> int:
+    def first_open(self, step: int, since: int = 0) -> int:
         """Return the first cycle for which facts can still be fed in the update of ``step``.
 
         ``since`` is the cycle of the oldest request that still matters. Cycles well before it are closed.
@@ -166,7 +166,7 @@ class Planner:
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
-    def still(self, actions: Sequence[Action]) -> Optional[SolveResult]:
+    def solve_with(self, actions: Sequence[Action]) -> Optional[SolveResult]:
         """Return an answer whose plan contains these actions and ends with the last of them; None if there is none."""
         steps = max(action.cycle for action in actions) - self.log.step
         update = StreamUpdate(self.log.step, steps, (Volatile(), *(commitment(action.atom) for action in actions)))
@@ -251,7 +251,7 @@ class Planner:
         """Return another planner without the last update."""
         return self.at(self._before or History())
 
-    def instead(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
+    def replace_update(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
         """Return another planner with ``update`` in place of the last one, and its result."""
         planner = self.before_update()
         return planner, planner.update(update)
@@ -265,9 +265,9 @@ class Planner:
         present = update.heads | update.committed
         stated = (Statement(one) for one in dict.fromkeys(new) if one not in present - gone)
         items = (*map(Withdraw, sorted(gone - present)), *update.less(gone).items, *stated)
-        return self.instead(replace(update, items=items))
+        return self.replace_update(replace(update, items=items))
 
-    def anew(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
+    def reset(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
         """Return a planner that starts at ``step`` without a history, the updates that it was fed, and the result."""
         planner = self.at(History())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
@@ -335,13 +335,13 @@ def in_turns(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Plann
     if batch.first is None or result.outcome is not SolveOutcome.UNSATISFIABLE:
         return planner, batch, result
     try:
-        _, idle = planner.instead(batch.without_present_facts)
+        _, idle = planner.replace_update(batch.without_present_facts)
         if idle.outcome is not SolveOutcome.UNSATISFIABLE:
             return planner, batch, result
-        beside, found = planner.instead(batch.first.update)
+        other, found = planner.replace_update(batch.first.update)
     except DisturbedError as disturbance:
         disturbance.kept = True
         raise
     except SolverError:
         return planner, batch, result
-    return beside, batch.first, found
+    return other, batch.first, found

@@ -144,9 +144,9 @@ def test_admission_delays_unacceptable_goal_longer_each_time():
 def test_admission_does_not_skip_accepted_or_ended_goals():
     clients = Clients().add(1, 2)
     batch = clients.feeder.next_update(1)
-    clients.feeder.taken(batch)
+    clients.feeder.update_accepted(batch)
     clients.end(2)
-    clients.goals.taken(batch.goals, {batch.update.items[0].head})
+    clients.goals.update_accepted(batch.goals, {batch.update.items[0].head})
     assert clients.fed == ["g1"]
     assert clients.waits(1) == clients.waits(2) == []
 
@@ -160,25 +160,25 @@ def test_admission_does_not_skip_accepted_or_ended_goals():
 )
 def test_admission_stops_search_if_its_goals_are_cancelled(cancelled, why):
     queue = crowd(5, at_once=3).goals.queue
-    assert queue.why_left(set(cancelled.split()), new=True) == why
+    assert queue.why_interrupted(set(cancelled.split()), new=True) == why
 
 
 @pytest.mark.parametrize("end", ["plan", "no_plan 2 3", "give_time"])
 def test_admission_gives_full_time_after_a_stopped_search(end):
     clients = crowd(3)
     queue = clients.goals.queue
-    queue.left = True
-    assert queue.why_left({"g2"}, new=True) == ""
-    assert queue.why_left({"g1", "g2", "g3"}, new=True) == "a goal was cancelled", "nobody wants the plan"
+    queue.interrupted = True
+    assert queue.why_interrupted({"g2"}, new=True) == ""
+    assert queue.why_interrupted({"g1", "g2", "g3"}, new=True) == "a goal was cancelled", "nobody wants the plan"
     perform(clients, end)
-    assert queue.why_left({"g1", "g2", "g3"}, new=False) == "a goal was cancelled"
+    assert queue.why_interrupted({"g1", "g2", "g3"}, new=False) == "a goal was cancelled"
 
 
 def test_admission_drops_hopeless_goal_for_new_one_unless_first():
     clients = crowd(1, overtaking_limit=2)
     queue = clients.goals.queue
-    assert queue.why_left((), new=True) == ""
+    assert queue.why_interrupted((), new=True) == ""
     clients.no_plan()
-    assert [queue.why_left((), new) for new in (False, True)] == ["", "a goal has arrived"]
+    assert [queue.why_interrupted((), new) for new in (False, True)] == ["", "a goal has arrived"]
     clients.goal(1).overtaken = 2
-    assert queue.why_left((), new=True) == ""
+    assert queue.why_interrupted((), new=True) == ""

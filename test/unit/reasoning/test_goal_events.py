@@ -52,7 +52,7 @@ def happen(event, manager):
     if word:
         statuses = GoalStatuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
         for goal in manager.fed:
-            update_status(goal, Reading(statuses, TaskPlan(), 5, 5, 9, speaks=False))
+            update_status(goal, Reading(statuses, TaskPlan(), 5, 5, 9, has_rules=False))
     elif event == "the client cancels":
         manager.cancel("key")
     else:

@@ -76,7 +76,7 @@ def test_goal_manager_rejects_all_without_declared_requests():
 def test_goal_manager_resends_live_goals_to_restarted_program():
     clients = crowd(3)
     goals = clients.goals.live
-    clients.end(1).goals.again(goals)
+    clients.end(1).goals.resend(goals)
     assert clients.fed == [], "it knows none of them"
     clients.cancel(3)
     assert clients.ends()[-1] == ("g3", Outcome.CANCELED), "at once"

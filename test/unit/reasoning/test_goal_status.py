@@ -14,14 +14,14 @@ def answer(*atoms):
     return frozenset(clingo.parse_term(atom) for atom in atoms)
 
 
-def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=False, speaks=False, known=False):
+def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=False, has_rules=False, known=False):
     goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
     goal.feed(request_cycle)
     goal.known = known
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)
     shown = answer(*atoms)
-    update_status(goal, Reading(GoalStatuses(shown), extract_plan(shown), since, cycle, horizon, speaks))
+    update_status(goal, Reading(GoalStatuses(shown), extract_plan(shown), since, cycle, horizon, has_rules))
     return goal
 
 
@@ -117,14 +117,14 @@ def test_goal_status_before_cycle_of_request(atoms, horizon, state):
     assert judged(*atoms, cycle=5, request_cycle=6, horizon=horizon).state.value == state
 
 
-def test_goal_status_unknown_if_program_never_mentioned_goal():
+def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
     unknown = judged("_status(2,accepted,5)", speaks=True)
     assert unknown.state.value == "rejected"
     assert unknown.message == "the program rejects go(1): it has rules for _status, but none gives this goal a status"
-    assert judged(speaks=True, request_cycle=6).state.value == "pending"
-    assert judged(speaks=True, known=True).state.value == "succeeded"
-    assert judged(speaks=False).state.value == "succeeded"
-    assert judged("_status(1,accepted,5)", speaks=True).known
+    assert judged(has_rules=True, request_cycle=6).state.value == "pending"
+    assert judged(has_rules=True, known=True).state.value == "succeeded"
+    assert judged(has_rules=False).state.value == "succeeded"
+    assert judged("_status(1,accepted,5)", has_rules=True).known
 
 
 def test_goal_status_text_of_accepted_goal_is_remark():

@@ -63,7 +63,7 @@ class Feeder(InputFeeder):
         assert parse_update(str(self.batch.update)) == self.batch.update
 
     def take(self):
-        """Accept the update of the last expectation."""
+        """The update of the last expectation is in force."""
         self.taken(self.batch)
 
     def ends(self, text):
@@ -149,14 +149,14 @@ def test_feeder_dates_a_goal_with_its_request():
 
 def test_feeder_separates_expected_from_other_arrivals():
     feeder, seen = Feeder(), parse_atom("_return(go,a,1)")
-    assert not feeder.has_beside(())
+    assert not feeder.has_unexpected(())
     feeder.add_fact(seen)
-    assert feeder.has_beside(())
-    assert not feeder.has_beside({seen})
+    assert feeder.has_unexpected(())
+    assert not feeder.has_unexpected({seen})
     withdrawn = Feeder()
     withdrawn.add_withdrawals(frozenset([parse_atom("_request(do(walk,1),1)")]))
     for other in (perform(Feeder(), "reject 1"), perform(Feeder(), "facts _seen(sun)"), withdrawn):
-        assert other.has_beside({seen})
+        assert other.has_unexpected({seen})
 
 
 def heads(update):
@@ -167,12 +167,12 @@ def test_feeder_redates_facts_of_past_cycles():
     feeder = Feeder(Clock(lambda name, arity: None if name == "_kind" else 1))
     for text in ("_seen(ball,2)", "_seen(dog,9)", "_seen(cat,now)", "_kind(2)", "_return(a,x,2)"):
         feeder.add_fact(parse_atom(text), "eye", 10)
-    batch = feeder.next_update(10, over=9)
+    batch = feeder.next_update(10, first_open=9)
     assert str(batch.update.items[0]) == "#over 9."
     assert heads(batch.update) == ["_seen(ball,9)", "_seen(dog,9)", "_seen(cat,9)", "_kind(2)", "_return(a,x,2)"]
     assert [str(one.sent) for one in batch.facts if one.outdated] == ["_seen(ball,2)"]
     assert {(one.origin, one.cycle) for one in batch.facts} == {("eye", 10)}
-    assert heads(feeder.next_update(10, over=1).update) == heads(feeder.next_update(10).update)
+    assert heads(feeder.next_update(10, first_open=1).update) == heads(feeder.next_update(10).update)
     assert [str(feeder.next_update(10, over).update.items[0]) for over in (0, 1)] == ["_seen(ball,2).", "#over 1."]
 
 

@@ -134,14 +134,14 @@ def test_returns_treat_unsent_facts_as_new_on_repeat():
     monitor.receive("meter", [str(low), str(high)])
     facts = [Observation(low, 2, original=low), Observation(high, 2)]
     ended = parse_atom("_return(walk,a,1)")
-    monitor.taken([*facts, Observation(ended, 1)], {low, ended})
+    monitor.update_accepted([*facts, Observation(ended, 1)], {low, ended})
     assert list(monitor.observations) == [facts[0]]
     monitor.receive("meter", [str(low), str(high)])
     assert [one.atom for one in events] == [low, high, high]
     monitor.forget_all()
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low
-    monitor.taken([Observation(high, 2, origin="meter", original=low, outdated=True)], ())
+    monitor.update_accepted([Observation(high, 2, origin="meter", original=low, outdated=True)], ())
     assert events[-1].message == f"{low} from interface meter is too late: it is redated to {high}"
     monitor.receive("meter", [str(low)])
     assert events[-1].atom == low, "it is known by what was told"

@@ -70,11 +70,11 @@ def plan(result):
         (500, 1, 500 - LONG_AGO),  # but not for ever
     ],
 )
-def test_planner_computes_past_steps(cycle, since, over):
+def test_what_is_over(cycle, since, over):
     planner = Planner(LoggingSolver, 8)
     assert planner.over(cycle + 1, since) == over
     planner.update(StreamUpdate(cycle + 1, items=(Over(over),)))
-    assert planner.over(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
+    assert planner.first_open(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
 
 
 def test_planner_closes_the_past():
@@ -208,7 +208,7 @@ def test_planner_sends_expected_entries_to_solver():
     assert planner.ended_by == ""
     assert words(planner.in_force) == "#step 1."
     planner.solve()
-    assert planner.over(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
+    assert planner.first_open(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
     fed(planner, "#step 11. #over 2. _seen(a).", "#step 14. #over 2. #over 3. _seen(b).")
     planner.take(parse_update("#step 15. _seen(c). #endstep."))
     assert told(planner) == [
@@ -239,11 +239,11 @@ def test_planner_trial_has_the_horizon_of_its_step():
 def test_planner_replaces_the_last_update():
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
-    beside, result = planner.instead(other)
+    beside, result = planner.replace_update(other)
     assert told(beside) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(d). _seen(e)."]
     assert result.step == 2
     assert beside.in_force.step == 2
-    again, _ = planner.instead(planner.in_force)
+    again, _ = planner.replace_update(planner.in_force)
     assert told(again) == told(planner), "the past is told once"
     beside, _ = Planner(LoggingSolver, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
@@ -289,7 +289,7 @@ def test_planner_trial_checks_whether_plan_is_valid(outcome):
 
     planner = fed(Planner(make, 8), "#step 1. _seen(a).", "#step 2. _seen(b).")
     actions = [action_of(parse_atom(text)) for text in ("_action_lib(go,1,3)", "_action_lib(go,2,5)")]
-    result = planner.still(actions)
+    result = planner.solve_with(actions)
     assert (result is None) == (outcome is not SolveOutcome.SATISFIABLE)
     asked = made[-1].log.entries[-1].update
     assert words(asked) == "#step 2 : 3. #volatile. :- not _action_lib(go,1,3). :- not _action_lib(go,2,5)."
@@ -300,7 +300,7 @@ def test_planner_discards_a_refused_plan():
     solvers = [LoggingSolver(), LoggingSolver()]
     planner = fed(Planner(iter(solvers).__next__, 8), "#step 1.")
     solvers[1].error = SolverError("no")
-    assert planner.still([action_of(parse_atom("_action_lib(go,1,3)"))]) is None
+    assert planner.solve_with([action_of(parse_atom("_action_lib(go,1,3)"))]) is None
 
 
 @pytest.mark.parametrize(
@@ -366,7 +366,7 @@ def test_planner_asks_first_actions_without_side_effects(outcome, may):
         ),
     ],
 )
-def test_planner_restarts_from_scratch(step, updates):
+def test_everything_anew(step, updates):
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).")
     beside, given, result = planner.anew(step)
     assert told(beside) == updates

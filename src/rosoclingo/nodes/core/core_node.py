@@ -348,7 +348,7 @@ class CoreNode:
             """Return why the search has to end now, None while it can continue."""
             if self._ending:
                 return Halt("the core shuts down", disturbed=True)
-            why = self._core.queue.why_left(self._cancels, bool(self._arrivals))
+            why = self._core.queue.why_interrupted(self._cancels, bool(self._arrivals))
             return Halt(why, disturbed=True) if why and time.monotonic() - start >= CANCEL_GRACE else None
 
         return self._watching(look, self._parameters.settings.search_timeout)

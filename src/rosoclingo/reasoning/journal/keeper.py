@@ -59,18 +59,18 @@ class Keeper:
 
     def __init__(
         self,
-        tell: Observer,
+        emit: Observer,
         journal: Optional[Journal],
         now: Callable[[], float],
         time: Optional[Callable[[], float]] = None,
         fault: str = "",
     ) -> None:
-        """Release events to ``tell``.
+        """Release events to ``emit``.
 
         ``now`` is a monotonic clock, and ``time`` the run's clock, whose time is recorded; both in seconds. ``fault``
         is the reason why a requested journal is missing, empty for none.
         """
-        self._tell, self._journal, self._now, self._time, self._fault = tell, journal, now, time, fault
+        self._emit, self._journal, self._now, self._time, self._fault = emit, journal, now, time, fault
         self._core: Optional[KeptCore] = None
         self._state: Record = {}
         self._events: List[Event] = []
@@ -133,7 +133,7 @@ class Keeper:
         self._look()
         self._write()
         for event in events:
-            self._tell(event)
+            self._emit(event)
         if not keep_ends:
             self.forget(ends)
 

@@ -72,7 +72,7 @@ class KeptCore(Core):
         """
         ended = self._preemption.end_all()
         if ended:
-            self._tell(ActionsPreempted(self.cycle, ended))
+            self._emit(ActionsPreempted(self.cycle, ended))
         self.abandon(why)
 
     def record(self) -> Record:
