@@ -22,7 +22,7 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.journal.database import Header, file_of, read
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 
@@ -36,7 +36,7 @@ class Run:
         def solver():
             return PlanSolver(program, plan_time=1.0)
 
-        self.core = KeptCore(program, solver, self.keeper, CoreSettings(), record=record)
+        self.core = ResumableCore(program, solver, self.keeper, CoreSettings(), record=record)
         self.keeper.attach(self.core, record)
         self.core.start()
         self.keeper.send()

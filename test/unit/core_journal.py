@@ -3,7 +3,7 @@
 from collections import deque
 from typing import Deque, List, Tuple, Type, TypeVar
 
-from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, Problem, ReturnTaken, UpdateSent
+from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, Problem, ReturnAccepted, UpdateSent
 
 _Kind = TypeVar("_Kind", bound=Event)
 
@@ -45,7 +45,7 @@ class Journal:
     @property
     def returns(self) -> List[str]:
         """All returns taken, as atoms."""
-        return [str(event.atom) for event in self.of(ReturnTaken)]
+        return [str(event.atom) for event in self.of(ReturnAccepted)]
 
     @property
     def problems(self) -> List[str]:

@@ -46,7 +46,7 @@ class SentGoal:
 
     @property
     def identifier(self) -> str:
-        """actionlib's id of the goal, empty before the goal was sent."""
+        """Actionlib's id of the goal, empty before the goal was sent."""
         return goal_id(self._handle) if self._handle is not None else ""
 
     def send(self) -> None:

@@ -29,7 +29,7 @@ from rosoclingo.reasoning.stream_planner import (
     Planner,
     SearchWatch,
     SolverFactory,
-    in_turns,
+    split_batch,
     unwatched,
 )
 
@@ -96,7 +96,7 @@ class Core:
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
-        """The actions under way that have not returned."""
+        """The running actions."""
         return self._execution.awaited
 
     def add_goal(self, key: str, text: str) -> None:
@@ -112,7 +112,7 @@ class Core:
         self._execution.receive(origin, facts)
 
     def poll(self, now: float) -> None:
-        """Count actions that have not returned in time as failed."""
+        """Advance the time: fail actions that have not returned in time, and admit goals that have rested."""
         self._execution.expire(now, self._settings.action_timeout)
         self._goals.tick(now)
         self._feeder.tick(now)
@@ -176,7 +176,7 @@ class Core:
                 self._emit(ActionsPreempted(self.cycle, found))
 
     def _due(self) -> bool:
-        """Whether a new cycle is due: after arrivals, ended actions, or an interrupted search, or as the plan asks."""
+        """Return whether a cycle is due: after an arrival, a return or an interrupted search, or for the plan."""
         return self._feeder.pending or bool(self._execution.under_way) or self._plan is None or self._later()
 
     def _later(self) -> bool:
@@ -212,7 +212,7 @@ class Core:
         if state.accepted:
             self._announce.update(self._step, self._planner.in_force)
 
-    # -- the update is sent
+    # -- sending updates
 
     def _send(self, state: State) -> Optional[State]:
         return self._offer(state, self._planner.update, state.batch.update)
@@ -242,7 +242,7 @@ class Core:
         try:
             result = ask(update)
             if update is batch.update:
-                self._planner, batch, result = in_turns(self._planner, batch, result)
+                self._planner, batch, result = split_batch(self._planner, batch, result)
         except DroppedError as error:
             why = ": ".join(filter(None, (self._planner.ended_by, str(error))))
             self._problem(f"update {batch.step} is dropped: {why}")
@@ -279,7 +279,7 @@ class Core:
         self._goals.update_accepted(batch.goals, present)
         return state._replace(batch=batch, accepted=True)
 
-    # -- there is an answer, or none
+    # -- results of searches
 
     def _answered(self, state: State, result: SolveResult) -> State:
         """Return the state after the search for a new update."""
@@ -361,7 +361,7 @@ class Core:
         return None if found is None else self._adopt(state._replace(no_plan=self._planner.stream), found)
 
     def _adopt(self, state: State, found: Recovery) -> State:
-        """Start the next cycle without some goals."""
+        """Start the next cycle without the unmet goals."""
         self._announce.update(self._step, self._planner.in_force)
         if found.way is Way.WITHHELD:
             self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
@@ -406,7 +406,7 @@ class Core:
         self._planner = self._planner.restarted()
         return state.settled
 
-    # -- no answer in time
+    # -- time-outs
 
     def _keep_plan(self, state: State) -> Optional[State]:
         """Keep the last plan if it is still valid, deferred by the cycles without actions."""

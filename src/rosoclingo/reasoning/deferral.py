@@ -20,7 +20,7 @@ def defer(
     executed: Sequence[Action],
     look: Callable[[], Any],
 ) -> Tuple[Planner, str]:
-    """Queue the ``chosen`` goals that are not in hand, for the reason ``why``; if all are, other goals.
+    """Queue the ``chosen`` goals that are not in hand, or other goals if all of them are; ``why`` is the reason.
 
     A goal is in hand if an action was executed for it. No action was executed for goals that arrived after the last of
     the ``executed`` actions. Cancelled goals among these end instead. For older goals, a search decides; it ends when

@@ -70,14 +70,14 @@ class ActionsPreempted(Event):
 
 
 @dataclass(frozen=True)
-class ReturnTaken(Event):
+class ReturnAccepted(Event):
     """An interface has returned the result of an action of this cycle."""
 
     atom: Symbol
 
 
 @dataclass(frozen=True)
-class FactTaken(Event):
+class FactAccepted(Event):
     """An interface has reported another fact about the world."""
 
     atom: Symbol

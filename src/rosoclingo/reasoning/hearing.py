@@ -28,7 +28,7 @@ _MOST = 10000  # maximum number of atoms of a restricting predicate; larger pred
 _MOST_TRIED = 100  # maximum number of relayed atoms and of excluding rules; beyond it, an atom counts as heard
 
 
-class _Sight(NamedTuple):
+class _Occurrence(NamedTuple):
     """An occurrence of an atom in a statement.
 
     Attributes:
@@ -51,7 +51,7 @@ class _Sight(NamedTuple):
     statement: Node
 
 
-_Trail = List[Tuple[_Sight, clingo.Symbol]]
+_Trail = List[Tuple[_Occurrence, clingo.Symbol]]
 
 
 class Hearing:
@@ -59,7 +59,7 @@ class Hearing:
 
     def __init__(self, program: ReactiveProgram) -> None:
         self._program = program
-        self._sights: Dict[Signature, List[_Sight]] = {}
+        self._occurrences: Dict[Signature, List[_Occurrence]] = {}
 
     @classmethod
     @lru_cache(maxsize=1)
@@ -72,12 +72,12 @@ class Hearing:
         waiting = [signature]
         while waiting:
             one = waiting.pop()
-            if one not in self._sights:
-                waiting += [sight.relay for sight in self._sights_of(one) if sight.relay is not None]
+            if one not in self._occurrences:
+                waiting += [place.relay for place in self._occurrences_of(one) if place.relay is not None]
 
     def hears(self, atom: clingo.Symbol) -> bool:
         """Return whether the program hears an atom; False is certain."""
-        return self._deaf(atom) is None
+        return self._excluding_rules(atom) is None
 
     def advice(self, atom: clingo.Symbol) -> str:
         """Return advice about an ``atom`` that is not heard: a correction, else the reason, else the known forms."""
@@ -85,8 +85,8 @@ class Hearing:
         forms = self._forms(signature_of(atom), term)
         alike = [one for one in (fitted(form, term) for form in forms) if one is not None]
         alike.sort(key=lambda one: likeness(str(one), str(term)), reverse=True)
-        failed = self._deaf(atom) or []
-        misfits = [misfit for sight, seen in failed for misfit in self._misfits(sight, seen)]
+        failed = self._excluding_rules(atom) or []
+        misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
         for form in dict.fromkeys((term, *alike)):
             meant = self._corrected(clingo.Function(atom.name, [form, *atom.arguments[1:]], atom.positive))
             if meant is not None:
@@ -94,66 +94,66 @@ class Hearing:
         if misfits:
             return "; ".join(dict.fromkeys(f"{one.value} is none of {listed(map(str, one.known))}" for one in misfits))
         if failed:
-            places = (sight.statement.location.begin for sight, _ in failed)
+            places = (place.statement.location.begin for place, _ in failed)
             return f"the conditions of {listed(f'{one.filename}:{one.line}' for one in places)} exclude it"
         return f"rules look at {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
         """Return the first argument of an atom, corrected to similar known values; None if that is not heard either."""
-        failed = self._deaf(atom)
+        failed = self._excluding_rules(atom)
         if failed is None:
             return atom.arguments[0]
-        misfits = [misfit for sight, seen in failed for misfit in self._misfits(sight, seen)]
+        misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
         meant = replaced(atom.arguments[0], misfits)
         heard = meant is not None and self.hears(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
         return meant if heard else None
 
     def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
         """Return the first arguments that rules accept, ordered by the similarity of their names to ``term``."""
-        sights = self._sights_of(signature)
-        forms = list(dict.fromkeys(one.term.arguments[0] for one in sights if one.counts))
+        occurrences = self._occurrences_of(signature)
+        forms = list(dict.fromkeys(one.term.arguments[0] for one in occurrences if one.counts))
         named = [one for one in forms if one.ast_type != ASTType.Variable and getattr(one, "name", "") != "cancel"]
         return sorted(named, key=lambda one: likeness(name_of(str(one)), name_of(str(term))), reverse=True)
 
     # -- rules that see an atom
 
-    def _deaf(self, atom: clingo.Symbol) -> Optional[_Trail]:
+    def _excluding_rules(self, atom: clingo.Symbol) -> Optional[_Trail]:
         """Return the rules that match an atom but exclude it; None if the atom is heard."""
         failed: _Trail = []
         waiting: List[Tuple[clingo.Symbol, FrozenSet[Signature]]] = [(atom, frozenset())]
         while waiting:
             one, handed_on = waiting.pop()
-            for sight in self._looking_at(one):
-                if sight.relay is not None and sight.relay in handed_on:
+            for place in self._matching(one):
+                if place.relay is not None and place.relay in handed_on:
                     continue
-                found = self._instances(sight, one)
-                if found is None or (found and sight.relay is None) or max(len(found), len(failed)) > _MOST_TRIED:
+                found = self._instances(place, one)
+                if found is None or (found and place.relay is None) or max(len(found), len(failed)) > _MOST_TRIED:
                     return None
-                failed += [] if found else [(sight, one)]
+                failed += [] if found else [(place, one)]
                 waiting += [(head, handed_on | {signature_of(head)}) for head in found]
         return failed
 
-    def _looking_at(self, atom: clingo.Symbol) -> List[_Sight]:
-        """Return the sights that match an atom; only those that count, if there are any."""
+    def _matching(self, atom: clingo.Symbol) -> List[_Occurrence]:
+        """Return the occurrences that match an atom; only those that count, if there are any."""
         first = self._program.first_step
-        sights = self._sights_of(signature_of(atom))
-        seen = [one for one in sights if one.pattern.may_match(atom, first, FAR)]
+        occurrences = self._occurrences_of(signature_of(atom))
+        seen = [one for one in occurrences if one.pattern.may_match(atom, first, FAR)]
         return [one for one in seen if one.counts] or seen
 
-    def _sights_of(self, signature: Signature) -> List[_Sight]:
+    def _occurrences_of(self, signature: Signature) -> List[_Occurrence]:
         """Return the occurrences of a predicate in the program."""
-        if signature not in self._sights:
-            self._sights[signature] = [
-                sight
+        if signature not in self._occurrences:
+            self._occurrences[signature] = [
+                place
                 for part in self._program.parts
                 for statement, atoms in part.found
                 if any(one.signature == signature and not one.head for one in atoms)
                 if statement.ast_type not in _DEAF
-                for sight in self._look(part, statement, signature)
+                for place in self._look(part, statement, signature)
             ]
-        return self._sights[signature]
+        return self._occurrences[signature]
 
-    def _look(self, part: Part, statement: Node, signature: Signature) -> Iterator[_Sight]:
+    def _look(self, part: Part, statement: Node, signature: Signature) -> Iterator[_Occurrence]:
         relay = self._relay(statement)
         handed_to = None if relay is None else term_signature(relay)
         for first, row in _rows(statement):
@@ -165,7 +165,7 @@ class Hearing:
                     kept = self._kept(term, [one for one in row if one is not literal], part.parameter)
                     rule = self._rule(pattern, term, kept, relay)
                     counts = literal.sign == Sign.NoSign or _names_a_constant(term)
-                    yield _Sight(pattern, term, kept, rule, handed_to, counts, statement)
+                    yield _Occurrence(pattern, term, kept, rule, handed_to, counts, statement)
 
     def _rule(self, pattern: Pattern, term: Node, kept: List[Node], relay: Optional[Node]) -> Optional[str]:
         """Return a program that derives the relayed head of a rule, or 0; None if that depends on the step."""
@@ -199,16 +199,16 @@ class Hearing:
 
     # -- consequences of an atom in a rule
 
-    def _instances(self, sight: _Sight, atom: clingo.Symbol) -> Optional[List[clingo.Symbol]]:
+    def _instances(self, place: _Occurrence, atom: clingo.Symbol) -> Optional[List[clingo.Symbol]]:
         """Return the relayed heads that a rule derives from an atom, 0 for other heads; None if that is undecided."""
-        if sight.rule is None:
+        if place.rule is None:
             return None
-        step = sight.pattern.first_match(atom, -FAR, FAR) if sight.pattern.offsets else None
+        step = place.pattern.first_match(atom, -FAR, FAR) if place.pattern.offsets else None
         if step is None:
             step = next((one.number for one in atom.arguments[-1:] if one.type is clingo.SymbolType.Number), 1)
         try:
             control = self._control()
-            control.add("base", [], f"{_stated(atom.arguments)}.\n{sight.rule}")
+            control.add("base", [], f"{_stated(atom.arguments)}.\n{place.rule}")
             control.ground([("base", []), ("heard", [clingo.Number(step)])])
         except RuntimeError:
             return None
@@ -278,10 +278,10 @@ class Hearing:
             return None
         return control
 
-    def _misfits(self, sight: _Sight, atom: clingo.Symbol) -> Iterator[Misfit]:
+    def _misfits(self, place: _Occurrence, atom: clingo.Symbol) -> Iterator[Misfit]:
         """Yield the values of an atom that a rule excludes."""
-        for name, value in bindings(sight.term, atom):
-            for literal in sight.kept:
+        for name, value in bindings(place.term, atom):
+            for literal in place.kept:
                 if not _is_atom(literal) or literal.sign != Sign.NoSign:
                     continue
                 for position, one in enumerate(arguments_of(literal.atom.symbol)):

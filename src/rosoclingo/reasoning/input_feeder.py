@@ -403,8 +403,8 @@ class InputFeeder:
         Rejected goals that were requested again are not cancelled. A new goal waits if one of the requests cancels an
         aborted goal with the same identifier.
         """
-        given_up = [one for one in requests if not isinstance(one, Goal)]
-        requests = [one for one in requests if not (isinstance(one, Goal) and one.identifier in given_up)]
+        cancelled = [one for one in requests if not isinstance(one, Goal)]
+        requests = [one for one in requests if not (isinstance(one, Goal) and one.identifier in cancelled)]
         renewed = [one.identifier for one in requests if isinstance(one, Goal)]
         return (*(one for one in self._rejected if one not in renewed), *requests)
 

@@ -198,7 +198,10 @@ class _Finder:
         self._look = impasse.watch()
 
     def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
-        """Return whether there is a plan, of ``steps`` steps at least, for the goals kept; raises UndecidedError."""
+        """Return whether there is a plan for the goals ``kept`` after ``seen``; raises UndecidedError.
+
+        The plan can have ``steps`` steps, or the usual number if that is larger.
+        """
         reply = self._hypotheses.ask(kept, facts_of(seen), steps)
         if reply.satisfiable is None:
             raise UndecidedError

@@ -9,7 +9,7 @@ from clingo import Symbol, SymbolType
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.planning.return_rules import may_heed
-from rosoclingo.reasoning.events import Event, FactTaken, Problem, ReturnTaken
+from rosoclingo.reasoning.events import Event, FactAccepted, Problem, ReturnAccepted
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
     FAILURE,
@@ -181,7 +181,7 @@ class ExecutionMonitor:
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
-        """The running actions: those that have not returned."""
+        """The running actions, that is, the actions without a return."""
         return self._dispatch.missing if self._dispatch else ()
 
     @property
@@ -295,7 +295,7 @@ class ExecutionMonitor:
                 raise ReturnError(f"{self._feeder.waiting} facts already wait for the next update")
             if size > SHORT or not self._is_known(atom):
                 self._text += size
-                self._emit(FactTaken(self._cycle(), atom))
+                self._emit(FactAccepted(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle(), message)
 
     def update_accepted(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
@@ -355,7 +355,7 @@ class ExecutionMonitor:
 
     def _feed_return(self, origin: str, atom: Symbol) -> None:
         """Feed a return that has been recorded."""
-        self._emit(ReturnTaken(self._cycle(), atom))
+        self._emit(ReturnAccepted(self._cycle(), atom))
         self._check(atom)
         self._feeder.add_fact(atom, origin, self._cycle())
 

@@ -239,17 +239,17 @@ class Planner:
         """Return another planner with the same history, except for the facts ``without``, and with a short horizon."""
         before, taken = self._before, self.in_force
         if before is None:
-            return self.at(self.log.withdraw(without))
+            return self.with_log(self.log.withdraw(without))
         horizon = max(before.horizon, taken.step or before.step)
-        return self.at(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
+        return self.with_log(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
 
-    def at(self, log: History) -> "Planner":
+    def with_log(self, log: History) -> "Planner":
         """Return another planner with the history ``log``."""
         return Planner(self._make_solver, self.lookahead, self._watch, log)
 
     def before_update(self) -> "Planner":
         """Return another planner without the last update."""
-        return self.at(self._before or History())
+        return self.with_log(self._before or History())
 
     def replace_update(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
         """Return another planner with ``update`` in place of the last one, and its result."""
@@ -269,7 +269,7 @@ class Planner:
 
     def reset(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
         """Return a planner that starts at ``step`` without a history, the updates that it was fed, and the result."""
-        planner = self.at(History())
+        planner = self.with_log(History())
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []
         for last, now in zip([0, *stops], stops):
@@ -325,7 +325,7 @@ def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
     return replace(update, bound=lookahead, items=items)
 
 
-def in_turns(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Planner, Batch, SolveResult]:
+def split_batch(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Planner, Batch, SolveResult]:
     """Return the planner to continue with after the ``result`` of a batch, the batch that it was fed, and its result.
 
     The messages of one origin take effect in successive cycles of one update, and all of these except the last are

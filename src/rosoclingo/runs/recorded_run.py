@@ -271,9 +271,7 @@ class RunCollector(RunEvents):
         """Return the runs with updates, in order; raises RecordingError if there is none."""
         found = [one for one in (run.close() for run in self._runs) if one.cycles]
         if not found:
-            raise RecordingError(
-                "it has no update of a core: there was no request, or the recorder was not connected"
-            )
+            raise RecordingError("it has no update of a core: there was no request, or the recorder was not connected")
         return found
 
     def _begin(self, program: Optional[RunProgram] = None) -> None:

@@ -48,7 +48,7 @@ def test_the_goals_in_words_first_those_that_are_open():
         "goals: 3 open, 2 ended",
         "g(2): active",
         "g(4): waits, at most 8 goals are planned for",
-        "    for",
+        "    at a time",
         "g(5): pending",
         "g(3): rejected, there is no such place",
         "g(1): succeeded",

@@ -183,7 +183,7 @@ def test_core_reports_events_of_a_goal_in_order():
     assert [f"{type(event).__name__} {event.cycle}" for event in driver.journal.events] == [
         *("PlanMade 1", "StateChanged 1"),
         *("UpdateSent 1", "ActionsDispatched 1", "PlanMade 1", "StateChanged 1", "GoalProgress 1"),
-        *("ReturnTaken 1", "UpdateSent 2", "PlanMade 2", "StateChanged 2", "GoalChanged 2", "GoalChanged 2"),
+        *("ReturnAccepted 1", "UpdateSent 2", "PlanMade 2", "StateChanged 2", "GoalChanged 2", "GoalChanged 2"),
     ]
 
 

@@ -7,7 +7,7 @@ from core_driver import Driver
 from core_programs import BATTERY
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.reasoning.events import FactTaken, Problem, ReturnTaken
+from rosoclingo.reasoning.events import FactAccepted, Problem, ReturnAccepted
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.observations import MEMORY, Observation
@@ -28,10 +28,10 @@ def test_returns_are_dated_with_present_cycle_and_interface():
     driver.facts("_seen(ball)", "garbage((", "_return(run,2,2)")
     driver.core.receive("door", [*["_seen(X)"] * MOST_FACTS, "_seen(ball)"])
     events = driver.journal.events
-    assert [(type(one), one.cycle) for one in events if isinstance(one, (FactTaken, ReturnTaken))] == [
-        (ReturnTaken, 1),
-        (FactTaken, 2),
-        (ReturnTaken, 2),
+    assert [(type(one), one.cycle) for one in events if isinstance(one, (FactAccepted, ReturnAccepted))] == [
+        (ReturnAccepted, 1),
+        (FactAccepted, 2),
+        (ReturnAccepted, 2),
     ]
     told = [(one.origin, one.cycle) for one in driver.journal.of(Problem)]
     assert told == [("interface", 2), *[("door", 3)] * (MOST_FACTS + 1)]

@@ -10,7 +10,7 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
 from rosoclingo.reasoning.events import Event, UpdateSent
 from rosoclingo.reasoning.hypotheses import Way
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.records import Record
 from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
@@ -49,17 +49,17 @@ class _NoRecorder:
 
 
 _STOPS = {
-    KeptCore._lose_patience: DefectKind.PUT_OFF,
-    KeptCore._repair: DefectKind.NO_ANSWER,
-    KeptCore._forget_history: DefectKind.NO_ANSWER,
-    KeptCore._cancel_all: DefectKind.NO_ANSWER,
+    ResumableCore._lose_patience: DefectKind.PUT_OFF,
+    ResumableCore._repair: DefectKind.NO_ANSWER,
+    ResumableCore._forget_history: DefectKind.NO_ANSWER,
+    ResumableCore._cancel_all: DefectKind.NO_ANSWER,
 }
 """The responses that doubt facts or drop all goals, and the defects of programs that need them."""
 
 
 def _trusting(row: Response) -> Response:
     """Return a row of the core's table that raises BrokenError instead, and leaves failures to the program."""
-    if row.step is KeptCore._settle_failures:
+    if row.step is ResumableCore._settle_failures:
         return row._replace(step=lambda core, state: core.leave_failures(state))
     if row.step not in _STOPS:
         return row
@@ -72,7 +72,7 @@ def _trusting(row: Response) -> Response:
     return row._replace(step=stop)
 
 
-class TrialCore(KeptCore):
+class TrialCore(ResumableCore):
     """A core that raises BrokenError where the usual one doubts facts, begins again, or loses patience.
 
     Attributes:
@@ -93,7 +93,7 @@ class TrialCore(KeptCore):
         super().__init__(program, make_solver, self.events.append, settings, record=record)
         self._log = _NoRecorder()  # type: ignore[assignment]
         if snapshot is not None:
-            self._planner = self._planner.at(snapshot.log)
+            self._planner = self._planner.with_log(snapshot.log)
 
     def leave_failures(self, state: State) -> State:
         """Leave failures to the program, whose reaction is verified."""
@@ -162,4 +162,4 @@ class TrialCore(KeptCore):
         return super()._adopt(state, found)
 
     #: As the core's, but the responses that doubt facts or drop all goals raise BrokenError.
-    responses = tuple(map(_trusting, KeptCore.responses))
+    responses = tuple(map(_trusting, ResumableCore.responses))

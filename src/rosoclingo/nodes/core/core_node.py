@@ -33,14 +33,14 @@ from rosoclingo.reasoning.events import (
     GoalRefused,
     PlanMade,
     Problem,
-    ReturnTaken,
+    ReturnAccepted,
     StateChanged,
     UpdateSent,
 )
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import Halt
@@ -151,7 +151,7 @@ class CoreNode:
         self._solvers = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         found = find_journal(self._parameters, program)
         self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time, found.fault)
-        self._core = KeptCore(
+        self._core = ResumableCore(
             program,
             lambda: ProcessSolver(self._solvers),
             self._keeper,
@@ -164,7 +164,7 @@ class CoreNode:
         self._keeper.attach(self._core, found.state)
         self._results = Results(resumed=found.state is not None)
         self._worker = Worker(self._settle)
-        self._given_up = UnmetGoals(program, self._worker, self._keeper.given_up)
+        self._given_up = UnmetGoals(program, self._worker, self._keeper.aborted_goals)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
@@ -177,7 +177,7 @@ class CoreNode:
             StateChanged: self._topics.state_changed,
             ActionsDispatched: self._topics.actions_dispatched,
             ActionsPreempted: self._topics.actions_preempted,
-            ReturnTaken: self._return_taken,
+            ReturnAccepted: self._return_taken,
             GoalChanged: self._handles.changed,
             GoalRefused: self._handles.refused,
             GoalProgress: self._handles.progress,
@@ -199,8 +199,8 @@ class CoreNode:
     # -- jobs of the worker
 
     def _start(self) -> None:
-        """Publish the restored state, then wait for the solver's process, which no search time includes."""
-        self._core.remind()
+        """Publish the restored state, then wait for the solver process, which no search time includes."""
+        self._core.report_beliefs()
         if self._core.plan.actions:
             self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
         self._send()
@@ -385,7 +385,7 @@ class CoreNode:
 
     def _shut_down(self) -> None:
         self._ending = True
-        self._worker.put(lambda: self._core.leave("is aborted: the core shuts down"))
+        self._worker.put(lambda: self._core.shut_down("is aborted: the core shuts down"))
         self._worker.put(self._send)
         self._worker.put(self._handles.board.flush)
         self._worker.put(self._keeper.close)
@@ -410,7 +410,7 @@ class CoreNode:
         self._topics.plan_made(event)
         self._health.plan_made(event)
 
-    def _return_taken(self, event: ReturnTaken) -> None:
+    def _return_taken(self, event: ReturnAccepted) -> None:
         self._topics.return_taken(event)
         self._register.answered(return_of(event.atom).interface_name)
 

@@ -10,7 +10,7 @@ from rosoclingo.msg import InterfaceIO
 from rosoclingo.nodes.core.bounded_queue import BoundedQueue
 from rosoclingo.nodes.core.gathering import Gathering
 from rosoclingo.reasoning.interface_register import InterfaceRegister
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import shortened
 
 #: Limit in seconds of wall time that the worker spends on facts before other work.
@@ -37,7 +37,7 @@ class FactIntake:
 
     """
 
-    def __init__(self, core: KeptCore, register: InterfaceRegister, worker: Worker) -> None:
+    def __init__(self, core: ResumableCore, register: InterfaceRegister, worker: Worker) -> None:
         self._core, self._register, self._worker = core, register, worker
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
         self.gathering = Gathering(time.monotonic())

@@ -8,8 +8,8 @@ import rospy
 from rosoclingo.common.worker import Worker, ending
 from rosoclingo.oclingo import ReactiveProgram, SolverError
 from rosoclingo.planning.workers.explanation import explain_in_worker
+from rosoclingo.reasoning.aborted_goals import AbortedGoals
 from rosoclingo.reasoning.events import GoalUnmet
-from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.srv import Explain, ExplainResponse
 
 #: Limit in seconds of processor time for one explanation.
@@ -26,7 +26,7 @@ class UnmetGoals:
     of the call, so that the core continues. Goals are explained one at a time.
     """
 
-    def __init__(self, program: ReactiveProgram, worker: Worker, goals: GivenUpGoals) -> None:
+    def __init__(self, program: ReactiveProgram, worker: Worker, goals: AbortedGoals) -> None:
         self._program, self._worker, self._goals = program, worker, goals
         self._turn = threading.Lock()
         self._service = rospy.Service("~explain", Explain, lambda request: self._on_explain(request.goal))

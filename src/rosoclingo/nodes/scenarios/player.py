@@ -137,7 +137,7 @@ class ScenarioPlayer:
 
     @property
     def sent(self) -> List[str]:
-        """actionlib's ids of the goals of this scenario: goals of an earlier scenario can end in the same account."""
+        """Actionlib's ids of the goals of this scenario: goals of an earlier scenario can end in the same account."""
         return [goal.identifier for goal in self.goals]
 
     @property

@@ -2,11 +2,11 @@
 
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
+from rosoclingo.reasoning.aborted_goals import AbortedGoals
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, GoalUnmet, Observer
-from rosoclingo.reasoning.given_up import GivenUpGoals
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.records import Record, group
 
 
@@ -53,7 +53,7 @@ class Keeper:
 
     Attributes:
         clients: the clients' goals by their keys, in order of arrival.
-        given_up: the latest goals that were aborted for lack of a plan.
+        aborted_goals: the latest goals that were aborted for lack of a plan.
 
     """
 
@@ -71,22 +71,22 @@ class Keeper:
         is the reason why a requested journal is missing, empty for none.
         """
         self._emit, self._journal, self._now, self._time, self._fault = emit, journal, now, time, fault
-        self._core: Optional[KeptCore] = None
+        self._core: Optional[ResumableCore] = None
         self._state: Record = {}
         self._events: List[Event] = []
         self.clients: Dict[str, ClientGoal] = {}
-        self.given_up = GivenUpGoals()
+        self.aborted_goals = AbortedGoals()
 
     def __call__(self, event: Event) -> None:
         """Collect an event, as the observer of the core."""
         self._events.append(event)
 
-    def attach(self, core: KeptCore, record: Optional[Record] = None) -> None:
+    def attach(self, core: ResumableCore, record: Optional[Record] = None) -> None:
         """Record the state of this core from now on; ``record`` is the one from which the core was resumed, if any."""
         self._core = core
         if record is not None:
             self.clients = {key: ClientGoal.of_record(value) for key, value in group(record, "client").items()}
-            self.given_up.restore(record)
+            self.aborted_goals.restore(record)
         self._look()
         self._write()
 
@@ -153,12 +153,12 @@ class Keeper:
             return
         clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
         time = None if self._time is None else self._time()
-        self._journal.write({**self._state, **clients, **self.given_up.record()}, self._now(), time)
+        self._journal.write({**self._state, **clients, **self.aborted_goals.record()}, self._now(), time)
 
     def _note(self, event: Event) -> Optional[str]:
         """Record the end of a client's goal and return its key, None for other events; record unmet goals."""
         if isinstance(event, GoalUnmet):
-            self.given_up.add(event)
+            self.aborted_goals.add(event)
         if isinstance(event, GoalRefused):
             ending = Ending(GoalState.REJECTED, Outcome.REJECTED, event.message)
         elif isinstance(event, GoalChanged) and event.outcome is not None:

@@ -12,7 +12,7 @@ from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play
 
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, group_of, history
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 #: Sections of the journal that belong to the keeper rather than the core.
@@ -73,7 +73,7 @@ def test_journal_state_equals_state_of_resumed_core(states):
     assert len(states) > 20
     for state in states:
         own = {name: value for name, value in state.items() if group_of(name) not in KEEPERS}
-        core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
+        core = ResumableCore(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
         assert core.record() == own
 
 

@@ -12,13 +12,13 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, GoalRefused, ReturnTaken
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, GoalRefused, ReturnAccepted
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 
@@ -67,7 +67,7 @@ def test_keeper_makes_a_return_durable_at_once(start, records):
     records.clear()
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     node.keeper.send()
-    assert [type(event) for event in node.told][-1] is ReturnTaken
+    assert [type(event) for event in node.told][-1] is ReturnAccepted
     assert len(records) == 1
     assert start().core.awaited == ()
 
@@ -169,7 +169,7 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
             assert all(str(one.atom) in json.dumps(node.on_disk["preemption"]) for one in under_way), "written before"
 
     node.at_event = look
-    node.core.leave("is aborted: the core shuts down")
+    node.core.shut_down("is aborted: the core shuts down")
     node.keeper.send()
     assert [one.actions for one in node.told if isinstance(one, ActionsPreempted)] == [under_way]
     ends = [one for one in node.told if isinstance(one, GoalChanged) and one.outcome is Outcome.ABORTED]
@@ -187,10 +187,10 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
 
 def test_keeper_second_shutdown_cancels_no_action_twice(start):
     node = start()
-    node.goal("a", "do(walk,1)").core.leave("is aborted")
+    node.goal("a", "do(walk,1)").core.shut_down("is aborted")
     node.keeper.send()
     again = start()
-    again.core.leave("is aborted")
+    again.core.shut_down("is aborted")
     again.keeper.send()
     assert not [one for one in again.told if isinstance(one, ActionsPreempted)]
 
@@ -230,7 +230,7 @@ def kept(journal, now=lambda: 0.0):
     """Return a core that has not begun, its keeper, and the released messages."""
     told = []
     keeper = Keeper(told.append, journal, now)
-    core = KeptCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
+    core = ResumableCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
     return core, keeper, told
 

@@ -10,9 +10,9 @@ from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
-from rosoclingo.reasoning import given_up
+from rosoclingo.reasoning import aborted_goals
+from rosoclingo.reasoning.aborted_goals import KEPT, AbortedGoals
 from rosoclingo.reasoning.events import GoalUnmet
-from rosoclingo.reasoning.given_up import KEPT, GivenUpGoals
 
 
 def ask(node, **texts):
@@ -23,7 +23,7 @@ def ask(node, **texts):
 
 
 def told(core, name):
-    """Return the explanation of an aborted goal."""
+    """Why a goal was given up."""
     found = core.keeper.given_up.find(name)
     return explain(PROGRAM, found.stream)
 
@@ -38,12 +38,12 @@ def test_resumed_core_explains_aborted_goals_like_its_predecessor(start):
     assert reasons["b"].rules
     assert "do(never,2)" in " ".join(fact.text for fact in reasons["b"].told)
     again = start(horizon_limit=4)
-    assert [str(term) for term in again.keeper.given_up.terms] == ["do(never,2)", "do(never,3)"]
+    assert [str(term) for term in again.keeper.aborted_goals.terms] == ["do(never,2)", "do(never,3)"]
     assert {name: told(again, name) for name in reasons} == reasons
-    assert again.keeper.given_up.find("walk") is None
+    assert again.keeper.aborted_goals.find("walk") is None
     ask(again, d="do(never,4)")
     third = start(horizon_limit=4)
-    assert [str(term) for term in third.keeper.given_up.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
+    assert [str(term) for term in third.keeper.aborted_goals.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
     assert told(third, "3") == reasons["c"]
 
 
@@ -57,12 +57,12 @@ def terms(goals):
 
 
 def restored(goals):
-    found = GivenUpGoals()
+    found = AbortedGoals()
     found.restore({"goal:a": "another section", **json.loads(json.dumps(goals.record()))})
     return found
 
 
-def test_explanations_remember_the_latest_aborted_goals():
+def test_the_latest_are_remembered():
     goals = GivenUpGoals()
     for number in (*range(1, KEPT + 6), KEPT):  # a known goal comes again
         goals.add(unmet(number))
@@ -75,13 +75,13 @@ def test_explanations_remember_the_latest_aborted_goals():
     assert goals.find("key 5") is None
 
 
-def test_journal_holds_explanations_up_to_its_limit(monkeypatch):
+def test_a_journal_has_as_many_of_the_latest_as_it_has_room_for(monkeypatch):
     goals, long = GivenUpGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
     for number in (1, 2, 3, 4):
         goals.add(unmet(number, long))
     sizes = [len(json.dumps(value)) for value in goals.record().values()]
-    monkeypatch.setattr(given_up, "ROOM", sum(sizes[1:]))
+    monkeypatch.setattr(aborted_goals, "ROOM", sum(sizes[1:]))
     assert terms(restored(goals)) == [2, 3, 4]
     assert terms(goals) == [1, 2, 3, 4]
-    monkeypatch.setattr(given_up, "ROOM", sizes[3] - 1)
+    monkeypatch.setattr(aborted_goals, "ROOM", sizes[3] - 1)
     assert goals.record() == {}

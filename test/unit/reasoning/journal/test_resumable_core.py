@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.journal.database import changes
-from rosoclingo.reasoning.journal.kept_core import KeptCore
+from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
@@ -44,7 +44,7 @@ class Play:
         self.core = self._new()
 
     def _new(self, record=None):
-        return KeptCore(self.program, self._make, self._take, self._settings, record=record)
+        return ResumableCore(self.program, self._make, self._take, self._settings, record=record)
 
     def _take(self, event):
         """Collect the core's messages; a resumed core publishes its beliefs again."""
@@ -83,7 +83,7 @@ class Play:
                 self.core = self._new(self._disk.read())
                 self.core.start()
             else:
-                self.core._planner = self.core._planner.at(self.core._planner.log)
+                self.core._planner = self.core._planner.with_log(self.core._planner.log)
 
     def answer(self, which, value):
         """Return an action with success (None) or a value."""
@@ -150,7 +150,7 @@ def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, c
 def test_resumed_core_answers_queries_of_its_node():
     program, disk, told = ReactiveProgram.from_text(ERRANDS), Disk(), []
     settings = dataclasses.replace(SETTINGS, preempt=True)
-    first = KeptCore(program, lambda: shortest(program), told.append, settings)
+    first = ResumableCore(program, lambda: shortest(program), told.append, settings)
     first.start()
     for key, text in (("a", "do(walk,1)"), ("b", "do(run,2)")):
         first.add_goal(key, text)
@@ -159,17 +159,17 @@ def test_resumed_core_answers_queries_of_its_node():
     first.cancel_goal("a" if action.interface_name == "walk" else "b")
     assert not first.advance(0.0)
     disk.write(first.record())
-    core = KeptCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
+    core = ResumableCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
     assert core.preempted == first.preempted == (action,)
     assert {*first.awaited} <= {*core.shown} == {*first.shown}
     assert core.horizon == first.horizon >= 1
     assert (str(core.goal("b")), core.goal("c")) == ("do(run,2)", None)
-    core.leave("is aborted: the core shuts down")
+    core.shut_down("is aborted: the core shuts down")
     ends = {one.key: one.message for one in told if isinstance(one, GoalChanged) and one.outcome is not None}
     assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
     assert core.live_goals == []
     disk.write(core.record())
-    next_one = KeptCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
+    next_one = ResumableCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
     for one in next_one.awaited:
         next_one.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
     assert next_one.advance(0.0)
@@ -180,22 +180,22 @@ def test_resumed_core_answers_queries_of_its_node():
 def test_resumed_core_publishes_beliefs_before_solving():
     program = ReactiveProgram.from_text(ERRANDS + 'at(1,t) :- t=1. #show at/2. at(2,0). #show "a,b". #show 7.')
     told, again, disk = [], [], Disk()
-    first = KeptCore(program, lambda: shortest(program), told.append, SETTINGS)
-    first.remind()
+    first = ResumableCore(program, lambda: shortest(program), told.append, SETTINGS)
+    first.report_beliefs()
     assert not told
     first.start()
     disk.write(first.record())
     believed = told[-1]
     assert isinstance(believed, StateChanged)
     assert believed.atoms
-    next_one = KeptCore(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
-    next_one.remind()
+    next_one = ResumableCore(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
+    next_one.report_beliefs()
     assert again == [believed]
 
 
 def test_core_record_contains_only_new_beliefs():
     program = ReactiveProgram.from_text(ERRANDS + "#show done/2.")
-    core = KeptCore(program, lambda: shortest(program), lambda event: None, SETTINGS)
+    core = ResumableCore(program, lambda: shortest(program), lambda event: None, SETTINGS)
     core.start()
     before, written = core.record(), []
     for number in (2, 1, 3):

@@ -20,7 +20,7 @@ from rosoclingo.reasoning.records import (
 )
 
 
-class KeptCore(Core):
+class ResumableCore(Core):
     """The core, with its state as plain values between any two of its steps.
 
     The state and the arrivals determine the behaviour, except for searches that time out and for the choice among
@@ -42,13 +42,13 @@ class KeptCore(Core):
             super().start()
             self._started = True
 
-    def remind(self) -> None:
+    def report_beliefs(self) -> None:
         """Report the restored beliefs of a resumed core, before any search."""
         self._announce.present()
 
     @property
     def preempted(self) -> Tuple[Action, ...]:
-        """The running actions that are no longer wanted."""
+        """The running actions that the plan no longer needs."""
         return self._preemption.found
 
     @property
@@ -65,7 +65,7 @@ class KeptCore(Core):
         """Return the live goal with a client's handle, None if there is none."""
         return self._goals.by_key(key)
 
-    def leave(self, why: str) -> None:
+    def shut_down(self, why: str) -> None:
         """End the running actions and abort every goal, because the core shuts down.
 
         A core that resumes sends the same cancels, and cancels the goals that its program has.
@@ -110,7 +110,7 @@ class KeptCore(Core):
         core, plan, latest = record["core"], record["plan"], record["latest"]
         self._started, self._step, self._waits = core["started"], core["step"], core["waits"]
         self._improvable, self._announce.published = core["improvable"], core["published"]
-        self._planner = self._planner.at(log_of(record))
+        self._planner = self._planner.with_log(log_of(record))
         self._planner.lookahead = core["lookahead"]
         self._plan = None if plan is None else plan_of(plan)
         used = self._plan if latest is None else plan_of(latest)

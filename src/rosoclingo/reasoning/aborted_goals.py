@@ -15,7 +15,7 @@ from rosoclingo.reasoning.records import Record, group, symbol_of, text_of
 KEPT, ROOM = 20, 256 * 1024
 
 
-class GivenUpGoals:
+class AbortedGoals:
     """Keeps the last :data:`KEPT` unmet goals; a record contains the latest of them, up to :data:`ROOM` bytes."""
 
     def __init__(self) -> None:
