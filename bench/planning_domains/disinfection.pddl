@@ -2,7 +2,7 @@
   (:requirements :strips :typing)
   (:types room door level count)
   (:predicates
-    (at ?r - room) (way ?a ?b - room) (door ?a ?b - room ?d - door) (beside ?d - door ?r - room)
+    (at ?r - room) (way ?a ?b - room) (door ?a ?b - room ?d - door) (adjacent ?d - door ?r - room)
     (shut ?d - door) (open ?d - door) (charge-at ?r - room)
     (battery ?l - level) (less ?l ?m - level) (full ?l - level)
     (urgent ?r - room) (normal ?r - room) (clean ?r - room)
@@ -17,11 +17,11 @@
     :effect (and (at ?b) (battery ?m) (not (at ?a)) (not (battery ?l))))
   (:action open
     :parameters (?r - room ?d - door)
-    :precondition (and (at ?r) (beside ?d ?r) (shut ?d))
+    :precondition (and (at ?r) (adjacent ?d ?r) (shut ?d))
     :effect (and (open ?d) (not (shut ?d))))
   (:action shut
     :parameters (?r - room ?d - door)
-    :precondition (and (at ?r) (beside ?d ?r) (open ?d))
+    :precondition (and (at ?r) (adjacent ?d ?r) (open ?d))
     :effect (and (shut ?d) (not (open ?d))))
   (:action disinfect-urgent
     :parameters (?r - room ?l ?m - level ?c ?d - count)

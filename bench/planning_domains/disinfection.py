@@ -105,8 +105,8 @@ def _pddl(ways: Sequence[Edge], doors: Sequence[Edge], chosen: Sequence[str], ur
         init += [
             f"door {a} {b} {door}",
             f"door {b} {a} {door}",
-            f"beside {door} {a}",
-            f"beside {door} {b}",
+            f"adjacent {door} {a}",
+            f"adjacent {door} {b}",
             f"shut {door}",
         ]
     objects = {

@@ -2,7 +2,7 @@
   (:requirements :strips :typing)
   (:types room thing hand)
   (:predicates
-    (at ?r - room) (way ?a ?b - room) (lock ?a ?b - room ?k - thing) (beside ?k - thing ?r - room)
+    (at ?r - room) (way ?a ?b - room) (lock ?a ?b - room ?k - thing) (adjacent ?k - thing ?r - room)
     (closed ?k - thing) (unlocked ?k - thing) (in ?t - thing ?r - room) (held ?h - hand ?t - thing) (free ?h - hand))
   (:action go
     :parameters (?a ?b - room)
@@ -22,5 +22,5 @@
     :effect (and (in ?t ?r) (free ?h) (not (held ?h ?t))))
   (:action unlock
     :parameters (?k - thing ?r - room ?h - hand)
-    :precondition (and (at ?r) (held ?h ?k) (beside ?k ?r) (closed ?k))
+    :precondition (and (at ?r) (held ?h ?k) (adjacent ?k ?r) (closed ?k))
     :effect (and (unlocked ?k) (not (closed ?k)))))

@@ -81,8 +81,8 @@ def _pddl(rooms: Sequence[str], ways: Sequence[Edge], locks: Dict[Edge, str], li
         init += [
             f"lock {a} {b} {key}",
             f"lock {b} {a} {key}",
-            f"beside {key} {a}",
-            f"beside {key} {b}",
+            f"adjacent {key} {a}",
+            f"adjacent {key} {b}",
             f"closed {key}",
         ]
     objects = {"room": rooms, "thing": lies, "hand": ["left", "right"]}

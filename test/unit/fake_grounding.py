@@ -3,10 +3,10 @@
 from types import SimpleNamespace
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import cycle_of
 from rosoclingo.planning.question import UNKNOWN, Reply, StoppedError
 from rosoclingo.planning.snapshot import Snapshot
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 
 def actions(*cycles):
@@ -35,11 +35,11 @@ class FakeGrounding:
         self.asked, self.questions = [], 0
 
     def run(self, make, block):
-        """Return what the strategy made by ``make(asking)`` finds, None after a stop; and the notes."""
+        """Return what the strategy made by ``make(runner)`` finds, None after a stop; and the notes."""
         snapshot = Snapshot(step=self.step, min_horizon=self.step, horizon=self.horizon)
-        asking = Asking(self.program, snapshot, self.build, block, self.most)
+        runner = StrategyRunner(self.program, snapshot, self.build, block, self.most)
         try:
-            found = asking.run(make(asking), lambda: self.halts is not None and self.questions >= self.halts)
+            found = runner.run(make(runner), lambda: self.halts is not None and self.questions >= self.halts)
         except StoppedError:
             found = None
         return found, " ".join(self.asked)

@@ -20,7 +20,7 @@ except ModuleNotFoundError as error:
 __all__ = ["DEEPEST", "Grammar", "MisfitError", "SyntaxNode", "Token"]
 
 DEEPEST = 250
-"""Greatest nesting depth of a text; deeper syntax trees would exhaust Python's stack."""
+"""Limit of unfinished rules around a token; deeper syntax trees would exhaust Python's stack."""
 
 
 class SyntaxNode(Tree[Token]):

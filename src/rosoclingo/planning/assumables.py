@@ -1,4 +1,4 @@
-"""Facts that a question can disable."""
+"""Assumable facts, which a question can disable."""
 
 from typing import Dict, FrozenSet, Iterable, List
 

@@ -36,7 +36,7 @@ from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_fa
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.horizons import HorizonLiterals
-from rosoclingo.planning.prediction import Predicted, predict
+from rosoclingo.planning.prediction import PredictedReturns, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, never
 from rosoclingo.planning.return_rules import ReturnRules, return_rules
 from rosoclingo.planning.snapshot import Past, Snapshot
@@ -101,7 +101,8 @@ class Grounding:
     ) -> None:
         """Ground ``program`` up to ``horizon``, in pieces or as a ``whole``.
 
-        clingo accepts rules of several steps that define the same atom only if they are grounded as a whole.
+        clingo accepts rules of several steps that define the same atom only if they are grounded as a whole. Raises
+        SolverError if clingo rejects the program.
 
         Args:
             program: the reactive logic program.
@@ -111,10 +112,6 @@ class Grounding:
             dropped: called between pieces; if it returns true, DroppedError is raised.
             predicts: whether replies contain predicted returns.
             whole: whether to ground all steps in one call.
-
-        Raises:
-            DroppedError: if ``dropped`` returned true.
-            SolverError: if clingo rejects the program.
 
         """
         self.program, self.snapshot, self.messages = program, snapshot, Messages()
@@ -426,7 +423,7 @@ class Grounding:
         if question.shows or self.shown is None:
             self.shown = frozenset(model.symbols(shown=True)) - self._hidden
         horizon = self._ends.horizon_of(model, question.first, question.last)
-        predicted = Predicted() if self._return_rules is None else self._predict(model, self._return_rules)
+        predicted = PredictedReturns() if self._return_rules is None else self._predict(model, self._return_rules)
         read = tuple(one(model) for one in question.reads)
         cost, optimal = tuple(model.cost), bool(model.optimality_proven)
         shown = self.shown | self._compacted
@@ -457,7 +454,7 @@ class Grounding:
         known = self._control.symbolic_atoms[no_plan_from(self.snapshot.step)]
         return (known.literal or None) if known is not None else None
 
-    def _predict(self, model: clingo.Model, rules: ReturnRules) -> Predicted:
+    def _predict(self, model: clingo.Model, rules: ReturnRules) -> PredictedReturns:
         """Return the predicted returns of a model; :attr:`shown` holds its atoms."""
 
         def is_true(atom: clingo.Symbol) -> Optional[bool]:

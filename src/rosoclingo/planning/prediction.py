@@ -20,7 +20,7 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.return_rules import ACTS, ASKS, ReturnRules
 
 
-class Predicted(NamedTuple):
+class PredictedReturns(NamedTuple):
     """Success returns that need no search.
 
     Attributes:
@@ -38,7 +38,7 @@ def predict(
     rules: ReturnRules,
     is_open: Callable[[clingo.Symbol], bool],
     is_true: Callable[[clingo.Symbol], Optional[bool]],
-) -> Predicted:
+) -> PredictedReturns:
     """Return the predicted returns of an answer with these ``actions``.
 
     Args:
@@ -58,7 +58,7 @@ def predict(
             ground = [number for number, holds in asks.items() if holds is not None]
             if all(number in rules.with_actions and not is_true(_auxiliary(ACTS, number, action)) for number in ground):
                 certain.add(success)
-    return Predicted(frozenset(returns), frozenset(certain))
+    return PredictedReturns(frozenset(returns), frozenset(certain))
 
 
 @lru_cache(maxsize=10_000)  # most answers of a search have the same actions

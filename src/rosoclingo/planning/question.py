@@ -4,9 +4,9 @@ from typing import Callable, FrozenSet, Generator, NamedTuple, Optional, Sequenc
 
 import clingo
 
-from rosoclingo.planning.prediction import Predicted
+from rosoclingo.planning.prediction import PredictedReturns
 
-Given = Sequence[Tuple[clingo.Symbol, bool]]
+Assumptions = Sequence[Tuple[clingo.Symbol, bool]]
 """Atoms with assumed truth values."""
 
 Stop = Callable[[], bool]
@@ -49,7 +49,7 @@ class Question(NamedTuple):
 
     first: int
     last: int
-    given: Given = ()
+    given: Assumptions = ()
     lacking: Sequence[clingo.Symbol] = ()
     kept: Sequence[clingo.Symbol] = ()
     disabled: FrozenSet[clingo.Symbol] = frozenset()
@@ -94,7 +94,7 @@ class Reply(NamedTuple):
     blamed: FrozenSet[clingo.Symbol] = frozenset()
     hopeless: bool = False
     permanent: bool = False
-    predicted: Predicted = Predicted()
+    predicted: PredictedReturns = PredictedReturns()
     read: Tuple[Tuple[FrozenSet[clingo.Symbol], ...], ...] = ()
 
 

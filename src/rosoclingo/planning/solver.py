@@ -15,7 +15,6 @@ from rosoclingo.oclingo.program.update_reader import reports_only_success
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past, recent_atoms
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
@@ -27,7 +26,8 @@ from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
 from rosoclingo.planning.strategies.shortest import SearchResult, shortest
-from rosoclingo.planning.strategies.soon import Soon, TimeLimit
+from rosoclingo.planning.strategies.soon import TimeLimit, TimeLimitedSearch
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 BLOCK = 8
 """Number of steps to ground at once if further steps leave answers valid."""
@@ -46,7 +46,7 @@ class _Cached(NamedTuple):
     """The grounding of an earlier question; the key contains the values from which it was built."""
 
     key: object
-    asking: Asking
+    runner: StrategyRunner
 
 
 class PlanSolver(PlanningSolver):
@@ -102,56 +102,56 @@ class PlanSolver(PlanningSolver):
     def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         before, start, began = self.snapshot, time.perf_counter(), time.process_time()
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        asking = self._asking(before.with_update(update, self.program), stopped)
-        self._searched, self._under_way = None, lambda: asking.horizon
+        runner = self._runner(before.with_update(update, self.program), stopped)
+        self._searched, self._under_way = None, lambda: runner.horizon
         strategy: Strategy[SearchResult]
         if self._plan_time is None:
-            strategy = shortest(asking, self.models, self._hint)
+            strategy = shortest(runner, self.models, self._hint)
         else:
             predictable = update is not None and reports_only_success(update, before.permanent)
             limit = TimeLimit(self._plan_time, predictable)
-            strategy = Soon(asking, self.models, self.log.plan, limit).run()
+            strategy = TimeLimitedSearch(runner, self.models, self.log.plan, limit).run()
         try:
-            found = asking.run(strategy, stopped)
+            found = runner.run(strategy, stopped)
         except StoppedError:
             found = SearchResult(UNKNOWN)
-        spent = {"solve": asking.seconds, "ground": time.perf_counter() - start - asking.seconds}
+        spent = {"solve": runner.seconds, "ground": time.perf_counter() - start - runner.seconds}
         spent["needed"] = (found.answered or time.process_time()) - began
         warnings = () if update is None else update.warnings
-        result = self._result(asking, found, warnings, spent)
-        self.log = self.log.with_entries(AcceptedUpdate(update, asking.horizon))
-        self._searched = _Cached(self.log.key, asking)
+        result = self._result(runner, found, warnings, spent)
+        self.log = self.log.with_entries(AcceptedUpdate(update, runner.horizon))
+        self._searched = _Cached(self.log.key, runner)
         self._adopt(result)
         self._append_checkpoint(always=False)
         return result
 
     def _result(
-        self, asking: Asking, found: SearchResult, warnings: Tuple[str, ...], spent: Dict[str, float]
+        self, runner: StrategyRunner, found: SearchResult, warnings: Tuple[str, ...], spent: Dict[str, float]
     ) -> SolveResult:
-        reply, horizon = found.reply, asking.horizon
+        reply, horizon = found.reply, runner.horizon
         if reply.satisfiable:
             self._hint = horizon = reply.horizon
         elif reply.hopeless:
-            horizon = max(horizon, asking.last())
+            horizon = max(horizon, runner.last())
         return SolveResult(
             _OUTCOMES[reply.satisfiable],
             reply.answers,
             horizon,
-            asking.step,
-            (*warnings, *self._warnings(asking)),
+            runner.step,
+            (*warnings, *self._warnings(runner)),
             reply.permanent,
             spent,
             found.proven,
-            self._predicted(asking, reply, found.proven),
+            self._predicted(runner, reply, found.proven),
         )
 
-    def _asking(
+    def _runner(
         self,
         snapshot: Snapshot,
         halt: Stop,
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
-    ) -> Asking:
-        """Return an object that answers questions about ``snapshot``."""
+    ) -> StrategyRunner:
+        """Return a runner for strategies that ask about ``snapshot``."""
 
         def build(snapshot: Snapshot, horizon: int) -> Grounding:
             """Ground the program in pieces, or as a whole if clingo refuses pieces."""
@@ -167,12 +167,12 @@ class PlanSolver(PlanningSolver):
             return Grounding(*arguments, predicts, whole=True)
 
         idles = may_idle(self.program, halt) if self._idles is None else self._idles
-        return Asking(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit)
+        return StrategyRunner(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit)
 
-    def _warnings(self, asking: Asking) -> Iterator[str]:
+    def _warnings(self, runner: StrategyRunner) -> Iterator[str]:
         """Yield warnings about the last update, and new remarks of clingo."""
-        yield from asking.grounding.warnings
-        messages = asking.grounding.messages
+        yield from runner.grounding.warnings
+        messages = runner.grounding.messages
         for one in messages.new_remarks(self.program.parameter_at) if messages.received else ():
             if str(one) not in self._remarks:
                 self._remarks.add(str(one))
@@ -182,9 +182,9 @@ class PlanSolver(PlanningSolver):
         """Return ``answer`` without the atoms of old cycles."""
         return recent_atoms(answer, self.step, self.program)
 
-    def _predicted(self, asking: Asking, reply: Reply, proven: bool) -> FrozenSet[clingo.Symbol]:
+    def _predicted(self, runner: StrategyRunner, reply: Reply, proven: bool) -> FrozenSet[clingo.Symbol]:
         """Return the predicted returns; a plan that is ``proven`` shortest must remain shortest."""
-        if not asking.snapshot.is_steady or asking.grounding.is_cyclic:
+        if not runner.snapshot.is_steady or runner.grounding.is_cyclic:
             return frozenset()
         return reply.predicted.certain if proven else reply.predicted.returns
 
@@ -205,23 +205,23 @@ class PlanSolver(PlanningSolver):
         if self._improvement is None or not self._improvement.moves_to(plan, *place):
             self._improvement = Improvement(plan, *place)
         try:
-            asking, returns = self._last_search(halt)
+            runner, returns = self._last_search(halt)
         except DroppedError:
             return None
-        reply = None if asking.grounding.is_cyclic else asking.run(self._improvement.run(asking), halt)
+        reply = None if runner.grounding.is_cyclic else runner.run(self._improvement.run(runner), halt)
         if reply is None:
             return None
         if not returns <= reply.predicted.returns:  # the returns since the search do not allow this plan
             self._searched = None
             return self.improve(stopped)
         spent = {"solve": time.perf_counter() - start, "ground": 0.0, "needed": 0.0}
-        predicted = self._predicted(asking, reply, proven=False) - returns
+        predicted = self._predicted(runner, reply, proven=False) - returns
         answers, step = reply.answers, self.step
         result = SolveResult(SolveOutcome.SATISFIABLE, answers, reply.horizon, step, (), False, spent, False, predicted)
         self._adopt(result)
         return result
 
-    def _last_search(self, halt: Stop) -> Tuple[Asking, FrozenSet[clingo.Symbol]]:
+    def _last_search(self, halt: Stop) -> Tuple[StrategyRunner, FrozenSet[clingo.Symbol]]:
         """Return the grounding of the last search and the returns since then; reground unless all were predicted."""
         searched, log, returns = self._searched, self.log, set()
         while searched is not None and searched.key != log.key:
@@ -235,9 +235,9 @@ class PlanSolver(PlanningSolver):
             else:
                 log = log.before
         if searched is None:
-            searched, returns = _Cached(self.log.key, self._asking(self.snapshot, halt)), set()
+            searched, returns = _Cached(self.log.key, self._runner(self.snapshot, halt)), set()
         self._searched = searched
-        return searched.asking, frozenset(returns)
+        return searched.runner, frozenset(returns)
 
     # ---- Hypothetical questions --------------------------------------------------------------------------------------
 
@@ -262,14 +262,14 @@ class PlanSolver(PlanningSolver):
         unbounded = replace(update, bound=None)
         key = self.log.key, unbounded, assumable
         probed, self._probed = self._probed, None  # no cache remains after an error
-        if probed is None or probed.key != key or probed.asking.block == 1:
+        if probed is None or probed.key != key or probed.runner.block == 1:
             snapshot = self.snapshot.with_least_horizon().with_update(unbounded, self.program)
-            probed = _Cached(key, self._asking(replace(snapshot, bound=None), halt, assumable))
-        asking = probed.asking
-        last = asking.last(None if update.bound is None else asking.step + update.bound)
-        end = max(self.horizon, asking.snapshot.horizon, last)
+            probed = _Cached(key, self._runner(replace(snapshot, bound=None), halt, assumable))
+        runner = probed.runner
+        last = runner.last(None if update.bound is None else runner.step + update.bound)
+        end = max(self.horizon, runner.snapshot.horizon, last)
         try:
-            reply = asking.run(probe(asking, end, disabled, kept, believes), halt)
+            reply = runner.run(probe(runner, end, disabled, kept, believes), halt)
         except StoppedError:
             reply = UNKNOWN
         self._probed = probed
@@ -277,7 +277,7 @@ class PlanSolver(PlanningSolver):
 
     def probed_atoms(self) -> List[clingo.Symbol]:
         """Return all atoms that can be true at the steps grounded for the last hypothetical question."""
-        return [] if self._probed is None else self._probed.asking.grounding.possible_atoms
+        return [] if self._probed is None else self._probed.runner.grounding.possible_atoms
 
     # ---- Checkpoints -------------------------------------------------------------------------------------------------
 
@@ -295,11 +295,11 @@ class PlanSolver(PlanningSolver):
 
     def _solve_again(self, plan: Plan) -> None:
         """Ground the whole history and solve it for the predicted answer, which has exactly the actions of ``plan``."""
-        asking = self._asking(self.snapshot, never)
+        runner = self._runner(self.snapshot, never)
         horizon = max(plan.horizon, self.snapshot.min_horizon)
-        actions = asking.actions(self.program.first_step, asking.horizon)
-        asking.grounding.ask(Question(horizon, horizon, plan.fixing(actions)), never)
-        self._searched = _Cached(self.log.key, asking)
+        actions = runner.actions(self.program.first_step, runner.horizon)
+        runner.grounding.ask(Question(horizon, horizon, plan.fixing(actions)), never)
+        self._searched = _Cached(self.log.key, runner)
 
     @property
     def _steps_to_check(self) -> int:
@@ -315,7 +315,7 @@ class PlanSolver(PlanningSolver):
             searched = None
         if searched is not None and self._steps_to_check >= LEAST_STEPS:
             self._checked_until = end_of_past(self.program, snapshot)
-            compact = compacted(searched.asking.grounding, snapshot)
+            compact = compacted(searched.runner.grounding, snapshot)
         if compact is None and not always and not self.log.is_longer(self._log_limit, snapshot):
             return
         self._replace_log(self.log.checkpoint(compact or snapshot))

@@ -8,10 +8,10 @@ from stream_logs import cut
 from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, parse_update
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.grounding import Grounding, pieces
 from rosoclingo.planning.question import UNKNOWN, Question
 from rosoclingo.planning.snapshot import Snapshot
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 EXTERNALS = (
@@ -102,10 +102,10 @@ def only(question):
 @pytest.mark.parametrize("first", [1, 6])
 def test_steps_are_forgotten_when_the_horizon_passes_them(rules, first):
     program = ReactiveProgram.from_text("#cumulative t. #external e(t). #forget t : t-2. c(t) :- e(t). #volatile t.")
-    asking = Asking(program, snapshot_of(program, rules), lambda one, last: Grounding(program, one, last), 8)
-    asking.ground(first)
-    assert asking.run(only(Question(1, 6)), lambda: False).satisfiable
-    assert [str(one) for one in asking.grounding.undefined_between(1, 6) if one.name == "e"] == ["e(5)", "e(6)"]
+    runner = StrategyRunner(program, snapshot_of(program, rules), lambda one, last: Grounding(program, one, last), 8)
+    runner.ground(first)
+    assert runner.run(only(Question(1, 6)), lambda: False).satisfiable
+    assert [str(one) for one in runner.grounding.undefined_between(1, 6) if one.name == "e"] == ["e(5)", "e(6)"]
 
 
 # ---- Blocks of steps -------------------------------------------------------------------------------------------------

@@ -2,16 +2,21 @@
 
 from typing import Generator, Optional
 
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan
-from rosoclingo.planning.question import Given, Question, Reply, Stop
+from rosoclingo.planning.question import Assumptions, Question, Reply, Stop
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 CONFLICTS = 1000
 """Limit of conflicts for computing the cost of a plan; most plans need few."""
 
 
 def cheaper(
-    found: Reply, asking: Asking, step: int, given: Given, conflicts: Optional[int], until: Optional[Stop] = None
+    found: Reply,
+    runner: StrategyRunner,
+    step: int,
+    given: Assumptions,
+    conflicts: Optional[int],
+    until: Optional[Stop] = None,
 ) -> Generator[Question, Reply, Reply]:
     """Return the best answer with the horizon of ``found`` and the assumptions ``given``.
 
@@ -21,7 +26,7 @@ def cheaper(
     last = found.horizon
     if not found.cost:
         plan = Plan.from_atoms(found.answers[-1], last)
-        fixed = plan.fixing(asking.actions(step, last))
+        fixed = plan.fixing(runner.actions(step, last))
         reply = yield Question(last, last, fixed, conflicts=CONFLICTS, best=True, proven=False, until=until)
         if not reply.satisfiable:
             return found

@@ -18,12 +18,12 @@ from typing import Iterator, List, Optional, Tuple
 
 import clingo
 
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Question, Reply, StoppedError, Strategy
 from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import moved, trimmed
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 Assumption = Tuple[clingo.Symbol, bool]
 
@@ -47,8 +47,10 @@ class Improvement:
         """Improve ``plan`` after the present ``step``; ``first`` is the least possible horizon."""
         self._plan, self._step, self._first = plan, step, first
         self._random = Random(0)
-        self._asking: Asking  # the one of the last call
-        self._costed: Optional[Tuple[Asking, Reply]] = None  # the plan with its cost, and the grounding of the search
+        self._runner: StrategyRunner  # the runner of the last call
+        self._costed: Optional[Tuple[StrategyRunner, Reply]] = (
+            None  # the plan with its cost, and the grounding of the search
+        )
         self._exhausted = False
         self._questions = self._rounds()
 
@@ -61,61 +63,65 @@ class Improvement:
             self._plan, self._step, self._first = plan, step, first
         return same
 
-    def run(self, asking: Asking) -> Strategy[Optional[Reply]]:
+    def run(self, runner: StrategyRunner) -> Strategy[Optional[Reply]]:
         """Return the first better plan; None after a stop, or if the search is exhausted."""
-        self._asking = asking
+        self._runner = runner
         present: Optional[List[Assumption]] = None
         with suppress(StoppedError):
-            while not asking.is_stopped():
-                present = self._present(asking) if present is None else present
+            while not runner.is_stopped():
+                present = self._present(runner) if present is None else present
                 question = next(self._questions, None)
                 if question is None:
                     self._exhausted = True
                     break
-                found = yield from (self._cheaper if question.best else self._shorter)(question, asking, present)
+                found = yield from (self._cheaper if question.best else self._shorter)(question, runner, present)
                 if found is not None:
                     self._plan = Plan.from_atoms(found.answers[-1], found.horizon)
                     return found
         return None
 
-    def _shorter(self, question: Question, asking: Asking, present: List[Assumption]) -> Strategy[Optional[Reply]]:
+    def _shorter(
+        self, question: Question, runner: StrategyRunner, present: List[Assumption]
+    ) -> Strategy[Optional[Reply]]:
         """Return the trimmed plan if there is an answer to ``question``."""
-        last = min(question.last, self._plan.horizon - 1, asking.horizon)  # the grounding does not grow
+        last = min(question.last, self._plan.horizon - 1, runner.horizon)  # the grounding does not grow
         if last < self._begin:  # earlier questions of the round have excluded all shorter plans
             return None
         found = yield question._replace(last=last, given=[*present, *question.given])
         if found.satisfiable:
             self._costed = None
-            return (yield from trimmed(found, asking, self._step, self._first, present))
+            return (yield from trimmed(found, runner, self._step, self._first, present))
         if found.satisfiable is False and not question.given:
             self._first = last + 1
         return None
 
-    def _cheaper(self, question: Question, asking: Asking, present: List[Assumption]) -> Strategy[Optional[Reply]]:
+    def _cheaper(
+        self, question: Question, runner: StrategyRunner, present: List[Assumption]
+    ) -> Strategy[Optional[Reply]]:
         """Return a cheaper plan of the same length if ``question`` has such an answer."""
         known = Reply(True, (self._plan.actions,), self._plan.horizon)
-        if self._costed is not None and self._costed[0] is asking:
+        if self._costed is not None and self._costed[0] is runner:
             known = self._costed[1]
-        found = yield from cheaper(known, asking, self._step, [*present, *question.given], question.conflicts)
+        found = yield from cheaper(known, runner, self._step, [*present, *question.given], question.conflicts)
         if found.cost:
-            self._costed = asking, found._replace(optimal=found.optimal and not question.given)
+            self._costed = runner, found._replace(optimal=found.optimal and not question.given)
         changed = Plan.from_atoms(found.answers[-1], found.horizon).rest(self._step) != self._plan.rest(self._step)
         return found if changed else None
 
-    def _present(self, asking: Asking) -> List[Assumption]:
+    def _present(self, runner: StrategyRunner) -> List[Assumption]:
         """Return assumptions that fix the actions up to the present step as executed.
 
         They begin with the first cycle that is not closed in the grounding, which can precede the present step.
         """
-        cycles = [asking.step, self._step, *map(cycle_of, self._plan.actions)]
-        return self._plan.fixing(asking.actions(min(cycles), self._step))
+        cycles = [runner.step, self._step, *map(cycle_of, self._plan.actions)]
+        return self._plan.fixing(runner.actions(min(cycles), self._step))
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def _rounds(self) -> Iterator[Question]:
         """Yield questions until a round over the whole plan with the greatest limit finds nothing."""
         size, conflicts = SIZE, CONFLICTS
-        optimizes = self._asking.program.optimizes
+        optimizes = self._runner.program.optimizes
         while self._length > 0 or (optimizes and not self._is_optimal):
             before = self._plan
             whole = size >= (self._plan.horizon - self._step if optimizes else self._length)
@@ -130,14 +136,14 @@ class Improvement:
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         if self._length >= 2 * SIZE:
             half = self._begin + self._length // 2
-            for advised in (True, False) if self._asking.program.advises and self._length <= FEW_STEPS else (True,):
+            for advised in (True, False) if self._runner.program.advises and self._length <= FEW_STEPS else (True,):
                 yield Question(self._first, half, conflicts=2 * conflicts, advised=advised)
         first = self._step + 1
         while first <= self._plan.horizon:
             if self._length > 0:
                 yield from self._reordered(conflicts)
                 yield self._window(conflicts, first, first + size)
-            if self._asking.program.optimizes:
+            if self._runner.program.optimizes:
                 yield self._window(conflicts, first, first + size, earlier=0)
             first = max(self._step + 1, first + size // 2)
 
@@ -158,7 +164,7 @@ class Improvement:
         shortened = True
         while shortened:
             horizon = self._plan.horizon
-            plan = reordered(self._plan, self._step, self._random, self._asking.is_stopped)
+            plan = reordered(self._plan, self._step, self._random, self._runner.is_stopped)
             if plan is not None:
                 given = [(action, True) for action in plan.actions]
                 yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)

@@ -8,15 +8,15 @@ from typing import FrozenSet, Sequence, Set
 
 import clingo
 
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.question import Question, Reply, Strategy
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 PIECE = 32
 """Least number of steps added before the next question."""
 
 
 def probe(
-    asking: Asking,
+    runner: StrategyRunner,
     end: int,
     disabled: FrozenSet[clingo.Symbol],
     kept: Sequence[clingo.Symbol] = (),
@@ -27,12 +27,12 @@ def probe(
     The horizon grows up to ``end``. An answer is easier to find with more steps. To refute all horizons, all steps have
     to be grounded, unless the unsat core does not depend on the horizon.
     """
-    idles = asking.block > 1
+    idles = runner.block > 1
     core: Set[clingo.Symbol] = set()
     blamed: Set[clingo.Symbol] = set()
-    last = min(asking.horizon, end)
+    last = min(runner.horizon, end)
     while True:
-        first = min(asking.min_horizon, last)
+        first = min(runner.min_horizon, last)
         reply = yield Question(first, last, disabled=disabled, kept=kept, believes=believes)
         if reply.satisfiable is not False:
             return reply
@@ -40,4 +40,4 @@ def probe(
         blamed = set(reply.blamed) if idles else blamed | reply.blamed
         if last == end or reply.hopeless:
             return reply._replace(core=frozenset(core), blamed=frozenset(blamed))
-        last = min(end, last + (max(last - asking.min_horizon + 1, PIECE) if idles else 1))
+        last = min(end, last + (max(last - runner.min_horizon + 1, PIECE) if idles else 1))

@@ -2,9 +2,9 @@
 
 from typing import Generator, List, NamedTuple, Optional, Tuple
 
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.question import Question, Reply, Strategy
 from rosoclingo.planning.strategies.trim import trimmed
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 _Asks = Generator[Question, Reply, Reply]
 
@@ -25,25 +25,25 @@ class SearchResult(NamedTuple):
     answered: Optional[float] = None
 
 
-def shortest(asking: Asking, models: int, hint: int) -> Strategy[SearchResult]:
+def shortest(runner: StrategyRunner, models: int, hint: int) -> Strategy[SearchResult]:
     """Search the grounded horizons, then extend the grounding until there is an answer or the bound is reached.
 
     Args:
-        asking: the snapshot and its grounding.
+        runner: the runner of the strategy, which has the snapshot and its grounding.
         models: the number of answers to compute, 0 for all.
         hint: a likely horizon, such as the horizon of the last answer.
 
     """
-    reply = yield from _search(asking, models, asking.min_horizon, asking.horizon, hint)
-    while reply.satisfiable is False and not reply.hopeless and asking.may_grow(asking.horizon):
-        first = asking.horizon + 1
-        reply = yield from _search(asking, models, first, asking.last(asking.horizon + asking.block))
-    if reply.satisfiable and models == 1 and not asking.program.optimizes:
-        reply = yield from trimmed(reply, asking, asking.step - 1, reply.horizon)
+    reply = yield from _search(runner, models, runner.min_horizon, runner.horizon, hint)
+    while reply.satisfiable is False and not reply.hopeless and runner.may_grow(runner.horizon):
+        first = runner.horizon + 1
+        reply = yield from _search(runner, models, first, runner.last(runner.horizon + runner.block))
+    if reply.satisfiable and models == 1 and not runner.program.optimizes:
+        reply = yield from trimmed(reply, runner, runner.step - 1, reply.horizon)
     return SearchResult(reply, bool(reply.satisfiable))
 
 
-def _search(asking: Asking, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:
+def _search(runner: StrategyRunner, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:
     """Compute the answers for the least horizon in first..last that has any."""
     if first == last:
         return (yield Question(first, last, models=models, best=True))
@@ -59,7 +59,7 @@ def _search(asking: Asking, models: int, first: int, last: int, hint: Optional[i
         if not shorter.satisfiable:
             break
         reply = shorter
-    if models != 1 or asking.program.optimizes:
+    if models != 1 or runner.program.optimizes:
         return (yield Question(reply.horizon, reply.horizon, models=models, best=True))
     return reply
 

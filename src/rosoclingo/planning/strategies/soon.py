@@ -10,13 +10,13 @@ from above and below. If the program claims a number of steps, this number and a
 import time
 from typing import Generator, List, Optional, TypeVar
 
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan
-from rosoclingo.planning.question import UNKNOWN, Given, Question, Reply, Stop, StoppedError, Strategy
+from rosoclingo.planning.question import UNKNOWN, Assumptions, Question, Reply, Stop, StoppedError, Strategy
 from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.improve import FEW_STEPS
 from rosoclingo.planning.strategies.shortest import SearchResult
 from rosoclingo.planning.strategies.trim import trimmed
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 T = TypeVar("T")
 _Asks = Generator[Question, Reply, T]
@@ -70,22 +70,22 @@ class TimeLimit:
         return time.process_time() - self._start >= self._seconds
 
 
-class Soon:
-    """The search for one update."""
+class TimeLimitedSearch:
+    """The search for a plan after one update."""
 
-    def __init__(self, asking: Asking, models: int, plan: Optional[Plan], time_limit: TimeLimit) -> None:
+    def __init__(self, runner: StrategyRunner, models: int, plan: Optional[Plan], time_limit: TimeLimit) -> None:
         """Prepare the search for ``models`` answers, 0 for all; ``plan`` is the last plan.
 
         After the time limit, the result is the best plan so far, or else the first plan found. If further steps can
         invalidate an answer, each horizon is decided before the next one.
         """
-        self._asking, self._models, self._plan, self._time = asking, models, plan, time_limit
-        self._program, self._idles = asking.program, asking.block > 1
-        self._least = asking.min_horizon  # all lower horizons are refuted
+        self._runner, self._models, self._plan, self._time = runner, models, plan, time_limit
+        self._program, self._idles = runner.program, runner.block > 1
+        self._least = runner.min_horizon  # all lower horizons are refuted
         self._claimed: Optional[int] = None  # the least horizon according to the program
         self._best = UNKNOWN
         self._rests: List[Plan] = []  # what remains of the last plan, unchanged and delayed; to be extended to a plan
-        self._end = asking.horizon  # the last horizon to search
+        self._end = runner.horizon  # the last horizon to search
         self._earlier_ends: List[int] = []
         self._deadline: Optional[Stop] = None  # set as soon as there is a plan
 
@@ -113,8 +113,8 @@ class Soon:
         """Adopt the rest of the last plan if it is still a plan, unchanged or delayed by one step."""
         if self._plan is None:
             return
-        rest = self._plan.rest(self._asking.step)
-        delayed = self._plan.rest(self._asking.step - 1).delayed()
+        rest = self._plan.rest(self._runner.step)
+        delayed = self._plan.rest(self._runner.step - 1).delayed()
         for plan in (rest, delayed):
             reply = yield from self._ask_exactly(plan)
             if reply.satisfiable:
@@ -131,11 +131,11 @@ class Soon:
         """Ask whether the actions of ``plan``, and no others, are a plan."""
         last = max(self._least, plan.horizon)
         if last > self._end:
-            if not self._idles or last > self._asking.last(last):
+            if not self._idles or last > self._runner.last(last):
                 return UNKNOWN
             self._end = last
-        self._asking.ground(self._end)
-        actions = self._asking.actions(self._asking.step, last + 1)
+        self._runner.ground(self._end)
+        actions = self._runner.actions(self._runner.step, last + 1)
         if not plan.actions.issubset(actions):
             return Reply(False)
         given = plan.fixing(actions)
@@ -154,7 +154,7 @@ class Soon:
                 yield from self._adopt(reply)
                 return reply
             refuted = self._least > self._end
-            grows = self._asking.may_grow(self._end)
+            grows = self._runner.may_grow(self._end)
             if reply.hopeless or (refuted and not grows):
                 return reply
             factor *= 1 if refuted else 2
@@ -164,7 +164,7 @@ class Soon:
 
     def _ask_for_any(self, factor: int) -> _Asks[Reply]:
         """Ask for a plan up to the current end, preferably one with the remaining actions of the last plan."""
-        last, grows, advises = self._end, self._asking.may_grow(self._end), self._program.advises
+        last, grows, advises = self._end, self._runner.may_grow(self._end), self._program.advises
         for plan in self._rests:
             reply = yield from self._ask(self._least, last, CONFLICTS, [(action, True) for action in plan.actions])
             if reply.satisfiable or reply.hopeless:
@@ -178,7 +178,7 @@ class Soon:
         """Ask for a plan without ``#heuristic``, which can mislead, at the shortest horizons that are not refuted."""
         reply = UNKNOWN
         for last in [*self._earlier_ends, self._end]:
-            if last >= self._least and last - self._asking.step < FEW_STEPS:
+            if last >= self._least and last - self._runner.step < FEW_STEPS:
                 reply = yield from self._ask(self._least, last, factor * self._few_conflicts(last), advised=False)
                 if reply.satisfiable is not False or reply.hopeless:
                     break
@@ -195,7 +195,7 @@ class Soon:
 
     def _few_conflicts(self, last: int) -> int:
         """Return the initial limit of conflicts for the steps up to ``last``."""
-        steps = max(1, last - self._asking.step + 1)
+        steps = max(1, last - self._runner.step + 1)
         return max(CONFLICTS, EFFORT // steps if self._program.advises else CONFLICTS_PER_STEP * steps)
 
     def _next_end(self, refuted: bool) -> int:
@@ -204,14 +204,14 @@ class Soon:
         With ``#heuristic`` statements it is only a quarter later, unless the current end was ``refuted``. The first
         call adds at least the steps that the program claims, and a quarter more.
         """
-        asking = self._asking
-        more = (self._end - asking.step) // (4 if self._program.advises and not refuted else 2)
-        last = self._end + (max(asking.block, more) if self._idles else 1)
+        runner = self._runner
+        more = (self._end - runner.step) // (4 if self._program.advises and not refuted else 2)
+        last = self._end + (max(runner.block, more) if self._idles else 1)
         if self._claimed is None:
-            steps = asking.grounding.claimed_steps() if self._idles else 0
-            self._claimed = asking.step + steps - 1
+            steps = runner.grounding.claimed_steps() if self._idles else 0
+            self._claimed = runner.step + steps - 1
             last = max(last, self._claimed + steps // 4)
-        return asking.last(last)
+        return runner.last(last)
 
     # ---- Shorter plans -----------------------------------------------------------------------------------------------
 
@@ -223,7 +223,7 @@ class Soon:
             yield from self._try(self._least, claimed - 1, conflicts)
         while self._least < self._best.horizon and not self._time.is_over():
             first, last = self._least, self._best.horizon - 1
-            few = last - self._asking.step < FEW_STEPS
+            few = last - self._runner.step < FEW_STEPS
             for advised in (True, False) if self._program.advises and few else (True,):
                 if self._best.horizon > last >= self._least:
                     yield from self._try(first, last, conflicts, advised)
@@ -239,7 +239,7 @@ class Soon:
 
     def _adopt(self, reply: Reply) -> _Asks[None]:
         """Trim the plan in ``reply`` and make it the best one."""
-        self._best = yield from trimmed(reply, self._asking, self._asking.step - 1, self._least, until=self._deadline)
+        self._best = yield from trimmed(reply, self._runner, self._runner.step - 1, self._least, until=self._deadline)
 
     def _finish(self) -> _Asks[None]:
         """Compute all answers with the best horizon, or optimize the answer in the remaining time."""
@@ -248,12 +248,12 @@ class Soon:
             reply = yield Question(last, last, models=self._models, best=True)
             self._best = reply if reply.satisfiable else self._best
         elif self._program.optimizes:
-            self._best = yield from cheaper(self._best, self._asking, self._asking.step, (), None, self._deadline)
+            self._best = yield from cheaper(self._best, self._runner, self._runner.step, (), None, self._deadline)
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def _ask(
-        self, first: int, last: int, conflicts: Optional[int], given: Optional[Given] = None, advised: bool = True
+        self, first: int, last: int, conflicts: Optional[int], given: Optional[Assumptions] = None, advised: bool = True
     ) -> _Asks[Reply]:
         """Ask for any answer; if there are no assumptions ``given``, record the refuted horizons."""
         reply = yield Question(first, last, given or (), conflicts=conflicts, advised=advised, until=self._deadline)

@@ -11,9 +11,9 @@ from typing import Generator, Optional
 
 import clingo
 
-from rosoclingo.planning.asking import Asking
 from rosoclingo.planning.history import Plan, cycle_of
-from rosoclingo.planning.question import Given, Question, Reply, Stop, StoppedError
+from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, StoppedError
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 CONFLICTS = 1000
 """Limit of conflicts for a question; most questions need few."""
@@ -22,18 +22,18 @@ _Trimmed = Generator[Question, Reply, Reply]
 
 
 def trimmed(
-    found: Reply, asking: Asking, step: int, first: int, present: Given = (), until: Optional[Stop] = None
+    found: Reply, runner: StrategyRunner, step: int, first: int, present: Assumptions = (), until: Optional[Stop] = None
 ) -> _Trimmed:
     """Return the plan ``found`` without superfluous actions and idle steps after ``step``.
 
     ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``. A stop
     ends the trimming; the result is the best plan so far.
     """
-    advises = asking.program.advises
+    advises = runner.program.advises
 
     def question(plan: Plan, first: int, last: int, fewer: bool) -> Question:
         """Return the question for ``plan``, or for a proper subset of its actions."""
-        others = [] if advises else [one for one in asking.actions(step + 1, last) if one not in plan.actions]
+        others = [] if advises else [one for one in runner.actions(step + 1, last) if one not in plan.actions]
         given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
         return Question(first, last, given, tuple(plan.actions if fewer else ()), conflicts=CONFLICTS, until=until)
 

@@ -119,7 +119,7 @@ class WorkerPool:
         self._end(self._activate(None))
         self._end(self._standby)
 
-    # ---- Asking ------------------------------------------------------------------------------------------------------
+    # ---- Requests ----------------------------------------------------------------------------------------------------
 
     def ask(self, request: WorkerRequest, stopped: Stop = never, idle: bool = False) -> WorkerReply:
         """Return the reply to ``request``, see :meth:`SolverWorker.ask`.

@@ -22,7 +22,7 @@ WORLDS = st.fixed_dictionaries(
 def run(answers, models=1, hint=0, block=1, **options):
     """Return the reply (None after a stop) and the questions."""
     world = FakeGrounding({horizon: [] for horizon in answers}, **{"most": 9, **options})
-    found, asked = world.run(lambda asking: shortest(asking, models, hint), block)
+    found, asked = world.run(lambda runner: shortest(runner, models, hint), block)
     assert found is None or found.proven is (found.reply.satisfiable is True)
     return found and found.reply, asked
 

@@ -16,7 +16,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import soon
-from rosoclingo.planning.strategies.soon import Soon, TimeLimit
+from rosoclingo.planning.strategies.soon import TimeLimit, TimeLimitedSearch
 
 FOREVER = float("inf")
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
@@ -51,7 +51,7 @@ def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted
     world = FakeGrounding(plans, **options)
     with clock(world.time):
         limit = TimeLimit(seconds, predicted)
-        found, asked = world.run(lambda asking: Soon(asking, models, last, limit).run(), block)
+        found, asked = world.run(lambda runner: TimeLimitedSearch(runner, models, last, limit).run(), block)
     if found is None:
         return None, False, asked
     return found.reply.satisfiable and found.reply.horizon, found.proven, asked

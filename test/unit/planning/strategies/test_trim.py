@@ -16,10 +16,10 @@ def trim(horizon, cycles, *plans, step=0, first=1, advises=False, most=99):
     ``plans`` are the valid plans as sets of cycles, with one action per cycle. Actions up to ``step`` stay. A stop
     comes after ``most`` questions.
     """
-    asking = SimpleNamespace(
+    runner = SimpleNamespace(
         program=SimpleNamespace(advises=advises), actions=lambda first, last: sorted(actions(*range(first, last + 1)))
     )
-    asked, strategy = [], trimmed(Reply(True, (actions(*cycles),), horizon), asking, step, first)
+    asked, strategy = [], trimmed(Reply(True, (actions(*cycles),), horizon), runner, step, first)
 
     def reply_to(question):
         asked.append((question.first, question.last))

@@ -1,4 +1,4 @@
-"""The loop that runs a strategy: it sends the questions to a grounding and polls for a stop."""
+"""Runs strategies: sends their questions to a grounding, and polls for a stop."""
 
 import time
 from typing import Callable, List, Optional, TypeVar
@@ -17,8 +17,8 @@ Build = Callable[[Snapshot, int], Grounding]
 """Grounds the program with a snapshot up to a horizon."""
 
 
-class Asking:
-    """A snapshot and its grounding, which is extended as questions need it.
+class StrategyRunner:
+    """Runs strategies on a snapshot, and extends its grounding as their questions require.
 
     Attributes:
         program: the reactive logic program.
@@ -26,7 +26,7 @@ class Asking:
         block: the number of steps to ground at once; 1 if further steps can invalidate an answer.
         grounding: the grounding.
         seconds: wall time spent in clingo's search so far.
-        is_stopped: the stop of the running strategy.
+        is_stopped: the stop function of the running strategy.
 
     """
 
