@@ -158,7 +158,7 @@ class Office(unittest.TestCase):
     def test_putting_and_removing(self):
         self.assertEqual(self.put("8", "office2").message, "package 8 is at office2")
         wait_until(lambda: self.places.get("8") == "office2", "the package to lie in office2")
-        self.assertEqual(self.put("8", "").message, "package 8 is gone")
+        self.assertEqual(self.put("8", "").message, "package 8 is removed")
         wait_until(lambda: "8" not in self.places, "the package to be gone")
         for package, label, fault in (
             ("8", "", "no package 8"),

@@ -54,7 +54,7 @@ class OfficeDrive(unittest.TestCase):
         self.assertIn("the goal is in an obstacle of the map", text)
 
     def test_a_goal_outside_of_the_building_is_aborted_with_the_reason(self):
-        self.assertIn("outside of the map", self.driver.drive(100.0, 0.0)[1])
+        self.assertIn("off the map", self.driver.drive(100.0, 0.0)[1])
 
     def test_an_invalid_quaternion_is_refused(self):
         goal = pose_goal(5.9, 0.0)

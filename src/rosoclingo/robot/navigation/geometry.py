@@ -46,7 +46,7 @@ class Pose2D(NamedTuple):
     def moved(self, v: float, w: float, dt: float) -> "Pose2D":
         """Return the pose after ``dt`` s at ``v`` m/s and ``w`` rad/s, on the exact arc of a differential drive."""
         half = 0.5 * w * dt
-        # Chord of an arc of length v*dt. The series of sin(x)/x covers straight lines.
+        # Chord of an arc of length v*dt; the series of sin(x)/x is used for (nearly) straight lines.
         chord = v * dt * (math.sin(half) / half if abs(half) > 1e-9 else 1.0 - half * half / 6.0)
         direction = self.yaw + half
         return Pose2D(

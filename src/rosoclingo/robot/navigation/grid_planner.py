@@ -24,8 +24,8 @@ class PlanOutcome(enum.Enum):
 
     FOUND = "found"
     CANCELLED = "planning was cancelled"
-    START_OFF_MAP = "the robot is outside of the map"
-    GOAL_OFF_MAP = "the goal is outside of the map"
+    START_OFF_MAP = "the robot is off the map"
+    GOAL_OFF_MAP = "the goal is off the map"
     START_BLOCKED = "the robot is too close to an obstacle, and there is no free space near it"
     GOAL_IN_OBSTACLE = "the goal is in an obstacle of the map, or closer to one than the robot's radius"
     GOAL_UNKNOWN = "the goal is in an unknown part of the map (see allow_unknown)"

@@ -26,7 +26,7 @@ class FollowOutcome(enum.Enum):
     DRIVING = "driving"
     REACHED = "goal reached"
     BLOCKED = "every movement towards the path would touch an obstacle"
-    OFF_PATH = "the robot cannot get back to its path in a straight line"
+    OFF_PATH = "the robot cannot return to its path in a straight line"
 
 
 class VelocityCommand(NamedTuple):
@@ -42,7 +42,7 @@ class VelocityCommand(NamedTuple):
         return self._replace(velocity=STOP) if turns_round else self
 
 
-STILL = 0.02  # m/s
+STILL = 0.02  # m/s: maximum speed of a robot that stands still
 SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s: times of the displayed trajectory
 
 

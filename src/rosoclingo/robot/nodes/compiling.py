@@ -31,7 +31,7 @@ def compile_once(part: str, log: Callable[[str], None]) -> None:
     """Compile one of PARTS, and ``log`` a message if this takes long."""
     mark = Path(FOLDER, f"{part}.compiled")
     if not mark.exists():
-        log(f"compiling {part} once, which takes up to a minute; the compiled code is kept in {FOLDER}")
+        log(f"compiling {part} once, which takes up to a minute; the compiled code is cached in {FOLDER}")
     PARTS[part]()
     with contextlib.suppress(OSError):  # without a writable folder every process compiles
         mark.touch()

@@ -95,6 +95,6 @@ def grid_from_message(message: OccupancyGridMessage) -> OccupancyGrid:
     if not all(map(math.isfinite, numbers)) or info.resolution <= 0.0:
         raise MapError(f"resolution and origin must be finite, and the resolution positive; they are {numbers}")
     if not len(message.data) or info.width * info.height != len(message.data):
-        raise MapError(f"it has {len(message.data)} cells for {info.width} x {info.height}")
+        raise MapError(f"it has {len(message.data)} cells, not {info.width} x {info.height}")
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
     return OccupancyGrid(cells, *numbers)

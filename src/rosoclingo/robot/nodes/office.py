@@ -199,7 +199,7 @@ class OfficeNode:
         except PackageError as error:
             return PutPackageResponse(success=False, message=str(error))
         self._publish()
-        done = f"is at {location}" if location else "is gone"
+        done = f"is at {location}" if location else "is removed"
         return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
 
     def _keep(self) -> None:

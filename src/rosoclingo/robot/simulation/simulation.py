@@ -124,7 +124,7 @@ class Simulation:
     def set_door(self, door: str, opened: bool) -> None:
         """Open or close a door. Raises WorldError if it is unknown or a robot stands in it."""
         if door not in self.doors:
-            raise WorldError("door {!r} is unknown; doors: {}".format(door, ", ".join(self.doors) or "none"))
+            raise WorldError("unknown door {!r}; doors: {}".format(door, ", ".join(self.doors) or "none"))
         doors = {**self.doors, door: self.doors[door]._replace(open=opened)}
         self._change(doors, self.obstacles, f"the door {door!r}")
 
@@ -140,7 +140,7 @@ class Simulation:
         """Remove an obstacle. Raises WorldError if it is unknown."""
         if name not in self.obstacles:
             known = ", ".join(self.obstacles) or "none"
-            raise WorldError(f"obstacle {name!r} is unknown; obstacles: {known}")
+            raise WorldError(f"unknown obstacle {name!r}; obstacles: {known}")
         self._build(self.doors, {other: spec for other, spec in self.obstacles.items() if other != name})
 
     def _change(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec], what: str) -> None:
@@ -150,7 +150,7 @@ class Simulation:
         for name, robot in self.robots.items():
             if self._hits(name, robot.pose) != CLEAR:
                 self._build(*before)
-                raise WorldError(f"{what} would stand where robot {name!r} is")
+                raise WorldError(f"{what} would collide with robot {name!r}")
 
     def _build(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec]) -> None:
         """Set doors and obstacles, and compute their segments and discs in cells."""
@@ -194,7 +194,7 @@ class Simulation:
             raise WorldError(f"robot {robot!r}: {beyond}")
         hit = self._hits(robot, pose)
         if hit != CLEAR:
-            raise WorldError(f"robot {robot!r} would stand in {HITS[hit]} at ({pose.x:.2f}, {pose.y:.2f})")
+            raise WorldError(f"robot {robot!r} would collide with {HITS[hit]} at ({pose.x:.2f}, {pose.y:.2f})")
 
     def _check_obstacle(self, obstacle: ObstacleSpec) -> None:
         problem = obstacle.problem() or self.spec.grid.beyond(*obstacle.at)
@@ -203,7 +203,7 @@ class Simulation:
 
     def _robot(self, name: str) -> Robot:
         if name not in self.robots:
-            raise WorldError("robot {!r} is unknown; robots: {}".format(name, ", ".join(self.robots)))
+            raise WorldError("unknown robot {!r}; robots: {}".format(name, ", ".join(self.robots)))
         return self.robots[name]
 
     def _points(self, points: Sequence, columns: int) -> np.ndarray:

@@ -112,9 +112,9 @@ def _robot(reader: Reader, name: str) -> RobotSpec:
 
 def _footprint(reader: Reader) -> Tuple[Point, ...]:
     """Return the corners of a footprint; empty for a disc."""
-    points = tuple(_point(corner.numbers((2,))) for corner in reader.items("a list of three corners [x, y] or more"))
+    points = tuple(_point(corner.numbers((2,))) for corner in reader.items("a list of at least three corners [x, y]"))
     if 0 < len(points) < 3:
-        reader.fault(f"needs three corners [x, y] or more, not {reader.value!r}")
+        reader.fault(f"needs at least three corners [x, y], not {reader.value!r}")
     elif max((abs(v) for point in points for v in point), default=0.0) > MOST:
         reader.fault(f"a corner is more than {MOST} m away")
     elif points and np.linalg.matrix_rank(np.subtract(points, points[0]), tol=1e-3) < 2:

@@ -88,7 +88,7 @@ def test_tours_of_random_goals_among_unmapped_obstacles(seed):
     [
         (WALL, Pose2D(3.0, 2.0), "in an obstacle of the map"),
         ((2.9, 0.0, 3.1, 6.0), Pose2D(5.0, 1.0), "no path leads to the goal on the map"),
-        (WALL, Pose2D(50.0, 1.0), "outside of the map"),
+        (WALL, Pose2D(50.0, 1.0), "off the map"),
     ],
 )
 def test_a_goal_that_the_map_makes_impossible_ends_at_once(wall, goal, reason):

@@ -92,7 +92,7 @@ def test_all_labels_where_nobody_can_be_are_told(hall):
         floor_of(hall, table(wall=(6.0, 1.0), off=(50.0, 3.0), left=(2.0, 3.0), narrow=(0.1, 3.0)))
     faults = str(caught.value).splitlines()
     assert [fault.split(": ")[0] for fault in faults] == ["wall", "off", "narrow"]
-    assert "outside of the map" in faults[1]
+    assert "off the map" in faults[1]
     assert all(fault.endswith("move the label") for fault in faults)
 
 
@@ -140,6 +140,6 @@ def test_the_command(tmp_path):
     assert done.returncode == 1
     assert "labels.yaml: office1" in done.stderr
     done = subprocess.run([*script, *OFFICE, "--start", "office9"], capture_output=True, text=True, env=environment)
-    assert (done.returncode, "there is no label office9" in done.stderr) == (1, True)
+    assert (done.returncode, "unknown label office9" in done.stderr) == (1, True)
     done = subprocess.run([*script, "no.yaml", str(OFFICE[1])], capture_output=True, text=True, env=environment)
     assert (done.returncode, "no.yaml" in done.stderr) == (1, True)

@@ -38,9 +38,9 @@ def change(path, value):
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
-        ("data", [0] * 5, "5 cells for 3 x 2"),
+        ("data", [0] * 5, "5 cells, not 3 x 2"),
         ("data", [], "0 cells"),
-        ("info.width", 0, "6 cells for 0 x 2"),
+        ("info.width", 0, "6 cells, not 0 x 2"),
         ("info.resolution", 0.0, "resolution"),
         ("info.resolution", float("nan"), "resolution"),
         ("info.origin.position.x", float("inf"), "origin must be finite"),

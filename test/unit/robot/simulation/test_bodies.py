@@ -138,7 +138,7 @@ def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution
     world.put_obstacle(obstacle)
     wrong = Things(world, "a").overlap(world.robots["a"], pose)
     if wrong:
-        with pytest.raises(WorldError, match="would stand in"):
+        with pytest.raises(WorldError, match="would collide with"):
             world.place("a", pose)
         return
     if body.get("footprint") in (ELL, BESIDE):
@@ -155,12 +155,12 @@ def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution
 def test_nobody_is_swallowed(body):
     """Neither a box around a robot nor a robot around a pillar touches an edge."""
     world = Simulation(WorldSpec(walled(0, 0.05, 0), (RobotSpec("a", Pose2D(1.5, 1.5), **body),)))
-    with pytest.raises(WorldError, match="where robot 'a' is"):
+    with pytest.raises(WorldError, match="collide with robot 'a'"):
         world.put_obstacle(ObstacleSpec("shed", (1.5, 1.5), box=Box(1.0, 1.0, 0.3)))
     hall = RobotSpec("b", Pose2D(1.5, 0.5), footprint=((0.4, 0.4), (-0.4, 0.4), (-0.4, -0.4), (0.4, -0.4)))
     world = Simulation(WorldSpec(walled(0, 0.05, 0), (RobotSpec("a", Pose2D(1.5, 1.5), **body), hall)))
     for name, pose in (("b", Pose2D(1.5, 1.5)), ("a", Pose2D(1.5, 0.5))):
-        with pytest.raises(WorldError, match="would stand in"):
+        with pytest.raises(WorldError, match="would collide with"):
             world.place(name, pose)
     cells = walled(0, 0.05, 0).cells
     cells[30, 30] = 100

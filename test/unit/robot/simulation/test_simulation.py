@@ -107,7 +107,7 @@ def test_doors_and_obstacles_block_robots_and_beams():
     assert world.doors["door"].open
     world.put_obstacle(ObstacleSpec("crate", (3.0, 1.0), box=Box(0.4, 0.4, 0.2)))
     assert world.scan("robot_0")[ahead] < 1.2
-    with pytest.raises(WorldError, match="would stand"):
+    with pytest.raises(WorldError, match="would collide"):
         world.put_obstacle(ObstacleSpec("bin", world.robots["robot_0"].pose[:2], radius=0.3))
     assert list(world.obstacles) == ["crate"]
     drive(world, [(1.0, 0.0)] * 15)

@@ -114,7 +114,10 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
             r"robots\[0\].max_speed: must be a number from 0 to 1000, not 1000000000.0",
         ),
         ({"robots": [{"pose": [1, 1], "drift": [0.1, -0.1]}]}, r"robots\[0\].drift: must be two relative errors"),
-        ({"robots": [{"pose": [1, 1], "footprint": 3}]}, r"robots\[0\].footprint: must be a list of three corners"),
+        (
+            {"robots": [{"pose": [1, 1], "footprint": 3}]},
+            r"robots\[0\].footprint: must be a list of at least three corners",
+        ),
         (
             {"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], 2]}]},
             r"robots\[0\].footprint\[2\]: must be 2 finite numbers",
@@ -169,10 +172,13 @@ def test_all_faults_at_once(world):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"robots": [{"pose": [3.95, 1]}], "map": "walled.yaml"}, "'robot_0' would stand in a wall"),
-        ({"obstacles": [{"name": "o", "at": [1, 1.2], "radius": 0.1}]}, "'robot_0' would stand in an obstacle"),
-        ({"doors": [{"name": "d", "from": [0, 1], "to": [2, 1], "open": False}]}, "'robot_0' would stand in a door"),
-        ({"robots": [{"pose": [1, 1]}, {"pose": [1.2, 1]}]}, "'robot_0' would stand in an obstacle or a robot"),
+        ({"robots": [{"pose": [3.95, 1]}], "map": "walled.yaml"}, "'robot_0' would collide with a wall"),
+        ({"obstacles": [{"name": "o", "at": [1, 1.2], "radius": 0.1}]}, "'robot_0' would collide with an obstacle"),
+        (
+            {"doors": [{"name": "d", "from": [0, 1], "to": [2, 1], "open": False}]},
+            "'robot_0' would collide with a door",
+        ),
+        ({"robots": [{"pose": [1, 1]}, {"pose": [1.2, 1]}]}, "'robot_0' would collide with an obstacle or a robot"),
     ],
 )
 def test_a_robot_that_cannot_stand_where_it_starts(world, tmp_path, changes, words):

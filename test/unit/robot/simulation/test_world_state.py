@@ -73,9 +73,9 @@ def test_the_state_is_made_of_what_a_parameter_may_hold():
         ({"doors": {}}, "the doors are door, not "),
         ({"doors": {"door": 1}}, "doors.door: must be true or false"),
         ({"obstacles": {"bin": [1.0]}}, "obstacles.bin: must be x, y and a radius"),
-        ({"obstacles": {"bin": [1.0, 1.0, 0.3]}}, "robot 'first' would stand in an obstacle"),
+        ({"obstacles": {"bin": [1.0, 1.0, 0.3]}}, "robot 'first' would collide with an obstacle"),
         ({"obstacles": {"bin": [9.0, 1.0, 0.3]}}, "the obstacle 'bin': "),
-        ({"robots": {"first": [0.0] * 6, "second": [3.0, 3.0, 0.0] * 2}}, "robot 'first' would stand in a wall"),
+        ({"robots": {"first": [0.0] * 6, "second": [3.0, 3.0, 0.0] * 2}}, "robot 'first' would collide with a wall"),
         ({"robots": 3}, "robots: must be a mapping"),
     ],
 )

@@ -14,7 +14,7 @@ from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radi
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
 
-# Default names of the layers. If ``plugins`` lists layers with other names, their types end like this.
+# Default names of the layers, and the endings of their types. The types identify layers with other names.
 LAYERS = {
     "static_layer": ("StaticLayer",),
     "obstacle_layer": ("ObstacleLayer", "VoxelLayer"),

@@ -109,7 +109,10 @@ def _edge_hits(surroundings, ax, ay, bx, by):
 
 @jit
 def _holds(surroundings, outline, x, y, yaw):
-    """Return which kind of obstacle lies inside a polygon, by one point of each; see :func:`_disc_hits`."""
+    """Return which kind of obstacle lies inside a polygon; see :func:`_disc_hits`.
+
+    Tests one point of each segment and disc.
+    """
     c, s = math.cos(yaw), math.sin(yaw)
     for k in range(surroundings.segments.shape[0]):
         x0, y0, _x1, _y1 = _four(surroundings.segments[k])
@@ -124,7 +127,7 @@ def _holds(surroundings, outline, x, y, yaw):
 
 @jit
 def _holds_wall(occupied, outline, x, y, yaw):
-    """Return whether the middle of an occupied cell lies within a polygon."""
+    """Return whether the centre of an occupied cell lies inside a polygon."""
     c, s = math.cos(yaw), math.sin(yaw)
     reach = np.sqrt((outline**2).sum(axis=1).max())
     height, width = occupied.shape
@@ -138,10 +141,10 @@ def _holds_wall(occupied, outline, x, y, yaw):
 
 @jit
 def body_hits(occupied, segments, discs, outline, radius, x, y, yaw):
-    """Return what a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC."""
+    """Return which kind of obstacle a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC."""
     hit = _body_hits(Surroundings(occupied, segments, discs), outline, radius, x, y, yaw)
     if hit == CLEAR and outline.shape[0] > 0 and _holds_wall(occupied, outline, x, y, yaw):
-        return HIT_WALL  # no edge touches it
+        return HIT_WALL  # occupied cells that no edge touches
     return hit
 
 
