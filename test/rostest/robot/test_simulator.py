@@ -173,7 +173,7 @@ class SimulatorTest(unittest.TestCase):
         self.assertFalse(self.remove("crate").success)
         for name, numbers, words in (
             ("crate", (99.0, 0.0, 0.2, 0.0, 0.0, 0.0), "off the map"),
-            ("crate", (5.0, 0.0, 0.2, 1.0, 1.0, 0.0), "either a radius"),
+            ("crate", (5.0, 0.0, 0.2, 1.0, 1.0, 0.0), "either a positive radius"),
             ("crate", (*START, 0.0, 3.0, 3.0, 0.0), "collide with robot 'mailbot'"),
             ("", (5.0, 0.0, 0.2, 0.0, 0.0, 0.0), "needs a name"),
         ):
