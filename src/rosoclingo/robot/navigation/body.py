@@ -14,14 +14,14 @@ from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
 
 Point = Union[Sequence[float], np.ndarray]  # x, y (m)
 
-CLEAR = 0.005  # m: clearance of the corners during a turn, to allow for the delay of commands
-FINEST = 0.0125  # m: minimum spacing of the discs that cover an edge
+TURN_CLEARANCE = 0.005  # m: clearance of the corners during a turn, to allow for the delay of commands
+MIN_SPACING = 0.0125  # m: minimum spacing of the discs that cover an edge
 CURVATURES = np.array(
     [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
 )  # 1/m: candidate arcs of an escape
-LONGEST = 3.0  # m: maximum length of an escape arc
-FLOORS = (0.005, 0.002, 0.0005)  # m: clearances to try on an escape arc, the widest first
-TIME, SLOWEST = 0.8, 0.02  # s: slows the robot towards the end of an escape arc; m/s: its minimum speed
+ARC_LIMIT = 3.0  # m: maximum length of an escape arc
+ARC_CLEARANCES = (0.005, 0.002, 0.0005)  # m: clearances to try on an escape arc, the widest first
+ARC_TIME, MIN_SPEED = 0.8, 0.02  # s: slows the robot towards the end of an escape arc; m/s: its minimum speed
 
 
 class Body:
@@ -46,7 +46,7 @@ class Body:
             found = [(0.0, 0.0, self.outer, 0.0, 0.0)]
             corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
             for a, b in zip(corners, corners[1:] + corners[:1]):
-                count = max(1, math.ceil(math.hypot(*(b - a)) / max(0.25 * resolution, FINEST)))
+                count = max(1, math.ceil(math.hypot(*(b - a)) / max(0.25 * resolution, MIN_SPACING)))
                 half = 0.5 / count * (b - a)
                 found += [(*(a + (2 * i + 1) * half), math.hypot(*half), *half) for i in range(count)]
             self._discs = (resolution, np.array(found) / resolution)
@@ -83,11 +83,11 @@ class BodyState:
     def may_turn(self, angle: float) -> bool:
         """Return whether the robot can turn on the spot by ``angle`` rad.
 
-        Its clearance must stay at least CLEAR, or at least its present clearance if that is smaller.
+        Its clearance must stay at least TURN_CLEARANCE, or at least its present clearance if that is smaller.
         """
         if not self.body.footprint:
             return True
-        return bool(can_turn(*self._near, self._discs, self._cells, angle, CLEAR * self._scale))
+        return bool(can_turn(*self._near, self._discs, self._cells, angle, TURN_CLEARANCE * self._scale))
 
     def best_command(
         self,
@@ -117,12 +117,12 @@ class BodyState:
         """
         scale = self._scale
         for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
-            for floor in FLOORS:
+            for floor in ARC_CLEARANCES:
                 i, length = best_arc(
-                    *self._near, self._discs, self._cells, curvatures / scale, LONGEST * scale,
+                    *self._near, self._discs, self._cells, curvatures / scale, ARC_LIMIT * scale,
                     (self.body.outer + spare) * scale, floor * scale,
                 )  # fmt: skip
                 if length != 0.0:
-                    linear = math.copysign(min(speed, max(SLOWEST, abs(length) / scale / TIME)), length)
+                    linear = math.copysign(min(speed, max(MIN_SPEED, abs(length) / scale / ARC_TIME)), length)
                     return Velocity(linear, linear * float(curvatures[i]))
         return None

@@ -12,13 +12,13 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.local_planner import Velocity
 
 # While driving: times to check (s) and the margin (m), which allows for approaching obstacles.
-AHEAD, MARGIN = np.linspace(0.2, 1.0, 5), 0.05
+DRIVE_TIMES, DRIVE_MARGIN = np.linspace(0.2, 1.0, 5), 0.05
 # While turning on the spot, where the robot can stop at once: times to check (s) and the margin (m).
-SOON, CORNERS = np.linspace(0.05, 0.4, 8), 0.02
-PARTS = (1.0, 0.6, 0.3, 0.0)  # fractions of the speed, tried in this order
+TURN_TIMES, TURN_MARGIN = np.linspace(0.05, 0.4, 8), 0.02
+SPEED_FACTORS = (1.0, 0.6, 0.3, 0.0)  # fractions of the speed, tried in this order
 
 
-def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence = ()) -> Velocity:
+def brake(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, footprint: Sequence = ()) -> Velocity:
     """Return the velocity, reduced where necessary to keep a margin to nearby points (n, 2; m).
 
     If the robot is within the margin of a point already, the distance must not decrease. If no candidate is safe, the
@@ -27,12 +27,12 @@ def braked(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, 
     if not len(points):
         return velocity
     now = _gaps(pose, points, radius, footprint)
-    for part in PARTS:
+    for part in SPEED_FACTORS:
         slower = Velocity(part * velocity.linear, velocity.angular)
-        looks = [(SOON, CORNERS), (AHEAD, MARGIN)] if slower.linear else [(SOON, CORNERS)]
+        checks = [(TURN_TIMES, TURN_MARGIN), *([(DRIVE_TIMES, DRIVE_MARGIN)] if slower.linear else [])]
         if all(
             (_gaps(pose.moved(*slower, float(time)), points, radius, footprint) >= np.minimum(margin, now) - 1e-6).all()
-            for times, margin in looks
+            for times, margin in checks
             for time in times
         ):
             return slower

@@ -15,9 +15,9 @@ from rosoclingo.robot.navigation.grid import OCCUPIED, OccupancyGrid
 Window = Tuple[int, int, int, int]
 EMPTY: Window = (0, 0, 0, 0)
 SPARE = 0.015  # m: added to the robot's radius in planning, since sensing and driving are inexact
-BAR = 0.1  # m: radius of a barred area
-NEARBY = 1.5  # m: range in which unmarked hits are kept, for braking
-SCANS = 3  # number of scans for which unmarked hits are kept, as thin obstacles are not hit in every scan
+BAR_RADIUS = 0.1  # m: radius of a barred area
+BRAKE_RANGE = 1.5  # m: range in which unmarked hits are kept, for braking
+BRAKE_SCANS = 3  # number of scans for which unmarked hits are kept, as thin obstacles are not hit in every scan
 
 
 class CostmapLimits(NamedTuple):
@@ -77,9 +77,9 @@ class Costmap:
         )
         self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
         self._static_clearance = self.clearance.copy()
-        self._alone: Optional[Costmap] = None
+        self._static_costmap: Optional[Costmap] = None
         self.unmarked = np.empty((0, 2))
-        self._unmarked: Deque[np.ndarray] = deque(maxlen=SCANS)
+        self._unmarked: Deque[np.ndarray] = deque(maxlen=BRAKE_SCANS)
 
     def snapshot(self) -> "Costmap":
         """Return a copy for planning in another thread. It must not be modified."""
@@ -88,11 +88,11 @@ class Costmap:
         twin.free_spaces = tuple(space._replace(open=space.open.copy()) for space in self.free_spaces)
         return twin
 
-    def alone(self) -> "Costmap":
+    def static(self) -> "Costmap":
         """Return a costmap of the static map, without marks of the laser and without barred areas."""
-        if self._alone is None:
-            self._alone = Costmap(self.grid, self.limits)
-        return self._alone
+        if self._static_costmap is None:
+            self._static_costmap = Costmap(self.grid, self.limits)
+        return self._static_costmap
 
     def to_cells(self, x: float, y: float) -> Tuple[float, float]:
         """Convert a point (m) to cells, the unit of the compiled functions."""
@@ -134,7 +134,7 @@ class Costmap:
         self._changed(changed)
         # Hits that are neither mapped nor marked yet, for braking.
         scale = self.resolution
-        seen = hits_apart(self.occupied, self.clearance, x, y, turned, far / scale, hits, NEARBY / scale, known)
+        seen = hits_apart(self.occupied, self.clearance, x, y, turned, far / scale, hits, BRAKE_RANGE / scale, known)
         self._unmarked.append(seen * self.resolution + (self.grid.origin_x, self.grid.origin_y))
         self.unmarked = np.concatenate(self._unmarked)
         return bool(changed != EMPTY)
@@ -156,9 +156,9 @@ class Costmap:
     def bar(self, x: float, y: float) -> None:
         """Close the area around a point (m) at which a path turned out to be blocked."""
         row, column = self.grid.cell(x, y)
-        window = self._widened((row, row + 1, column, column + 1), math.ceil(BAR / self.resolution))
+        window = self._widened((row, row + 1, column, column + 1), math.ceil(BAR_RADIUS / self.resolution))
         rows, columns = np.mgrid[window[0] : window[1], window[2] : window[3]]
-        self.closed[rows, columns] |= np.hypot(rows - row, columns - column) * self.resolution <= BAR
+        self.closed[rows, columns] |= np.hypot(rows - row, columns - column) * self.resolution <= BAR_RADIUS
         self._has_bars = True
         self._update_free_spaces(window)
 

@@ -12,18 +12,18 @@ from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import STOP, FollowOutcome, LocalPlanner, Velocity, VelocityCommand
 from rosoclingo.robot.navigation.navigation_types import FollowerLimits
 
-# The robot turns before it drives to a target nearer than NEAR (m) and more than ASIDE (rad) off its heading, and to
-# any target more than BEHIND (rad) off. Within FACING (rad) it counts as facing the target.
-NEAR, ASIDE, BEHIND, FACING = 0.15, 0.15, 1.2, 0.3
-EXACT = 0.01  # m: within this distance the robot does not move closer to the goal
-CLOSE = 0.005  # m: minimum clearance in tight places, unless the present clearance is smaller
-RUSH = 0.08  # s: the required clearance grows by this time x (speed - creep speed), as commands come late
-WINDOW = 1.5  # m: length of the path that is searched for the robot's position
-# After LULL (s) with less than GAIN (m) of progress the robot tries manoeuvres that need less room; after PATIENCE (s)
-# it reports the path as blocked.
-GAIN, LULL, PATIENCE = 0.05, 3.0, 8.0
-SPARE = 0.01  # m: additional clearance at the end of an escape
-CREEPING = np.array([1.0, 0.5, 0.25, 0.0, -0.5, -1.0])  # speeds in tight places, relative to creep_vel_x
+# The robot turns before it drives to a target nearer than NEAR_TARGET (m) and more than TURN_ANGLE (rad) off its
+# heading, and to any target more than ANY_TURN_ANGLE (rad) off. Within FACING_ANGLE (rad) it faces the target.
+NEAR_TARGET, TURN_ANGLE, ANY_TURN_ANGLE, FACING_ANGLE = 0.15, 0.15, 1.2, 0.3
+GOAL_PRECISION = 0.01  # m: within this distance the robot does not move closer to the goal
+MIN_CLEARANCE = 0.005  # m: minimum clearance in tight places, unless the present clearance is smaller
+COMMAND_DELAY = 0.08  # s: the required clearance grows by this time x (speed - creep speed), as commands come late
+SEARCH_WINDOW = 1.5  # m: length of the path that is searched for the robot's position
+# After LULL_TIMEOUT (s) with less than MIN_PROGRESS (m) of progress the robot tries manoeuvres that need less room.
+# After BLOCKED_TIMEOUT (s) it reports the path as blocked.
+MIN_PROGRESS, LULL_TIMEOUT, BLOCKED_TIMEOUT = 0.05, 3.0, 8.0
+ESCAPE_CLEARANCE = 0.01  # m: additional clearance at the end of an escape
+CREEP_FACTORS = np.array([1.0, 0.5, 0.25, 0.0, -0.5, -1.0])  # speeds in tight places, relative to creep_vel_x
 
 
 class RolloutFollower(LocalPlanner):
@@ -64,11 +64,11 @@ class RolloutFollower(LocalPlanner):
         self._arrived = now.distance(self._points[-1]) <= tolerance
         if self._arrived:
             command = self._turn_to_goal(now)
-            if command.outcome is not FollowOutcome.BLOCKED or now.distance(self._points[-1]) <= EXACT:
+            if command.outcome is not FollowOutcome.BLOCKED or now.distance(self._points[-1]) <= GOAL_PRECISION:
                 return command
             self._arrived = False  # closer to the goal there can be enough room to turn
         self._watch(now)
-        found = self._escape(now) if self._lull >= LULL else self._follow(now)
+        found = self._escape(now) if self._lull >= LULL_TIMEOUT else self._follow(now)
         if found:
             return VelocityCommand(FollowOutcome.DRIVING, found).stopping_first(velocity)
         return self._creep(now)
@@ -77,7 +77,7 @@ class RolloutFollower(LocalPlanner):
         """Return the remaining length of the path; see :class:`LocalPlanner`."""
         if not len(self._points):
             return math.inf
-        self._index, self._place, away = place_on(self._points, self._along, self._index, WINDOW, pose.x, pose.y)
+        self._index, self._place, away = place_on(self._points, self._along, self._index, SEARCH_WINDOW, pose.x, pose.y)
         return float(away + self._along[-1] - self._place)
 
     def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
@@ -90,7 +90,7 @@ class RolloutFollower(LocalPlanner):
         self._lull += now.period
         if self._least < 0.0:  # a new path
             self._least = left
-        elif left < self._least - GAIN:
+        elif left < self._least - MIN_PROGRESS:
             self._least, self._lull = left, 0.0
 
     def _at(self, places: Union[float, np.ndarray]) -> np.ndarray:
@@ -108,7 +108,7 @@ class RolloutFollower(LocalPlanner):
         if carrot is None:
             return None
         bearing = now.bearing(carrot)
-        aside = abs(bearing) > (ASIDE if now.distance(carrot) < NEAR else BEHIND)
+        aside = abs(bearing) > (TURN_ANGLE if now.distance(carrot) < NEAR_TARGET else ANY_TURN_ANGLE)
         if aside and now.velocity.linear < 0.1:
             return self._turn(now, bearing)
         return self._drive(now, carrot) or (self._turn(now, bearing) if abs(bearing) > 0.1 else None)
@@ -132,12 +132,12 @@ class RolloutFollower(LocalPlanner):
         """Return the best command whose clearance is at least the margin, and more at higher speeds."""
         limits = self.limits
         speeds = self._speeds(now)
-        needs = limits.margin + RUSH * np.maximum(0.0, speeds - limits.creep_vel_x)
+        needs = limits.margin + COMMAND_DELAY * np.maximum(0.0, speeds - limits.creep_vel_x)
         # At the lowest speeds the present clearance is enough.
         needs[speeds <= max(limits.creep_vel_x, speeds[-2])] = -limits.margin
         found = self._best(now, carrot, speeds, needs, limits.max_vel_theta)
         # A robot that faces the target but can only turn is stuck.
-        stuck = found and found.linear < 0.02 and abs(now.bearing(carrot)) <= FACING
+        stuck = found and found.linear < 0.02 and abs(now.bearing(carrot)) <= FACING_ANGLE
         return None if stuck else found
 
     def _speeds(self, now: BodyState) -> np.ndarray:
@@ -166,19 +166,19 @@ class RolloutFollower(LocalPlanner):
 
         None if it can turn already, or if no arc leads to such a pose.
         """
-        if not self.footprint or now.has_room([now.pose[:2]], 0.5 * SPARE):
+        if not self.footprint or now.has_room([now.pose[:2]], 0.5 * ESCAPE_CLEARANCE):
             return None
-        found = now.arc_to_room(SPARE, self.limits.creep_vel_x, self._curvature)
+        found = now.arc_to_room(ESCAPE_CLEARANCE, self.limits.creep_vel_x, self._curvature)
         self._curvature = found.angular / found.linear if found else None
         return found
 
     def _creep(self, now: BodyState) -> VelocityCommand:
-        """Drive slowly, possibly backwards, with minimum clearance; report a blocked path after PATIENCE."""
-        point, creep, most = self._at(self._place + NEAR), self.limits.creep_vel_x, self.limits.max_vel_theta
+        """Drive slowly, possibly backwards, with minimum clearance; report a blocked path after BLOCKED_TIMEOUT."""
+        point, creep, most = self._at(self._place + NEAR_TARGET), self.limits.creep_vel_x, self.limits.max_vel_theta
         # Limits the speed of the outermost corner to the creep speed.
         rate = min(most, creep / self._body.outer) if self.footprint else most
-        found = self._best(now, point, CREEPING * creep, np.full(len(CREEPING), -CLOSE), rate)
-        if found is None or self._lull > PATIENCE:
+        found = self._best(now, point, CREEP_FACTORS * creep, np.full(len(CREEP_FACTORS), -MIN_CLEARANCE), rate)
+        if found is None or self._lull > BLOCKED_TIMEOUT:
             self._lull = 0.0
             x, y = point.tolist()
             return VelocityCommand(FollowOutcome.BLOCKED, STOP, (x, y))

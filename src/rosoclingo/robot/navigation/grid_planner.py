@@ -12,11 +12,12 @@ from rosoclingo.robot.navigation.compiled.path import least_along
 from rosoclingo.robot.navigation.costmap import SPARE, Costmap, FreeSpace
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-STRAIGHT = 5.0  # weight of clearance on paths that are narrower than the robot's turning circle
-JOINED = 3.0  # cells: maximum distance of a valid robot position from the nearest open cell
-# Paths keep an additional clearance of EASE (m) and half a cell where possible; cells without it cost DEAR more.
-EASE, DEAR = 0.03, 3.0
-BENT = 0.1  # cells: tolerance for dropping points of a path that lie on a line
+NARROW_WEIGHT = 5.0  # weight of clearance on paths that are narrower than the robot's turning circle
+JOIN_LIMIT = 3.0  # cells: maximum distance of a valid robot position from the nearest open cell
+# Paths keep EXTRA_CLEARANCE (m) and half a cell more than the radius where possible. Cells without it cost EXTRA_COST
+# more.
+EXTRA_CLEARANCE, EXTRA_COST = 0.03, 3.0
+LINE_TOLERANCE = 0.1  # cells: tolerance for dropping points of a path that lie on a line
 
 
 class PlanOutcome(enum.Enum):
@@ -116,8 +117,8 @@ class GridPlanner(GlobalPlanner):
         if found.outcome is not PlanOutcome.NO_PATH or not costmap.has_marks:
             return found
         # Distinguish obstacles of the laser from those of the map: is there a path on the static map?
-        alone = self._plan(costmap.alone(), start, goal, reach)
-        return _failed(PlanOutcome.BLOCKED if alone.outcome is PlanOutcome.FOUND else alone.outcome)
+        static = self._plan(costmap.static(), start, goal, reach)
+        return _failed(PlanOutcome.BLOCKED if static.outcome is PlanOutcome.FOUND else static.outcome)
 
     def _plan(self, costmap: Costmap, start: Pose2D, goal: Pose2D, reach: float) -> GlobalPlan:
         for space in costmap.free_spaces:
@@ -141,14 +142,16 @@ class GridPlanner(GlobalPlanner):
         if not math.isfinite(found[first.cell]):
             return _failed(PlanOutcome.CANCELLED if self.is_cancelled() else PlanOutcome.NO_PATH)
         way = descend(found, *first.at, *last.at)[:, ::-1] + 0.5
-        ease(way, costmap.occupied, space.radius + EASE / costmap.resolution)
-        points = thin(np.concatenate([first.points, way, last.points]), self.limits.spacing / costmap.resolution, BENT)
+        ease(way, costmap.occupied, space.radius + EXTRA_CLEARANCE / costmap.resolution)
+        points = thin(
+            np.concatenate([first.points, way, last.points]), self.limits.spacing / costmap.resolution, LINE_TOLERANCE
+        )
         metres = points * costmap.resolution + (costmap.grid.origin_x, costmap.grid.origin_y)
         return GlobalPlan(PlanOutcome.FOUND, metres, space.radius * costmap.resolution - SPARE)
 
     def _fault_of_goal(self, costmap: Costmap, goal: Pose2D, reach: float) -> PlanOutcome:
-        alone = costmap.alone()
-        if costmap.has_marks and any(_end(alone, space, goal, reach) is not None for space in alone.free_spaces):
+        static = costmap.static()
+        if costmap.has_marks and any(_end(static, space, goal, reach) is not None for space in static.free_spaces):
             return PlanOutcome.GOAL_IN_UNMAPPED
         unknown = costmap.grid.cells[costmap.grid.cell(goal.x, goal.y)] < 0
         return PlanOutcome.GOAL_UNKNOWN if unknown else PlanOutcome.GOAL_IN_OBSTACLE
@@ -159,10 +162,10 @@ class GridPlanner(GlobalPlanner):
         comfort, weight = max(1.0, comfort / costmap.resolution), self.limits.comfort_weight
         if space.radius < costmap.free_spaces[0].radius:
             # In passages too narrow to turn, the path should be straight and centred.
-            comfort, weight = costmap.free_spaces[0].radius, STRAIGHT
+            comfort, weight = costmap.free_spaces[0].radius, NARROW_WEIGHT
         costs = 1.0 + weight * np.maximum(0.0, 1.0 - costmap.clearance / np.float32(comfort))
-        ease = np.float32(EASE / costmap.resolution + 0.5)
-        costs += DEAR * np.clip((np.float32(space.radius) + ease - costmap.clearance) / ease, 0.0, 1.0)
+        ease = np.float32(EXTRA_CLEARANCE / costmap.resolution + 0.5)
+        costs += EXTRA_COST * np.clip((np.float32(space.radius) + ease - costmap.clearance) / ease, 0.0, 1.0)
         return np.where(space.open > 0, costs, np.float32(np.inf))
 
 
@@ -185,7 +188,7 @@ def _end(costmap: Costmap, space: FreeSpace, pose: Pose2D, reach: float) -> Opti
     if square_distance(costmap.occupied, x, y, bare + 1.0) >= bare:
         if space.open[row, column]:
             return _End((row, column), (y - 0.5, x - 0.5), np.empty((0, 2)))
-        for cell in _open_cells(space, x, y, JOINED + 1.5 * (space.radius - bare)):
+        for cell in _open_cells(space, x, y, JOIN_LIMIT + 1.5 * (space.radius - bare)):
             if least_along(costmap.clearance, x, y, cell[1] + 0.5, cell[0] + 0.5) > 0.0:
                 return _End(cell, (float(cell[0]), float(cell[1])), np.array([[x, y]]))
     for cell in _open_cells(space, x, y, reach / costmap.resolution):

@@ -38,12 +38,12 @@ class VelocityCommand(NamedTuple):
 
     def stopping_first(self, before: Velocity) -> "VelocityCommand":
         """Return this command, or a stop while the robot still drives in the opposite direction."""
-        turns_round = self.velocity.linear * before.linear < 0.0 and abs(before.linear) > STILL
+        turns_round = self.velocity.linear * before.linear < 0.0 and abs(before.linear) > STANDSTILL_SPEED
         return self._replace(velocity=STOP) if turns_round else self
 
 
-STILL = 0.02  # m/s: maximum speed of a robot that stands still
-SHOWN = np.linspace(0.0, 1.0, 8).tolist()  # s: times of the displayed trajectory
+STANDSTILL_SPEED = 0.02  # m/s: maximum speed of a robot that stands still
+DISPLAY_TIMES = np.linspace(0.0, 1.0, 8).tolist()  # s: times of the displayed trajectory
 
 
 class LocalPlanner:
@@ -76,7 +76,7 @@ class LocalPlanner:
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the predicted points (n, 2; m) of a command, for display."""
-        return np.array([pose.moved(*velocity, time)[:2] for time in SHOWN])
+        return np.array([pose.moved(*velocity, time)[:2] for time in DISPLAY_TIMES])
 
 
 def inscribed_radius(radius: float, footprint: Sequence) -> float:

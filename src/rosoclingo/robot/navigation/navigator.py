@@ -5,7 +5,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.robot.navigation.brake import braked
+from rosoclingo.robot.navigation.brake import brake
 from rosoclingo.robot.navigation.compiled.path import first_block
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
@@ -26,15 +26,15 @@ from rosoclingo.robot.navigation.progress import PathProgress
 from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
 # Minimum time (s) between two plans. Limits replanning while a blocked robot keeps seeing new obstacles.
-MOMENT = 0.25
+PLAN_PERIOD = 0.25
 # Time (s) for which a path must appear blocked before the robot leaves it, by the number of paths left since the last
 # progress. Obstacles at the edge of the beam are marked in some scans only, and must not make the robot oscillate.
-SEEMS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
-# Maximum relative length of a new path that replaces a free one, to avoid oscillation between paths of equal length.
+BLOCKED_TIMES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+# Maximum relative length of a new path that replaces an unblocked one, to avoid oscillation between equally long paths.
 # The factor applies once more for each detour and each path left.
-WORTHWHILE = 0.9
-TIGHT = 0.75  # cells: tolerance in the clearance of a path
-MOVED = 0.1  # m: motion during planning beyond which the start of the plan is cut off
+LENGTH_RATIO = 0.9
+TOLERANCE = 0.75  # cells: tolerance in the clearance of a path
+MOTION_LIMIT = 0.1  # m: motion during planning beyond which the start of the plan is cut off
 
 
 class PlanRequest(NamedTuple):
@@ -118,7 +118,7 @@ class Navigator:
         if tick.result is not None:
             self._go(NavigatorState.IDLE)
         follower = self.follower
-        slow = braked(tick.velocity, pose, self.costmap.unmarked, follower.radius, follower.footprint)
+        slow = brake(tick.velocity, pose, self.costmap.unmarked, follower.radius, follower.footprint)
         return tick._replace(velocity=slow)
 
     def blind(self, now: float, outcome: NavigationOutcome, reason: str) -> Tick:
@@ -260,12 +260,12 @@ class Navigator:
         if plan.outcome is not PlanOutcome.FOUND:
             self.plan = plan
             return False
-        if start.distance(pose) > MOVED:
+        if start.distance(pose) > MOTION_LIMIT:
             plan = plan._replace(points=cut_start(plan.points, pose, start.distance(pose)))
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
-        if keep and good and plan.length > left * WORTHWHILE ** (1 + self._progress.detours + self._left):
+        if keep and good and plan.length > left * LENGTH_RATIO ** (1 + self._progress.detours + self._left):
             return True
         self._left += keep and not good
         self.plan, self._good_until = plan, now
@@ -285,12 +285,12 @@ class Navigator:
             return True
         since = now - self._planned_at
         due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
-        if due or (since >= MOMENT and not self._seems_good(now)):
+        if due or (since >= PLAN_PERIOD and not self._seems_good(now)):
             return self._make_plan(now, pose, keep=True) is not False
         return True
 
     def _seems_good(self, now: float) -> bool:
-        return now - self._good_until <= SEEMS[min(self._left, len(SEEMS) - 1)]
+        return now - self._good_until <= BLOCKED_TIMES[min(self._left, len(BLOCKED_TIMES) - 1)]
 
     def _first_block(self, pose: Pose2D) -> Optional[Tuple[float, float]]:
         """Return the first blocked point (m) of the path, or None."""
@@ -298,5 +298,5 @@ class Navigator:
         radius = max(self.follower.radius, self.plan.radius) / costmap.resolution
         cells = costmap.all_to_cells(self.plan.points)
         x, y = costmap.to_cells(pose.x, pose.y)
-        block = first_block(costmap.clearance, costmap.closed, cells, x, y, radius - TIGHT)
+        block = first_block(costmap.clearance, costmap.closed, cells, x, y, radius - TOLERANCE)
         return None if math.isnan(block[0]) else costmap.to_metres(*block)

@@ -3,11 +3,11 @@
 import time
 from typing import Callable
 
-FASTEST = 20.0  # maximum speed, relative to the wall clock
+MAX_SPEED = 20.0  # relative to the wall clock
 
 
 class PatienceClock:
-    """Follows ROS time, but at most ``FASTEST`` times as fast as the wall clock (``wall``, s).
+    """Follows ROS time, but at most ``MAX_SPEED`` times as fast as the wall clock (``wall``, s).
 
     In a simulation that runs as fast as it can, 15 s of patience can be a tenth of a second. Without this limit, a
     short delay of any process would abort the goal.
@@ -22,5 +22,5 @@ class PatienceClock:
         """Update to the ROS time (s), which can also go back. Return the time (s) of this clock."""
         (last, last_wall), wall = self._seen, self._wall()
         self._seen = (now, wall)
-        self.now += min(now - last, FASTEST * (wall - last_wall))
+        self.now += min(now - last, MAX_SPEED * (wall - last_wall))
         return self.now

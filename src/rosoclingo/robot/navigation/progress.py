@@ -7,7 +7,7 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 
 # Additional length (m) that makes a new path a detour; the maximum number of detours ends hopeless goals.
-DETOUR, MOST_DETOURS = 1.0, 20
+DETOUR_LENGTH, DETOUR_LIMIT = 1.0, 20
 
 
 class PathProgress:
@@ -29,7 +29,7 @@ class PathProgress:
 
     def set_path(self, now: float, length: float) -> None:
         """Adopt the length (m) of a new path. A shorter path is no progress; only driving is."""
-        if length > self._best + DETOUR and self.detours < MOST_DETOURS:
+        if length > self._best + DETOUR_LENGTH and self.detours < DETOUR_LIMIT:
             # The detour gets time of its own, but does not reset the recovery behaviours.
             self._best, self._last, self.detours = length, now, self.detours + 1
         else:

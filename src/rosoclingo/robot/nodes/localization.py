@@ -24,7 +24,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.nodes.messages import fill_pose, fill_transform, from_transform, to_pose2d
 
-SURE = [0.0] * 36  # covariance of an exact pose
+EXACT_COVARIANCE = [0.0] * 36  # covariance of an exact pose
 
 
 class FakeLocalizationNode:
@@ -142,5 +142,5 @@ class FakeLocalizationNode:
         header = Header(0, stamp, self._global)
         place = Pose()
         fill_pose(place, pose)
-        self._pose.publish(PoseWithCovarianceStamped(header, PoseWithCovariance(place, SURE)))
+        self._pose.publish(PoseWithCovarianceStamped(header, PoseWithCovariance(place, EXACT_COVARIANCE)))
         self._cloud.publish(PoseArray(header, [place]))

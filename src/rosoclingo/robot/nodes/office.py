@@ -36,8 +36,8 @@ from rosoclingo.robot.simulation.office_packages import (
 )
 from rosoclingo.srv import PutPackage, PutPackageResponse
 
-STARTING = 10.0  # s of wall time after the start in which actions wait for the first pose of the robot
-KEEPING = 5.0  # s of wall time to wait for the master to store the state
+POSE_TIMEOUT = 10.0  # s of wall time after the start in which actions wait for the first pose of the robot
+PERSIST_TIMEOUT = 5.0  # s of wall time to wait for the master to store the state
 
 
 class _Kind(NamedTuple):
@@ -110,7 +110,7 @@ class OfficeNode:
 
     def __init__(self) -> None:
         given = Parameters()
-        self._pose, self._starts_until = RobotPose(given), time.monotonic() + STARTING
+        self._pose, self._starts_until = RobotPose(given), time.monotonic() + POSE_TIMEOUT
         self._labels = LabelTable.read(given.at("labels"), self._pose.map_frame)
         capacity = given.at("capacity").whole(DEFAULT_CAPACITY, low=1)
         self._office = PackageOffice(self._labels.names, capacity, given.at("appear").flag(False))
@@ -206,7 +206,7 @@ class OfficeNode:
         """Persist the places of the packages before they are published."""
         if self._office.places != self._known:
             self._known = self._office.places
-            self._kept.keep({"lying": self._office.lying, "carried": self._office.carried}, KEEPING)
+            self._kept.keep({"lying": self._office.lying, "carried": self._office.carried}, PERSIST_TIMEOUT)
 
     def _publish(self) -> None:
         self._keep()

@@ -9,7 +9,7 @@ from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.simulation.compiled.shapes import CLEAR, Surroundings, cast_rays, sweep
 from rosoclingo.robot.simulation.spec import LaserSpec, Point, RobotSpec
 
-GRAIN = 0.25  # cells: maximum distance between two collision checks of a moving robot
+CHECK_DISTANCE = 0.25  # cells: maximum distance between two collision checks of a moving robot
 
 
 class Laser:
@@ -104,7 +104,7 @@ class Robot:
         if self.v == 0.0 and self.w == 0.0:
             self.stalled = False
             return CLEAR
-        grain = min(GRAIN, 0.5 * self._width / scale)
+        grain = min(CHECK_DISTANCE, 0.5 * self._width / scale)
         part, hit = sweep(*around, outline, self._reach / scale, *pose, self.v / scale, self.w, dt, grain)
         self.pose = self.pose.moved(self.v, self.w, dt * part)
         self.odometry = self.odometry.moved(self.v * self.drift[0], self.w * self.drift[1], dt * part)

@@ -20,7 +20,7 @@ from rosoclingo.robot.simulation.spec import DoorSpec, ObstacleSpec, Point, Worl
 from rosoclingo.robot.simulation.world_file import load_world
 
 # Relative tolerance of contacts, so that rounding does not turn a pose reached by driving into a collision.
-TOUCH = 1e-9
+CONTACT_TOLERANCE = 1e-9
 HITS = {HIT_WALL: "a wall", HIT_SEGMENT: "a door, a box or a robot's side", HIT_DISC: "an obstacle or a robot"}
 
 
@@ -172,8 +172,8 @@ class Simulation:
 
     def _hits(self, robot: str, pose: Pose2D) -> int:
         """Return the kind of obstacle that a robot at a pose overlaps, including one that contains the whole robot."""
-        body, outline = self.robots[robot], self._outlines[robot] * (1.0 - TOUCH)
-        radius = body.spec.radius / self._scale * (1.0 - TOUCH)
+        body, outline = self.robots[robot], self._outlines[robot] * (1.0 - CONTACT_TOLERANCE)
+        radius = body.spec.radius / self._scale * (1.0 - CONTACT_TOLERANCE)
         hit = int(body_hits(*self._surroundings(robot), outline, radius, *self._in_cells(pose)))
         point = pose.compose(Pose2D(*body.outline[0])) if body.outline else pose
         solids = self._solids + [other.corners() for other in self.robots.values() if other is not body]

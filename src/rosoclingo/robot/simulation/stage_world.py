@@ -13,10 +13,10 @@ from rosoclingo.robot.simulation.spec import LaserSpec, ObstacleSpec, Point, Rob
 from rosoclingo.robot.simulation.world_file import load_world
 
 # Stage regards pixels as occupied if their first channel is at most this.
-DARK = 127
+DARK_LIMIT = 127
 # Heights (m) of lasers, robots and walls. Robots are higher than lasers, so that they see each other.
-MOUNT, BODY, WALL = 0.25, 0.4, 1.0
-THICKNESS = 0.04  # m: thickness of doors, which are boxes in Stage
+LASER_HEIGHT, ROBOT_HEIGHT, WALL_HEIGHT = 0.25, 0.4, 1.0
+DOOR_THICKNESS = 0.04  # m: thickness of doors, which are boxes in Stage
 CORNERS = 16  # number of corners of the polygon for a disc
 
 HEAD = """\
@@ -92,7 +92,7 @@ def _dark(map_file: str) -> np.ndarray:
     with Image.open(str(read_map_info(Path(map_file))["image"])) as image:
         pixels = np.asarray(image if image.mode in ("L", "RGB", "RGBA") else image.convert("L"))
     first = pixels if pixels.ndim == 2 else pixels[:, :, 0]
-    return np.asarray(first <= DARK)[::-1]
+    return np.asarray(first <= DARK_LIMIT)[::-1]
 
 
 def _head(spec: WorldSpec, occupied: np.ndarray, source: str, bitmap: str) -> str:
@@ -108,7 +108,7 @@ def _head(spec: WorldSpec, occupied: np.ndarray, source: str, bitmap: str) -> st
         bitmap=bitmap,
         size=_numbers(size),
         centre=_numbers(centre),
-        height=_number(WALL),
+        height=_number(WALL_HEIGHT),
     )
 
 
@@ -118,7 +118,7 @@ def _robot(robot: RobotSpec) -> str:
     turn, turn_change = math.degrees(robot.max_turn), math.degrees(robot.turn_acceleration)
     lines = [
         f"name {_text(robot.name)}",
-        f"size [ {_numbers(size)} {_number(BODY)} ]",
+        f"size [ {_numbers(size)} {_number(ROBOT_HEIGHT)} ]",
         f"origin [ {_numbers(centre)} 0 0 ]",
         'drive "diff"',
         'color "blue"',
@@ -135,6 +135,7 @@ def _robot(robot: RobotSpec) -> str:
 def _ranger(laser: LaserSpec) -> List[str]:
     # Noise in Stage: a variance, a relative error of the range, an angle.
     noise = f" noise [ {_number(laser.noise**2)} 0 0 ]" if laser.noise > 0.0 else ""
+    height = _number(LASER_HEIGHT - ROBOT_HEIGHT)  # relative to the top of the robot
     return [
         "ranger",
         "(",
@@ -142,7 +143,7 @@ def _ranger(laser: LaserSpec) -> List[str]:
         f"fov {_number(laser.angle)} samples {laser.beams}{noise} )",
         '  color "black"',
         "  size [ 0.05 0.05 0.05 ]",
-        f"  pose [ {_numbers(laser.pose[:2])} {_number(MOUNT - BODY)} {_number(math.degrees(laser.pose.yaw))} ]",
+        f"  pose [ {_numbers(laser.pose[:2])} {height} {_number(math.degrees(laser.pose.yaw))} ]",
         f"  update_interval {_number(1000.0 / laser.rate)}",
         ")",
     ]
@@ -151,7 +152,7 @@ def _ranger(laser: LaserSpec) -> List[str]:
 def _door(name: str, start: Point, end: Point) -> str:
     length, yaw = math.hypot(end[0] - start[0], end[1] - start[1]), math.atan2(end[1] - start[1], end[0] - start[0])
     middle = ((start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0)
-    return _thing(f"door {name}", (length, THICKNESS), middle, yaw)
+    return _thing(f"door {name}", (length, DOOR_THICKNESS), middle, yaw)
 
 
 def _obstacle(obstacle: ObstacleSpec) -> str:
@@ -167,7 +168,7 @@ def _thing(name: str, size: Sequence[float], at: Point, yaw: float, block: Seque
         [
             f"name {_text(name)}",
             'color "brown"',
-            f"size [ {_numbers(size)} {_number(WALL)} ]",
+            f"size [ {_numbers(size)} {_number(WALL_HEIGHT)} ]",
             f"pose [ {_numbers(at)} 0 {_number(math.degrees(yaw))} ]",
             *block,
         ],

@@ -21,8 +21,8 @@ from rosoclingo.robot.simulation.spec import (
     WorldSpec,
 )
 
-MOST, MOST_BEAMS = 1000.0, 100000  # limits of lengths and speeds (m, m/s, rad/s), and of the beams of a scan
-MOST_DELAY = 2.0  # s: limit of the delay of scans
+LIMIT, BEAM_LIMIT = 1000.0, 100000  # limits of lengths and speeds (m, m/s, rad/s), and of the beams of a scan
+DELAY_LIMIT = 2.0  # s: limit of the delay of scans
 
 
 def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
@@ -95,10 +95,10 @@ def _robot(reader: Reader, name: str) -> RobotSpec:
     spec = RobotSpec(
         reader.at("name").text(name),
         Pose2D(*reader.at("pose").numbers((2, 3))),
-        reader.at("radius").number(radius, low=0.01, high=MOST),
+        reader.at("radius").number(radius, low=0.01, high=LIMIT),
         footprint,
-        reader.at("max_speed").number(base.max_speed, low=0.0, high=MOST),
-        reader.at("max_turn").number(base.max_turn, low=0.0, high=MOST),
+        reader.at("max_speed").number(base.max_speed, low=0.0, high=LIMIT),
+        reader.at("max_turn").number(base.max_turn, low=0.0, high=LIMIT),
         reader.at("acceleration").number(base.acceleration, low=0.0),
         reader.at("turn_acceleration").number(base.turn_acceleration, low=0.0),
         _lasers(reader),
@@ -115,8 +115,8 @@ def _footprint(reader: Reader) -> Tuple[Point, ...]:
     points = tuple(_point(corner.numbers((2,))) for corner in reader.items("a list of at least three corners [x, y]"))
     if 0 < len(points) < 3:
         reader.fault(f"needs at least three corners [x, y], not {reader.value!r}")
-    elif max((abs(v) for point in points for v in point), default=0.0) > MOST:
-        reader.fault(f"a corner is more than {MOST} m away")
+    elif max((abs(v) for point in points for v in point), default=0.0) > LIMIT:
+        reader.fault(f"a corner is more than {LIMIT} m away")
     elif points and np.linalg.matrix_rank(np.subtract(points, points[0]), tol=1e-3) < 2:
         reader.fault("its corners lie on a line: the footprint needs an area")
     return points
@@ -135,14 +135,14 @@ def _lasers(reader: Reader) -> Tuple[LaserSpec, ...]:
 def _laser(reader: Reader) -> LaserSpec:
     base = LaserSpec()
     spec = LaserSpec(
-        reader.at("range").number(base.range, low=0.01, high=MOST),
+        reader.at("range").number(base.range, low=0.01, high=LIMIT),
         reader.at("angle").number(base.angle, low=0.0, high=360.0),
-        reader.at("beams").whole(base.beams, low=2, high=MOST_BEAMS),
-        reader.at("noise").number(base.noise, low=0.0, high=MOST),
+        reader.at("beams").whole(base.beams, low=2, high=BEAM_LIMIT),
+        reader.at("noise").number(base.noise, low=0.0, high=LIMIT),
         reader.at("rate").number(base.rate, low=0.01),
         Pose2D(*reader.at("pose").numbers((2, 3), base.pose)),
         reader.at("min_range").number(base.min_range, low=0.0),
-        reader.at("delay").number(base.delay, low=0.0, high=MOST_DELAY),
+        reader.at("delay").number(base.delay, low=0.0, high=DELAY_LIMIT),
     )
     if spec.min_range >= spec.range:
         reader.at("min_range").fault(f"must be less than the range, {spec.range}, not {spec.min_range}")

@@ -17,7 +17,7 @@ from rosoclingo.robot.navigation import (
     default_recoveries,
     load_map,
 )
-from rosoclingo.robot.navigation.brake import braked
+from rosoclingo.robot.navigation.brake import brake
 from rosoclingo.robot.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
 OFFICE = Path(__file__).resolve().parents[4] / "worlds" / "office.yaml"
@@ -39,13 +39,13 @@ SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
     ],
 )
 def test_braking_of_a_disc(velocity, point, expected):
-    assert braked(Velocity(*velocity), HERE, np.array([point]), 0.2) == pytest.approx(expected)
+    assert brake(Velocity(*velocity), HERE, np.array([point]), 0.2) == pytest.approx(expected)
 
 
 def test_other_footprints_turn_only_where_no_corner_comes_near():
-    assert braked(Velocity(0.6, 0.5), HERE, np.array([(0.3, 0.0)]), 0.2, SQUARE) == Velocity(0.0, 0.5)
-    assert braked(Velocity(0.6, 0.5), HERE, np.array([(0.22, -0.15)]), 0.2, SQUARE) == Velocity()
-    assert braked(Velocity(0.6, 0.5), HERE, np.empty((0, 2)), 0.2, SQUARE) == Velocity(0.6, 0.5)
+    assert brake(Velocity(0.6, 0.5), HERE, np.array([(0.3, 0.0)]), 0.2, SQUARE) == Velocity(0.0, 0.5)
+    assert brake(Velocity(0.6, 0.5), HERE, np.array([(0.22, -0.15)]), 0.2, SQUARE) == Velocity()
+    assert brake(Velocity(0.6, 0.5), HERE, np.empty((0, 2)), 0.2, SQUARE) == Velocity(0.6, 0.5)
 
 
 BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
@@ -69,15 +69,15 @@ BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
 def test_a_footprint_that_turns_on_the_spot_sweeps_over_nothing(rate, point, stops, yaw):
     pose = Pose2D(1.0, -2.0, yaw)
     at = np.array([pose.compose(Pose2D(*point))[:2]])
-    assert braked(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
+    assert brake(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
 
 
 def test_a_footprint_that_backs_away_from_a_point_does_not_swing_a_corner_over_it():
     behind = np.array([(-0.17, -0.14)])
-    assert braked(Velocity(-0.05, 1.0), HERE, behind, 0.1, BAR) == Velocity()
+    assert brake(Velocity(-0.05, 1.0), HERE, behind, 0.1, BAR) == Velocity()
     ahead = np.array([(0.35, 0.15)])
-    assert braked(Velocity(-0.1, 1.0), HERE, ahead, 0.1, BAR) == Velocity()
-    assert braked(Velocity(-0.1, 0.0), HERE, ahead, 0.1, BAR) == Velocity(-0.1, 0.0)
+    assert brake(Velocity(-0.1, 1.0), HERE, ahead, 0.1, BAR) == Velocity()
+    assert brake(Velocity(-0.1, 0.0), HERE, ahead, 0.1, BAR) == Velocity(-0.1, 0.0)
 
 
 def test_unmarked_is_what_neither_map_nor_marks_explain():

@@ -19,7 +19,7 @@ from rosoclingo.robot.simulation import (
     WorldSpec,
     load_world,
 )
-from rosoclingo.robot.simulation.stage_world import DARK, stage_world, write_stage_world
+from rosoclingo.robot.simulation.stage_world import DARK_LIMIT, stage_world, write_stage_world
 
 ROOT = Path(__file__).resolve().parents[4]
 PAIRS = sorted(path for path in (ROOT / "worlds").glob("*_world.yaml"))
@@ -141,5 +141,5 @@ def test_written_with_an_image_that_stage_reads_the_same(tmp_path, grey, own):
     bitmap = tmp_path / "sub" / re.search(r'bitmap "(.*)"', text).group(1)
     assert [Path(name).exists() for name in files] == [True] * (2 if own else 1)
     with Image.open(str(bitmap)) as image:
-        read = np.asarray(image) <= DARK
+        read = np.asarray(image) <= DARK_LIMIT
     assert np.array_equal(read[::-1], load_world(tmp_path / "w.yaml").grid.occupied().astype(bool))

@@ -7,8 +7,8 @@ from typing import Callable
 import rospy
 from geometry_msgs.msg import Twist
 
-LEAST, PERIODS = 0.5, 4.0  # timeout in s and in control periods; the longer one applies
-WALL, EVERY = 0.3, 0.1  # s of wall time: minimum timeout, for fast simulations; time between two checks
+MIN_TIMEOUT, TIMEOUT_PERIODS = 0.5, 4.0  # timeout in s and in control periods; the longer one applies
+MIN_WALL_TIMEOUT, CHECK_PERIOD = 0.3, 0.1  # s of wall time; the minimum timeout is for fast simulations
 
 
 class CommandWatch:
@@ -18,7 +18,7 @@ class CommandWatch:
     """
 
     def __init__(self, publish: Callable[[Twist], None], period: float) -> None:
-        self._publish, self._limit = publish, max(LEAST, PERIODS * period)
+        self._publish, self._limit = publish, max(MIN_TIMEOUT, TIMEOUT_PERIODS * period)
         self._lock = threading.Lock()
         self._moving = False
         self._since = (0.0, 0.0)  # wall time and ROS time of the last command
@@ -43,13 +43,13 @@ class CommandWatch:
     def check(self, wall: float, now: float) -> bool:
         """Stop the robot if its next command is late at a wall time and a ROS time (s). Return whether it was."""
         with self._lock:
-            late = self._moving and wall - self._since[0] > WALL and now - self._since[1] > self._limit
+            late = self._moving and wall - self._since[0] > MIN_WALL_TIMEOUT and now - self._since[1] > self._limit
             if late:
                 self._moving = False
                 self._publish(Twist())
         return late
 
     def _run(self) -> None:
-        while not self._ended.wait(EVERY):
+        while not self._ended.wait(CHECK_PERIOD):
             if self.check(time.monotonic(), rospy.get_time()):
                 rospy.logwarn("no command for %.1f s: stopping the robot", self._limit)

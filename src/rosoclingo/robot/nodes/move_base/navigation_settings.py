@@ -21,7 +21,7 @@ LAYERS = {
     "inflation_layer": ("InflationLayer",),
 }
 
-READ = "LaserScan"  # the only supported data type of an observation source
+DATA_TYPE = "LaserScan"  # the only supported data type of an observation source
 
 
 class Frames(NamedTuple):
@@ -64,7 +64,7 @@ def read_settings(given: Parameters) -> Settings:
         rospy.logwarn("only the first of the observation sources %s is used", ", ".join(sources))
     source = sources[0] if sources else "base_scan"
     kind = in_layer("obstacle_layer", source + "/data_type")
-    kind.read(f"{READ}, the only supported type", lambda value: value if value == READ else None, READ)
+    kind.read(f"{DATA_TYPE}, the only supported type", lambda value: value if value == DATA_TYPE else None, DATA_TYPE)
     whole, local = given.group("global_costmap"), given.group("local_costmap")
     return Settings(
         Frames(

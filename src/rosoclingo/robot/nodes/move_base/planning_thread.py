@@ -15,7 +15,7 @@ from rosoclingo.robot.navigation.planning import Planning
 
 # s of wall time that the worker waits for a plan: enough for most plans, and the robot then drives by the newest
 GRACE = 0.02
-LONG = 2.0  # s after which a running plan is logged
+LOG_TIMEOUT = 2.0  # s after which a running plan is logged
 
 
 class Job:
@@ -64,7 +64,7 @@ class PlanningThread(Planning):
     def log_delays(self) -> None:
         """Log a warning if the current plan takes long."""
         job = self._running
-        if job is not None and time.monotonic() - job.begun > LONG * 2**job.logged:
+        if job is not None and time.monotonic() - job.begun > LOG_TIMEOUT * 2**job.logged:
             job.logged += 1
             seconds = time.monotonic() - job.begun
             rospy.logwarn("planning takes long: planning %s for %.1f s", job.what, seconds)

@@ -18,9 +18,9 @@ from rosoclingo.robot.nodes.messages import from_transform
 from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
 
 # Maximum lead (s) of time stamps over this node's clock. Beyond it, time has gone back.
-ON_ITS_WAY = 0.3
+STAMP_LEAD_LIMIT = 0.3
 # Assumed delay (s) of scans against their stamps, with an uncertainty of the same size: Stage stamps them a step late.
-LATE = 0.05
+SCAN_DELAY = 0.05
 NEWEST = rospy.Time(0)
 
 
@@ -89,7 +89,7 @@ class Sensing:
         Otherwise a simulator that runs as fast as it can would wait for a command that waits for the clock.
         """
         clock = rospy.get_time()
-        return self._stamped if clock < self._stamped < clock + ON_ITS_WAY else clock
+        return self._stamped if clock < self._stamped < clock + STAMP_LEAD_LIMIT else clock
 
     def locate(self, now: float) -> LocatedRobot:
         """Return the pose of the robot in the map at the present time (s)."""
@@ -122,7 +122,7 @@ class Sensing:
         if scan is None:
             return False
         frame, stamp = scan.header.frame_id.lstrip("/"), scan.header.stamp
-        earlier = rospy.Time.from_sec(max(0.0, stamp.to_sec() - LATE))
+        earlier = rospy.Time.from_sec(max(0.0, stamp.to_sec() - SCAN_DELAY))
         newest, pose = self._laser_pose(frame, stamp), self._laser_pose(frame, earlier)
         if newest is None:  # odometry of that time can still arrive
             return False

@@ -21,7 +21,7 @@ from rosoclingo.robot.nodes.compiling import compile_once
 from rosoclingo.robot.nodes.stage.robot_topics import RobotTopics, prefixes
 from rosoclingo.robot.simulation.simulation import Simulation, load_simulation
 from rosoclingo.robot.simulation.spec import Box, ObstacleSpec, WorldError
-from rosoclingo.robot.simulation.world_file import MOST_DELAY
+from rosoclingo.robot.simulation.world_file import DELAY_LIMIT
 from rosoclingo.robot.simulation.world_state import resume_world, world_state
 from rosoclingo.srv import (
     PutObstacle,
@@ -39,14 +39,14 @@ from rosoclingo.srv import (
 )
 
 # Maximum lag (s of wall time) behind the pace that the simulator tries to catch up with.
-LATE = 0.5
-# With speed 0, a step that would trigger the watchdog of a commanded robot waits up to HEED (s of wall time) for a
-# command. A robot counts as commanded until ACTIVE (simulated s) after its watchdog has stopped it.
-HEED, ACTIVE = 0.05, 0.3
+LAG_LIMIT = 0.5
+# With speed 0, a step that would trigger the watchdog of a commanded robot waits up to COMMAND_WAIT (s of wall time)
+# for a command. A robot counts as commanded until COMMANDED_TIME (simulated s) after its watchdog has stopped it.
+COMMAND_WAIT, COMMANDED_TIME = 0.05, 0.3
 # Limit for a call of ~step, which blocks all other services.
-MOST_STEPS = 10000
+STEP_LIMIT = 10000
 # Period (s of wall time) for persisting the state while robots move; otherwise it is persisted at once.
-KEEPING = 0.5
+PERSIST_PERIOD = 0.5
 
 
 class SimulatorNode:
@@ -90,7 +90,7 @@ class SimulatorNode:
         given = Parameters()
         world, map_file = given.at("world").text(), given.at("map").text("")
         late = given.at("scan_delay")
-        delay = late.number(0.0, low=0.0, high=MOST_DELAY) if late.given else None
+        delay = late.number(0.0, low=0.0, high=DELAY_LIMIT) if late.given else None
         watchdog = given.at("base_watchdog_timeout").number(0.2, low=0.0)
         self._speed = given.at("speed").number(1.0, low=0.0)
         self._paused = given.at("paused").flag(False)
@@ -198,7 +198,7 @@ class SimulatorNode:
         moving = any(robot.v or robot.w for robot in self._simulation.robots.values())
         self._unkept |= moving
         if self._unkept and not (moving and time.monotonic() < self._keep_at):
-            self._unkept, self._keep_at = moving, time.monotonic() + KEEPING
+            self._unkept, self._keep_at = moving, time.monotonic() + PERSIST_PERIOD
             self._kept.keep(world_state(self._simulation))
 
     def _until_next(self) -> float:
@@ -207,7 +207,7 @@ class SimulatorNode:
             return self._command_wait()
         wall, simulated = self._origin
         wait = wall + (self._simulation.time - simulated) / self._speed - time.monotonic()
-        if wait < -LATE:
+        if wait < -LAG_LIMIT:
             self._restart_pace()
         return wait
 
@@ -215,8 +215,8 @@ class SimulatorNode:
         """Return how long (s of wall time) a simulation with speed 0 waits for commands."""
         ages = (self._simulation.time - at for at in self._commanded_at.values())
         watchdog = self._simulation.watchdog
-        starved = watchdog > 0.0 and any(watchdog - 1e-6 < age < watchdog + ACTIVE for age in ages)
-        return HEED - (time.monotonic() - self._stepped_at) if starved else 0.0
+        starved = watchdog > 0.0 and any(watchdog - 1e-6 < age < watchdog + COMMANDED_TIME for age in ages)
+        return COMMAND_WAIT - (time.monotonic() - self._stepped_at) if starved else 0.0
 
     def _command(self, name: str, v: float, w: float) -> None:
         self._simulation.command(name, v, w)
@@ -251,8 +251,8 @@ class SimulatorNode:
     def _steps(self, count: int) -> None:
         if not self._paused:
             raise WorldError("the simulation is not paused: call ~pause with true first")
-        if count > MOST_STEPS:
-            raise WorldError(f"{count} steps are too many for one call: at most {MOST_STEPS} are allowed")
+        if count > STEP_LIMIT:
+            raise WorldError(f"{count} steps are too many for one call: at most {STEP_LIMIT} are allowed")
         for _ in range(count):
             self._step()
 
