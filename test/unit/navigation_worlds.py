@@ -12,7 +12,7 @@ from rosoclingo.robot.navigation import (
     Velocity,
     default_recoveries,
 )
-from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radii
+from rosoclingo.robot.navigation.local_planner import inscribed_radius, path_radii
 from rosoclingo.robot.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
 # Footprints (m): an Erratic's, whose origin is off its middle, and one that is longer than it is wide.
@@ -55,8 +55,8 @@ class Drive:
         self.robot = next(iter(world.robots.values()))
         spec = self.robot.spec
         radius = inscribed_radius(spec.radius, spec.footprint)
-        ways = way_radii(radius, spec.footprint)
-        self.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=radius, way_radii=ways, **costmap))
+        ways = path_radii(radius, spec.footprint)
+        self.costmap = Costmap(world.spec.grid, CostmapLimits(robot_radius=radius, path_radii=ways, **costmap))
         follower = RolloutFollower(radius=radius, footprint=spec.footprint)
         self.navigator = Navigator(self.costmap, GridPlanner(), follower, default_recoveries(), limits)
         self.collisions = []

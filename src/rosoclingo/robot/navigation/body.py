@@ -80,7 +80,7 @@ class BodyState:
         least = min(point_clearance(self.costmap.clearance, x, y) for x, y in cells)
         return bool(least >= (self.body.outer + spare) * self._scale)
 
-    def may_turn(self, angle: float) -> bool:
+    def can_turn(self, angle: float) -> bool:
         """Return whether the robot can turn on the spot by ``angle`` rad.
 
         Its clearance must stay at least TURN_CLEARANCE, or at least its present clearance if that is smaller.

@@ -25,7 +25,7 @@ class CostmapLimits(NamedTuple):
 
     ``static_tolerance``: a hit within this distance of a mapped obstacle belongs to that obstacle. Without it, noise
     would make walls thicker and doors narrower. ``most_tolerance``: maximum addition to it while the robot turns.
-    ``way_radii``: clearances of paths, widest first; each is tried if no path exists with the previous ones. Empty:
+    ``path_radii``: clearances of paths, widest first; each is tried if no path exists with the previous ones. Empty:
     ``robot_radius`` only.
     """
 
@@ -38,7 +38,7 @@ class CostmapLimits(NamedTuple):
     most_tolerance: float = 0.1
     lethal_threshold: int = OCCUPIED
     allow_unknown: bool = False
-    way_radii: Tuple[float, ...] = ()
+    path_radii: Tuple[float, ...] = ()
 
 
 class FreeSpace(NamedTuple):
@@ -61,7 +61,7 @@ class Costmap:
         self.grid = grid
         self.limits = limits or CostmapLimits()
         self.resolution = grid.resolution
-        radii = self.limits.way_radii or (self.limits.robot_radius,)
+        radii = self.limits.path_radii or (self.limits.robot_radius,)
         self.reach = (max(self.limits.inflation_radius, *radii) + 0.1) / grid.resolution + 2.0
         self._static = grid.occupied(self.limits.lethal_threshold)
         self._unknown = (grid.cells < 0) & (not self.limits.allow_unknown)

@@ -80,9 +80,9 @@ class RolloutFollower(LocalPlanner):
         self._index, self._place, away = place_on(self._points, self._along, self._index, SEARCH_WINDOW, pose.x, pose.y)
         return float(away + self._along[-1] - self._place)
 
-    def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
+    def can_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
         """Return whether the robot can turn on the spot at ``rate`` rad/s without a new contact."""
-        return BodyState(self._body, costmap, pose, STOP, 0.0).may_turn(0.4 * rate)
+        return BodyState(self._body, costmap, pose, STOP, 0.0).can_turn(0.4 * rate)
 
     def _watch(self, now: BodyState) -> None:
         """Update the time without progress."""
@@ -189,7 +189,7 @@ class RolloutFollower(LocalPlanner):
         if abs(now.velocity.linear) > 0.05:
             return STOP
         for angle in (error, error - math.copysign(2.0 * math.pi, error)):
-            if now.may_turn(angle):
+            if now.can_turn(angle):
                 rate = min(self.limits.max_vel_theta, self.limits.turn_gain * abs(angle) + 0.03)
                 before = max(0.0, math.copysign(now.velocity.angular, now.velocity.angular * angle))
                 return Velocity(0.0, math.copysign(min(rate, before + self.limits.acc_lim_theta * now.period), angle))

@@ -70,7 +70,7 @@ class LocalPlanner:
         """Return the remaining length (m) of the path; infinity without a path."""
         raise NotImplementedError
 
-    def may_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
+    def can_turn(self, costmap: Costmap, pose: Pose2D, rate: float) -> bool:
         """Return whether the robot can turn on the spot at ``rate`` rad/s; recovery behaviours check this."""
         return True
 
@@ -91,7 +91,7 @@ def inscribed_radius(radius: float, footprint: Sequence) -> float:
     return least
 
 
-def way_radii(radius: float, footprint: Sequence) -> Tuple[float, ...]:
+def path_radii(radius: float, footprint: Sequence) -> Tuple[float, ...]:
     """Return the clearances (m) of paths, widest first: to turn anywhere, and only to drive ahead.
 
     Empty for a disc, whose paths keep its radius.

@@ -56,7 +56,7 @@ class RotateRecovery(RecoveryBehavior):
         self._yaw = pose.yaw
         rate = float(self.parameters.get("max_vel_theta", 1.0))
         late = now - self._since > float(self.parameters.get("patience", 20.0))
-        if late or self._turned >= 2.0 * math.pi - 0.2 or not follower.may_turn(costmap, pose, rate):
+        if late or self._turned >= 2.0 * math.pi - 0.2 or not follower.can_turn(costmap, pose, rate):
             return RecoveryStep()
         return RecoveryStep(Velocity(0.0, rate), False)
 

@@ -19,7 +19,7 @@ from rosoclingo.robot.navigation.follower import RolloutFollower
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OccupancyGrid
 from rosoclingo.robot.navigation.grid_planner import GridPlanner
-from rosoclingo.robot.navigation.local_planner import Velocity, way_radii
+from rosoclingo.robot.navigation.local_planner import Velocity, path_radii
 from rosoclingo.robot.navigation.navigator import Navigator
 from rosoclingo.robot.simulation.simulation import Simulation
 from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, RobotSpec, WorldSpec
@@ -28,7 +28,7 @@ FOOTPRINT = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))  # m
 
 
 def compile_once(part: str, log: Callable[[str], None]) -> None:
-    """Compile one of PARTS, and ``log`` a message if this takes long."""
+    """Compile one of PARTS. If it has not been compiled yet, ``log`` a message first."""
     mark = Path(FOLDER, f"{part}.compiled")
     if not mark.exists():
         log(f"compiling {part} once, which takes up to a minute; the compiled code is cached in {FOLDER}")
@@ -49,13 +49,13 @@ def _navigate() -> None:
     """Call each compiled function for a disc and for a footprint."""
     angles, pose = np.linspace(-1.0, 1.0, 20), Pose2D(1.0, 1.5, 0.0)
     for footprint in ((), FOOTPRINT):
-        costmap = Costmap(_room(), CostmapLimits(way_radii=way_radii(0.2, footprint)))
+        costmap = Costmap(_room(), CostmapLimits(path_radii=path_radii(0.2, footprint)))
         follower = RolloutFollower(radius=0.2, footprint=footprint)
         navigator = Navigator(costmap, GridPlanner(), follower, [])
         for x in (3.0, 0.3):  # the second goal is next to a wall
             navigator.set_goal(0.0, Pose2D(x, 1.5, 1.0))
             navigator.tick(0.0, pose, Velocity(), 0.1)
-            follower.may_turn(costmap, pose, 1.0)
+            follower.can_turn(costmap, pose, 1.0)
         for _ in range(5):
             costmap.observe(pose, angles, np.full(20, 0.5), 5.0)
             follower.compute(costmap, pose, Velocity(), 4.0)  # a long period, so that the robot creeps

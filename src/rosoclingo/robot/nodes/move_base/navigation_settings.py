@@ -10,7 +10,7 @@ import yaml
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation.costmap import CostmapLimits
-from rosoclingo.robot.navigation.local_planner import inscribed_radius, way_radii
+from rosoclingo.robot.navigation.local_planner import inscribed_radius, path_radii
 from rosoclingo.robot.navigation.navigation_types import NavigatorLimits
 from rosoclingo.robot.nodes.move_base.plugins import global_planner_namespace
 
@@ -74,7 +74,7 @@ def read_settings(given: Parameters) -> Settings:
             in_layer("obstacle_layer", source + "/topic").text(source),
             in_layer("obstacle_layer", source + "/expected_update_rate").number(1.0, low=0.0),
         ),
-        _costmap(given, in_layer, radius, way_radii(radius, footprint)),
+        _costmap(given, in_layer, radius, path_radii(radius, footprint)),
         _navigator(given),
         1.0 / given.at("controller_frequency").number(20.0, above=0.0),
         footprint,
@@ -126,7 +126,7 @@ def _costmap(given: Parameters, in_layer: _Layers, radius: float, ways: Tuple[fl
     threshold = in_layer("static_layer", "lethal_cost_threshold").whole(base.lethal_threshold)
     unknown = given.at(f"{global_planner_namespace()}/allow_unknown").flag(base.allow_unknown)
     return CostmapLimits(
-        robot_radius=radius, lethal_threshold=threshold, allow_unknown=unknown, way_radii=ways, **lengths
+        robot_radius=radius, lethal_threshold=threshold, allow_unknown=unknown, path_radii=ways, **lengths
     )
 
 
