@@ -20,7 +20,7 @@ from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import admission
-from rosoclingo.reasoning.events import GoalChanged, ReturnAccepted
+from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, unwatched
@@ -222,7 +222,7 @@ def test_plan_that_goes_out_is_valid_with_prefetching(ring_process, batches):
             before = ring_process.pid
             run.step(fails)
             if number + 1 < len(steps):  # otherwise goals could come with the return
-                has_failed = ",failed," in str(run.driver.run().journal.of(ReturnTaken)[-1].atom)
+                has_failed = ",failed," in str(run.driver.run().journal.of(ReturnAccepted)[-1].atom)
                 assert prepares != "done" or (ring_process.pid != before) is has_failed
     run.finish()
 

@@ -63,7 +63,7 @@ def restored(goals):
 
 
 def test_the_latest_are_remembered():
-    goals = GivenUpGoals()
+    goals = AbortedGoals()
     for number in (*range(1, KEPT + 6), KEPT):  # a known goal comes again
         goals.add(unmet(number))
     latest = [*range(6, KEPT), *range(KEPT + 1, KEPT + 6), KEPT]
@@ -76,7 +76,7 @@ def test_the_latest_are_remembered():
 
 
 def test_a_journal_has_as_many_of_the_latest_as_it_has_room_for(monkeypatch):
-    goals, long = GivenUpGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
+    goals, long = AbortedGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
     for number in (1, 2, 3, 4):
         goals.add(unmet(number, long))
     sizes = [len(json.dumps(value)) for value in goals.record().values()]
