@@ -89,7 +89,7 @@ def check(python, source, folder):
     (folder / "right.lp").write_text(CASES[0]["program"], encoding="utf-8")
     assert output_of(programs / "check", "right.lp", **own) == "nothing in 1 file\n"
     (folder / "old.lp").write_text(OLD, encoding="utf-8")
-    assert output_of(programs / "gringo3to5", "old.lp", **own) == "\n{ p(X); q } :- f(X).\n"
+    assert output_of(programs / "gringo3to5", "old.lp", **own) == "\n{ p(X); q } :- f(X).\n% dialect: clingo 5\n"
     check_golog(programs, folder, own)
 
 

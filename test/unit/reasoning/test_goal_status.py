@@ -118,7 +118,7 @@ def test_goal_status_before_cycle_of_request(atoms, horizon, state):
 
 
 def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
-    unknown = judged("_status(2,accepted,5)", speaks=True)
+    unknown = judged("_status(2,accepted,5)", has_rules=True)
     assert unknown.state.value == "rejected"
     assert unknown.message == "the program rejects go(1): it has rules for _status, but none gives this goal a status"
     assert judged(has_rules=True, request_cycle=6).state.value == "pending"

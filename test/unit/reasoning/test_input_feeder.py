@@ -64,7 +64,7 @@ class Feeder(InputFeeder):
 
     def take(self):
         """The update of the last expectation is in force."""
-        self.taken(self.batch)
+        self.update_accepted(self.batch)
 
     def ends(self, text):
         """End a goal before it was fed."""

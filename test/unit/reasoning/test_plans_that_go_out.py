@@ -20,7 +20,7 @@ from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import admission
-from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.events import GoalChanged, ReturnAccepted
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, unwatched

@@ -72,7 +72,7 @@ def plan(result):
 )
 def test_what_is_over(cycle, since, over):
     planner = Planner(LoggingSolver, 8)
-    assert planner.over(cycle + 1, since) == over
+    assert planner.first_open(cycle + 1, since) == over
     planner.update(StreamUpdate(cycle + 1, items=(Over(over),)))
     assert planner.first_open(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
 
@@ -245,7 +245,7 @@ def test_planner_replaces_the_last_update():
     assert beside.in_force.step == 2
     again, _ = planner.replace_update(planner.in_force)
     assert told(again) == told(planner), "the past is told once"
-    beside, _ = Planner(LoggingSolver, 8).instead(parse_update("#step 1. _seen(d). #endstep."))
+    beside, _ = Planner(LoggingSolver, 8).replace_update(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
 
 
@@ -368,7 +368,7 @@ def test_planner_asks_first_actions_without_side_effects(outcome, may):
 )
 def test_everything_anew(step, updates):
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).")
-    beside, given, result = planner.anew(step)
+    beside, given, result = planner.reset(step)
     assert told(beside) == updates
     assert list(map(words, given)) == updates
     assert result.step == step
