@@ -1,4 +1,4 @@
-"""People who walk about in tours."""
+"""Walking people of the crowd bench, who follow tours."""
 
 import math
 import sys
@@ -15,7 +15,7 @@ from roslaunch.config import ROSLaunchConfig  # noqa: E402
 from roslaunch.xmlloader import XmlLoader  # noqa: E402
 
 
-def test_a_walker_walks_here_and_there():
+def test_crowd_walker_moves_along_its_tour():
     walker, x, y, yaw, places, walked = Walker(np.random.default_rng(1)), 0.0, 0.0, 0.0, [], 0.0
     for step in range(600):
         v, w = walker.command(0.1 * step, yaw)
@@ -26,12 +26,12 @@ def test_a_walker_walks_here_and_there():
         places.append((x, y))
     assert walked > 10.0
     assert np.ptp(places, axis=0).min() > 1.0
-    walker.command(0.0, yaw)  # simulated time began anew
+    walker.command(0.0, yaw)  # simulated time started again
     assert walker._until < 10.0
 
 
 @pytest.mark.parametrize(("nav", "localization"), [("rosoclingo", "rosoclingo"), ("move_base", "amcl")])
-def test_the_navigation_of_the_first_of_several_robots(nav, localization):
+def test_crowd_reads_navigation_of_first_robot(nav, localization):
     text = launch_text(
         map_server="map_server", nav=nav, localization=localization, map="/a.yaml", navigation="", start="1.0 2.0 0.5"
     )

@@ -1,4 +1,4 @@
-"""The bench of goals that a blocked connection cuts off, on few of them."""
+"""The bench of goals that a blocked connection cuts off, with few goals."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ import cut_off  # noqa: E402
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_goals_that_are_cut_off_are_told():
+def test_cut_off_bench_reports_missing_goals():
     seconds, told = cut_off.measure(4, 4, seed=1)
     assert seconds > 0.0
     assert 0 < told <= 4

@@ -1,4 +1,4 @@
-"""The deliveries that benches measure: instances, the rules, and routes as actions; checked by the mailbot's world."""
+"""The deliveries that benches measure: instances, rules, and routes as actions, checked by the mailbot's world."""
 
 import sys
 from pathlib import Path
@@ -28,7 +28,7 @@ def world(*requests, floor=FLOORS[0]):
 
 
 @pytest.mark.parametrize("floor", FLOORS, ids=lambda floor: floor.name)
-def test_distances_are_the_fewest_moves_and_ways_are_as_long(floor):
+def test_deliveries_distance_equals_length_of_shortest_way(floor):
     graph = neighbours(floor.corridors)
     distances = floor.distances()
     assert len(distances) == floor.offices**2, "some office can't be reached"
@@ -40,12 +40,12 @@ def test_distances_are_the_fewest_moves_and_ways_are_as_long(floor):
     assert all(abs(distances[a, c] - distances[b, c]) <= 1 for a, b in floor.corridors for c in graph)
 
 
-def test_the_floor_with_loops_has_two():
+def test_deliveries_floor_with_loops_has_two():
     floor = deliveries.loops()
     assert len(floor.corridors) - floor.offices + 1 == 2
 
 
-def test_requests_are_between_two_offices_and_the_same_for_the_same_seed():
+def test_deliveries_requests_follow_from_their_seed():
     requests = deliveries.random_requests(FLOORS[0], 50, seed=1)
     assert [request.number for request in requests] == list(range(1, 51))
     assert all(request.start != request.end for request in requests)
@@ -55,12 +55,12 @@ def test_requests_are_between_two_offices_and_the_same_for_the_same_seed():
 
 
 @pytest.mark.parametrize("name", ["1", "0", "-3", "ring", ""])
-def test_a_floor_that_is_none_is_told(name):
+def test_deliveries_report_a_malformed_floor(name):
     with pytest.raises(ValueError, match="a floor is"):
         deliveries.floor_named(name)
 
 
-def test_floors_by_name():
+def test_deliveries_floors_have_names():
     assert deliveries.floor_named("7") == deliveries.row(7)
     assert deliveries.floor_named("loops") == deliveries.loops()
 
@@ -85,7 +85,7 @@ def test_floors_by_name():
         ([], ("fly", "office2"), "no action fly"),
     ],
 )
-def test_what_is_against_the_rules_is_refused_and_changes_nothing(before, action, told):
+def test_deliveries_refused_action_changes_nothing(before, action, told):
     here = world(Request(1, 1, 2), Request(2, 2, 1), Request(3, 1, 4), Request(4, 1, 4), Request(5, 1, 4))
     for one in before:
         here.do(*one)
@@ -95,7 +95,7 @@ def test_what_is_against_the_rules_is_refused_and_changes_nothing(before, action
     assert vars(here) == vars(left)
 
 
-def test_a_copy_goes_its_own_way():
+def test_deliveries_copy_is_independent():
     here = world(Request(1, 1, 2))
     there = here.copy()
     there.do("pickup", "1")
@@ -108,7 +108,7 @@ def test_a_copy_goes_its_own_way():
     [FLOORS[0], *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in FLOORS[1:])],
     ids=lambda floor: floor.name,
 )
-def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
+def test_deliveries_shortest_plan_is_valid_and_minimal(floor):
     requests = deliveries.random_requests(floor, 3, seed=1)
     program = ReactiveProgram([Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source(floor.name, floor.instance)])
     told = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
@@ -122,7 +122,7 @@ def test_shortest_plans_keep_the_rules_and_none_is_shorter(floor):
     assert here.actions == fewest_steps(neighbours(floor.corridors), deliveries.CAPACITY, 1, waiting)
 
 
-def test_a_route_is_driven_as_actions():
+def test_deliveries_route_is_executed_as_actions():
     floor, first, second = deliveries.row(4), Request(1, 3, 1), Request(2, 2, 4)
     here = world(first, second, floor=floor)
     here.do("move_base", "office2")
@@ -147,7 +147,7 @@ os.kill(os.getpid(), signal.SIG{end})
 
 @pytest.fixture
 def stand_in(tmp_path, monkeypatch):
-    """In place of the Python that has OR-Tools: a program that writes routes and ends by a signal."""
+    """Stands in for a Python with OR-Tools: a program that writes routes and ends by a signal."""
 
     def make(routes, end="PROF"):
         path = tmp_path / "python"
@@ -168,20 +168,20 @@ def ask(seconds):
     return [[names[visit] for visit in route.visits] for route in found]
 
 
-def test_the_best_route_of_each_time_is_taken(stand_in):
+def test_deliveries_best_route_of_each_time_counts(stand_in):
     stand_in([[0.5, [3, 1, 2]], [3.0, [1, 3, 2]]])
     first, last = ["deliver", "pick up", "bring back"], ["pick up", "deliver", "bring back"]
     assert ask([0.1, 1, 5]) == [first, first, last]
 
 
 @pytest.mark.parametrize(("routes", "end"), [([], "PROF"), ([[0.5, [3, 1, 2]]], "KILL")])
-def test_a_search_that_fails_is_told(stand_in, routes, end):
+def test_deliveries_report_a_failed_search(stand_in, routes, end):
     stand_in(routes, end)
     with pytest.raises(routing.RoutingError, match="no route"):
         ask([1, 5])
 
 
-def test_a_python_that_has_no_or_tools_is_none(stand_in, monkeypatch):
+def test_deliveries_reject_a_python_without_or_tools(stand_in, monkeypatch):
     monkeypatch.setenv(routing.PYTHON, "/no/such/python")
     assert not routing.is_there()
     stand_in([])

@@ -1,4 +1,4 @@
-"""How the benches' figures are handed on, gathered and shown."""
+"""How the benches' figures are written, collected and shown."""
 
 import argparse
 import json
@@ -30,19 +30,19 @@ def command_line(monkeypatch, *words):
 @pytest.mark.parametrize(
     ("words", "goals"), [([], 300), (["--short"], 3), (["--short", "--goals", "7"], 7), (["--goals", "7"], 7)]
 )
-def test_the_short_form_replaces_defaults_only(monkeypatch, words, goals):
+def test_figures_short_form_replaces_only_defaults(monkeypatch, words, goals):
     options = command_line(monkeypatch, *words)
     assert (options.goals, options.seed) == (goals, 1)
 
 
-def test_figures_are_read_as_they_were_written(tmp_path):
+def test_figures_are_read_as_written(tmp_path):
     write(tmp_path / "figures", [UPDATE, PACE])
     assert read(tmp_path / "figures") == [UPDATE, PACE]
     first = json.loads((tmp_path / "figures").read_text().splitlines()[0])
     assert first == {"name": "an update", "value": 2.5, "unit": "ms", "better": "lower"}
 
 
-def test_without_a_file_nothing_is_written():
+def test_figures_are_not_written_without_a_file():
     write(None, [UPDATE])
 
 
@@ -57,7 +57,7 @@ def test_without_a_file_nothing_is_written():
         '{"name": "a", "value": 3, "unit": "ms", "worst": 4}',
     ],
 )
-def test_what_is_no_figure_is_told_with_its_line(tmp_path, line):
+def test_figures_report_a_malformed_line(tmp_path, line):
     write(tmp_path / "figures", [UPDATE])
     with (tmp_path / "figures").open("a") as file:
         file.write(line + "\n")
@@ -65,12 +65,12 @@ def test_what_is_no_figure_is_told_with_its_line(tmp_path, line):
         read(tmp_path / "figures")
 
 
-def test_the_sides_take_turns():
+def test_figures_alternate_between_both_sides():
     assert list(turns(["here", "there"], 3)) == ["here", "there"] * 3
     assert list(turns(["here"], 2)) == ["here", "here"]
 
 
-def test_runs_are_gathered_by_name():
+def test_figures_collect_runs_by_name():
     here = [[UPDATE, PACE], [UPDATE._replace(value=2.0), PACE]]
     there = [[UPDATE._replace(value=3.0), Figure("gone", 1.0, "")]]
     assert rows("solver", here, there) == [
@@ -97,14 +97,14 @@ def test_runs_are_gathered_by_name():
         ([1.0], [0.0], "higher", float("inf"), "better"),
     ],
 )
-def test_best_is_set_beside_best(here, there, better, ratio, mark):
+def test_figures_compare_best_with_best(here, there, better, ratio, mark):
     found = row(here, there, better)
     assert found.ratio == pytest.approx(ratio)
     assert found.mark == mark
 
 
 @pytest.mark.parametrize(("here", "there"), [([], [1.0]), ([1.0], [])])
-def test_what_one_side_lacks_has_no_ratio(here, there):
+def test_figures_missing_on_one_side_have_no_ratio(here, there):
     assert row(here, there).ratio is None
     assert row(here, there).mark == ""
 
@@ -113,18 +113,18 @@ def test_what_one_side_lacks_has_no_ratio(here, there):
     ("value", "text"),
     [(0, "0"), (0.01234, "0.0123"), (2.5, "2.5"), (99.94, "99.9"), (2189.4, "2189"), (123456.0, "123456")],
 )
-def test_numbers_are_short(value, text):
+def test_figures_numbers_are_short(value, text):
     assert number(value) == text
 
 
-def test_the_table_of_one_version():
+def test_figures_table_of_one_version():
     assert table([row([3.0, 2.0, 4.0], [])]).splitlines() == [
         "bench   figure     unit  best  median",
         "solver  an update  ms       2       3",
     ]
 
 
-def test_the_table_of_two_versions():
+def test_figures_table_of_two_versions():
     found = [row([3.0, 2.0, 4.0], [4.0, 5.0, 5.0]), Row("tours", "pace", "s per s", "higher", (50.0,), ())]
     assert table(found, "0123abcd").splitlines() == [
         "bench   figure     unit     best  median  0123abcd: best  median  ratio",

@@ -1,4 +1,4 @@
-"""The bench of control programs, on few blocks: all ways have plans of the same length that lead to the end."""
+"""The bench of control programs, with few blocks: all variants have plans of equal length that reach the end."""
 
 import random
 import sys
@@ -13,7 +13,7 @@ import golog  # noqa: E402
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_control_knowledge_leaves_a_shortest_plan():
+def test_golog_bench_control_knowledge_keeps_a_shortest_plan():
     dice = random.Random(3)
     for _ in range(3):
         first, last = golog.towers(5, dice), golog.towers(5, dice)

@@ -1,4 +1,4 @@
-"""The bench of the journal, on few goals."""
+"""The bench of the journal, with few goals."""
 
 import sys
 from argparse import Namespace
@@ -16,7 +16,7 @@ OPTIONS = Namespace(goals=4, batch=2, every=2, failures=0.0)
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_run_and_cores_that_go_on_from_its_journal(tmp_path, capsys):
+def test_journal_bench_measures_run_and_resumed_cores(tmp_path, capsys):
     figures = {one.name: one.value for one in journal.play(*load("mailbot"), OPTIONS, tmp_path)}
     assert figures["largest files"] * 1000 >= (tmp_path / "journal.db").stat().st_size > 0
     assert figures["writing"] > 0

@@ -1,4 +1,4 @@
-"""The bench of many requests, on few of them and without OR-Tools."""
+"""The bench of many requests, with few requests and without OR-Tools."""
 
 import sys
 from argparse import Namespace
@@ -26,7 +26,7 @@ OPTIONS = Namespace(
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
+def test_many_goals_rows_for_batch_and_stream():
     once = many_goals.measure("4", 3, "once", 1, OPTIONS)
     assert once["steps"] == once["all"] >= once["driven"] == 12
     assert once["10 s"] == 12
@@ -37,7 +37,7 @@ def test_a_row_of_requests_known_at_once_and_one_of_a_stream():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_plan_for_all_that_takes_too_long_is_given_up_and_the_first_one_is_for_some():
+def test_many_goals_slow_plan_for_all_is_dropped():
     offices, goals, seconds = sized((12, 24, 0.1), (20, 40, 0.3))
     floor, options = row(offices), Namespace(**{**vars(OPTIONS), "all_seconds": seconds})
     requests = random_requests(floor, goals, seed=1)
@@ -50,7 +50,7 @@ def test_a_plan_for_all_that_takes_too_long_is_given_up_and_the_first_one_is_for
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_improving_ends_with_its_time():
+def test_many_goals_improvement_ends_with_its_time():
     floor = row(8)
     with many_goals.Robot(floor, plan_time=0.0) as robot:
         robot.ask(random_requests(floor, 6, seed=1))
@@ -61,7 +61,7 @@ def test_improving_ends_with_its_time():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_robot_stands_still_only_between_actions_of_a_plan_in_force():
+def test_many_goals_robot_pauses_only_between_planned_actions():
     floor = row(4)
     first, second = random_requests(floor, 2, seed=1)
     with many_goals.Robot(floor, plan_time=0.0) as robot:
@@ -82,7 +82,7 @@ def test_robot_stands_still_only_between_actions_of_a_plan_in_force():
         assert robot.still == still, "the last plan was executed"
 
 
-def test_requests_of_a_stream_come_with_actions_or_where_nothing_else_is_to_do():
+def test_many_goals_stream_adds_requests_during_actions_or_idling():
     requests, world = random_requests(row(4), 4, seed=1), World(row(4))
     arrivals = many_goals.Arrivals(requests, gap=2)
     assert arrivals.due(world) == requests[:1]
@@ -96,6 +96,6 @@ def test_requests_of_a_stream_come_with_actions_or_where_nothing_else_is_to_do()
     assert not arrivals
 
 
-def test_all_come_at_once_without_a_gap():
+def test_many_goals_without_gap_all_come_at_once():
     requests = random_requests(row(4), 4, seed=1)
     assert many_goals.Arrivals(requests, gap=0).due(World(row(4))) == requests

@@ -1,4 +1,4 @@
-"""The bench of domains, on its smallest tasks and without Fast Downward; and the domains' PDDL."""
+"""The bench of domains, with its smallest tasks and without Fast Downward; and the domains' PDDL."""
 
 import re
 import sys
@@ -26,7 +26,7 @@ OPTIONS = Namespace(
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_row_has_valid_plans_of_all_planners():
+def test_planning_domains_row_has_valid_plans_of_planners():
     cells = domains.measure("crates", "small", 1, OPTIONS)
     assert cells["incmode"] == cells["best"] <= cells["improved"] <= cells["out"] <= cells["first"]
     assert cells["executed"] >= cells["best"]
@@ -36,14 +36,14 @@ def test_a_row_has_valid_plans_of_all_planners():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_cell_beyond_its_limit_is_empty():
+def test_planning_domains_cell_beyond_limit_is_empty():
     options = Namespace(**{**vars(OPTIONS), "limit": 1e-6})
     cells = domains.measure("tiles", "large", 1, options)
     assert set(cells.values()) == {None}
 
 
 @pytest.mark.parametrize("name", sorted(DOMAINS))
-def test_tasks_of_a_seed_are_equal_and_others_differ(name):
+def test_planning_domains_tasks_follow_from_their_seed(name):
     make, args = DOMAINS[name].make, DOMAINS[name].sizes["large"]
     first, again, other = make(*args, seed=1), make(*args, seed=1), make(*args, seed=2)
     assert (first.sources, first.goals) == (again.sources, again.goals) != (other.sources, other.goals)
@@ -55,7 +55,7 @@ TASKS["deliveries"] = pddl_of(row(4), random_requests(row(4), 3, seed=1))
 
 
 @pytest.mark.parametrize("name", sorted(TASKS))
-def test_problems_use_the_predicates_of_their_domain(name):
+def test_planning_domains_problems_use_predicates_of_domain(name):
     task = TASKS[name]
     known = re.search(r"\(:predicates((?:\s*\([^()]*\))*)\)", task.domain).group(1)
     init, goal = task.problem.split("(:init", 1)[1].split("(:goal (and", 1)
@@ -64,7 +64,7 @@ def test_problems_use_the_predicates_of_their_domain(name):
     assert {(predicate, len(arguments)) for predicate, *arguments in atoms} <= set(arity.items())
 
 
-def test_a_plan_is_checked_step_by_step():
+def test_planning_domains_plan_is_checked_stepwise():
     world = DOMAINS["gripper"].make(2, 1).world()
     plan = [[("left", "take(ball1)")], [("go", "room1")], [("left", "put(ball1)")]]
     check(world, plan)
@@ -77,7 +77,7 @@ def test_a_plan_is_checked_step_by_step():
     assert superfluous(world, detour) == {(0, ("go", "room1"))}, "the way back depends on it"
 
 
-def test_joint_actions_are_executed_together_or_not_at_all():
+def test_planning_domains_joint_actions_execute_together():
     world = DOMAINS["crates"].make(2, 1, 0, seed=1).world()
     start = world.places["c1"]
     world.at = dict.fromkeys(world.at, start)

@@ -1,4 +1,4 @@
-"""The runner of the benches, on small repositories with benches that measure nothing, and on a real one."""
+"""The runner of the benches, with small repositories whose benches measure nothing, and with the real one."""
 
 import shutil
 import subprocess
@@ -27,7 +27,7 @@ DEV = '#!/bin/sh\n[ "$1" = exec ] && shift && exec "$@"\n'
 
 
 class Repository:
-    """A repository with a value that its bench reads, in place of this one."""
+    """A repository with a value that its bench reads, used instead of this one."""
 
     def __init__(self, folder, monkeypatch):
         self.folder = folder
@@ -59,7 +59,7 @@ class Repository:
 def repository(tmp_path, monkeypatch):
     if not shutil.which("git"):
         pytest.skip("git is not there")
-    monkeypatch.setenv("ROSOCLINGO_HOME", str(tmp_path))  # which the runner sets
+    monkeypatch.setenv("ROSOCLINGO_HOME", str(tmp_path))  # set by the runner
     (tmp_path / "repository").mkdir()
     (tmp_path / "logs").mkdir()
     return Repository(tmp_path / "repository", monkeypatch)
@@ -72,7 +72,7 @@ def compare(repository, commit, rounds=3):
     return [(row.name, row.here, row.there) for row in run.compare("speed", here, there, rounds)]
 
 
-def test_this_checkouts_bench_measures_a_commit_that_has_none(repository):
+def test_bench_run_uses_own_bench_for_commits_without(repository):
     commit = repository.commit(3)
     repository.bench("a value")
     repository.commit(2)
@@ -81,7 +81,7 @@ def test_this_checkouts_bench_measures_a_commit_that_has_none(repository):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_it_measures_a_commit_that_has_another(repository):
+def test_bench_run_uses_own_bench_if_commits_differ(repository):
     repository.bench("another value")
     commit = repository.commit(3)
     repository.bench("a value")
@@ -94,7 +94,7 @@ def test_it_measures_a_commit_that_has_another(repository):
 NEEDS_NEW = 'sys.path.append(str(Path(__file__).resolve().parents[1] / "src"))\nimport new'
 
 
-def test_a_bench_that_does_not_run_there_is_reported(repository, capfd):
+def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
     commit = repository.commit(3)
     repository.bench("a value", NEEDS_NEW)
     repository.write("src/new.py", "")
@@ -109,20 +109,20 @@ def test_a_bench_that_does_not_run_there_is_reported(repository, capfd):
     ("more", "told"),
     [("raise SystemExit(3)", "exit code 3"), ("raise SystemExit", "no figures"), ("print('here', 1 / 0)", "division")],
 )
-def test_a_bench_that_fails_here_is_told(repository, more, told):
+def test_bench_run_reports_a_bench_that_fails_here(repository, more, told):
     repository.bench("a value", more)
     with pytest.raises(run.BenchError, match=told):
         compare(repository, repository.commit(3))
 
 
-def test_a_bench_that_does_not_end_is_ended(repository, monkeypatch):
+def test_bench_run_stops_a_bench_that_hangs(repository, monkeypatch):
     monkeypatch.setattr(run, "LIMIT", 0.5)
     repository.bench("a value", "import time\ntime.sleep(600)")
     with pytest.raises(run.BenchError, match="did not end within"):
         compare(repository, repository.commit(3))
 
 
-def test_a_commit_that_cannot_be_built_is_told(repository):
+def test_bench_run_reports_commit_that_cannot_be_built(repository):
     repository.write("dev", "#!/bin/sh\nexit 1\n").chmod(0o755)
     repository.bench("a value")
     with pytest.raises(run.BenchError, match="cannot be built"):
@@ -136,7 +136,7 @@ def runner(*arguments):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_real_bench(tmp_path):
+def test_bench_run_of_a_real_bench(tmp_path):
     done = runner("oclingo", "--work", tmp_path)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -146,17 +146,17 @@ def test_a_real_bench(tmp_path):
 
 
 @pytest.mark.parametrize("name", run.BENCHES)
-def test_every_bench_has_a_short_form_and_hands_its_figures_on(name):
+def test_bench_has_short_form_and_returns_figures(name):
     text = (ROOT / "bench" / f"{name}.py").read_text()
     assert " = parse(parser, " in text
     assert "write(" in text
 
 
-def test_a_checked_command_line_tells_which_benches_are_meant():
+def test_bench_run_checked_options_select_benches():
     assert runner("tours", "planner").stdout.split() == ["tours", "planner"]
     assert runner().stdout.split() == run.BENCHES
 
 
-def test_the_modules_that_benches_share_are_none():
+def test_bench_run_excludes_shared_modules():
     assert not {"run", "figures", "ros_system", "tour_floors", "deliveries"} & set(run.BENCHES)
     assert {"oclingo", "response", "tours"} <= set(run.BENCHES)

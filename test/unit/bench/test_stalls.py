@@ -1,4 +1,4 @@
-"""Collisions that are told by the robot's standing still, as Stage tells them."""
+"""Collisions that are detected from the robot's standstill, as Stage reports them."""
 
 import sys
 from pathlib import Path
@@ -10,7 +10,7 @@ from stalls import Stalls  # noqa: E402
 
 
 def drive(*parts):
-    """Parts of (steps of 0.1 s, commanded speed or None, speed in truth)."""
+    """Return the samples of parts (steps of 0.1 s, commanded speed or None, true speed)."""
     stalls, x, now = Stalls(), 0.0, 0.0
     for steps, wanted, true in parts:
         for _ in range(steps):
@@ -28,15 +28,15 @@ def drive(*parts):
         ([(20, 0.0, 0.0)], 0),
         ([(5, 0.5, 0.5), (20, 0.5, 0.0)], 1),
         ([(5, 0.5, 0.5), (5, 0.5, 0.0), (5, -0.5, -0.5), (5, 0.5, 0.5), (5, 0.5, 0.0)], 2),
-        ([(5, 0.5, 0.5), (20, None, 0.0)], 0),  # no command: its watchdog
-        ([(5, 0.0, 0.0), (2, 0.5, 0.0), (5, 0.5, 0.4)], 0),  # it sets off
+        ([(5, 0.5, 0.5), (20, None, 0.0)], 0),  # no command: the watchdog stops it
+        ([(5, 0.0, 0.0), (2, 0.5, 0.0), (5, 0.5, 0.4)], 0),  # it accelerates
     ],
 )
-def test_stalls(parts, times):
+def test_stalls_are_detected(parts, times):
     assert drive(*parts) == times
 
 
-def test_who_cannot_turn_is_stalled():
+def test_stall_of_robot_that_cannot_turn():
     stalls = Stalls()
     for step in range(10):
         stalls.command(0.1 * step, 0.0, 0.5)

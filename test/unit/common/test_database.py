@@ -1,4 +1,4 @@
-"""A database: what the disk has, and what is reported where it cannot be written."""
+"""A database: durability, and reports of failed writes."""
 
 import sqlite3
 from contextlib import closing
@@ -26,7 +26,7 @@ def database(tmp_path):
 
 
 def test_database_is_synced_before_a_transaction_returns(database):
-    """SQLite returns from a commit once the disk has it: that is its mode FULL, which is 2."""
+    """SQLite returns from a durable commit in its mode FULL, which is 2."""
     assert database.run(lambda db: db.execute("PRAGMA synchronous").fetchone()) == (2,)
     assert database.run(lambda db: db.in_transaction)
     assert database.run(add("a")) == "a"

@@ -1,4 +1,4 @@
-"""Labels: reading a table, looking up, the nearest one."""
+"""Labels: reading a table, lookup, the nearest one."""
 
 import math
 
@@ -12,7 +12,7 @@ from rosoclingo.common.reading import Reader
 TABLE = LabelTable.from_mapping({"office1": {"x": 1, "y": 2.5, "yaw": 0.5}, "bedroom": [10.5, 11.2], 7: [0, 0, 1]})
 
 
-def test_mappings_and_lists_are_read():
+def test_labels_are_read_from_mappings_and_lists():
     assert TABLE["office1"] == Label("office1", 1.0, 2.5, 0.5, "map")
     assert TABLE["bedroom"] == Label("bedroom", 10.5, 11.2)
     assert LabelTable.from_mapping({"a": {"x": 1, "y": 2}, "b": [1, 2]})["a"].yaw == 0.0
@@ -22,21 +22,21 @@ def test_mappings_and_lists_are_read():
     assert len(TABLE) == 3
 
 
-def test_frames_of_the_table_and_of_one_label():
+def test_labels_have_frame_of_table_or_their_own():
     table = LabelTable.read(Reader({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "odom"}, "c": [1, 2]}), "world")
     assert [label.frame for label in table] == ["world", "odom", "world"]
 
 
-def test_frames_are_without_a_leading_slash():
+def test_labels_frames_lose_their_leading_slash():
     table = LabelTable.read(Reader({"a": [1, 2], "b": {"x": 1, "y": 2, "frame": "//robot/odom"}}), "/map")
     assert [label.frame for label in table] == ["map", "robot/odom"]
 
 
-def test_compound_names_are_written_as_clingo_prints_them():
+def test_labels_compound_names_look_as_clingo_prints_them():
     assert LabelTable.from_mapping({"room( 1, 2 )": [0, 0]})["room(1,2)"].x == 0.0
 
 
-def test_unknown_label_tells_the_known_ones():
+def test_labels_error_lists_the_known_labels():
     with pytest.raises(UnknownLabelError, match=r"no label cellar; known labels: office1, bedroom, 7"):
         TABLE["cellar"]
     with pytest.raises(UnknownLabelError, match="no label cellar; known labels: none"):
@@ -60,17 +60,17 @@ def test_unknown_label_tells_the_known_ones():
         ({"Office 1": [1, 2]}, "labels.Office 1: the name is no ASP term: write it in lower case without"),
     ],
 )
-def test_faults_are_named(data, fault):
+def test_labels_faults_name_their_place(data, fault):
     with pytest.raises(LabelError, match=fault):
         LabelTable.from_mapping(data)
 
 
-def test_all_faults_at_once():
+def test_labels_report_all_faults_at_once():
     with pytest.raises(LabelError, match=r"labels.a: .*\nlabels.b.x: .*\nlabels.b: unknown key"):
         LabelTable.from_mapping({"a": 3, "b": {"y": 1, "u": 1}})
 
 
-def test_nearest_within_tolerance():
+def test_labels_nearest_one_is_within_tolerance():
     assert TABLE.nearest(10.0, 11.0, 1.0).name == "bedroom"
     assert TABLE.nearest(10.0, 11.0, 0.1) is None
     assert TABLE.nearest(4.0, 6.5, 5.0).name == "office1", "the tolerance itself is near enough"
@@ -79,7 +79,7 @@ def test_nearest_within_tolerance():
 
 @pytest.mark.slow
 @given(st.floats(-10, 10))
-def test_quaternions_are_unit_and_turn_by_yaw(yaw):
+def test_labels_quaternion_is_unit_and_turns_by_yaw(yaw):
     x, y, z, w = Label("a", 0.0, 0.0, yaw).quaternion
     assert (x, y) == (0.0, 0.0)
     assert math.isclose(z * z + w * w, 1.0)

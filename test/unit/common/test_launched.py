@@ -1,4 +1,4 @@
-"""A node ends the roslaunch that would start it again in vain, and nothing else."""
+"""A node ends the roslaunch that would restart it without success, and no other process."""
 
 import os
 import signal
@@ -14,17 +14,17 @@ NODE = "/robot/core"
 
 
 class StartError(Exception):
-    """What a start may raise."""
+    """An error that a start can raise."""
 
 
 class Serving:
-    """XML-RPC servers that answer with values: those of ROS's master and of roslaunch, as far as they are asked."""
+    """XML-RPC servers with fixed values, for the methods of ROS's master and of roslaunch that the code calls."""
 
     def __init__(self):
         self._servers = []
 
     def add(self, **answers):
-        """The address of a server with these functions, which return ``(1, "", VALUE)`` for their values."""
+        """Return the address of a server with these functions, which return ``(1, "", VALUE)`` for their values."""
         server = SimpleXMLRPCServer(("localhost", 0), logRequests=False, allow_none=True)
         for name, value in answers.items():
             server.register_function(lambda *given, value=value: (1, "", value(*given)), name)
@@ -33,7 +33,7 @@ class Serving:
         return f"http://localhost:{server.server_address[1]}"
 
     def close(self):
-        """End all servers."""
+        """Shut down all servers."""
         for server in self._servers:
             server.shutdown()
             server.server_close()
@@ -48,7 +48,7 @@ def serving():
 
 @pytest.fixture
 def ended(monkeypatch):
-    """The processes to which a signal was sent, with its number."""
+    """The processes that received a signal, with its number."""
     signals = []
     monkeypatch.setattr(launched.os, "kill", lambda *signal: signals.append(signal))
     monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core", "__log:=/tmp/core.log"])
@@ -57,7 +57,7 @@ def ended(monkeypatch):
 
 
 def roslaunch(serving, process=None, children=(), **info):
-    """A roslaunch with two processes, and a master of which it cannot tell."""
+    """A roslaunch with two processes, which does not know its master."""
     infos = {"master": {1: "no"}, "other": {"pid": 1, "respawn": True, "spawn_count": 9}, "core-2": info}
     return serving.add(
         get_pid=lambda: os.getppid() if process is None else process,
@@ -68,14 +68,14 @@ def roslaunch(serving, process=None, children=(), **info):
 
 
 def master(serving, monkeypatch, *launches, **parameters):
-    """A master that knows these roslaunches, and others that have gone."""
+    """A master that knows these roslaunches and others that have ended."""
     uris = {str(number): uri for number, uri in enumerate(["http://localhost:1", *launches])}
     values = {"/roslaunch/uris": uris, f"{NODE}/required": True, **parameters}
     monkeypatch.setenv("ROS_MASTER_URI", serving.add(getParam=lambda _caller, key: values[key]))
 
 
 def own(**changes):
-    """What a roslaunch says of this process."""
+    """Return the entry of this process in a roslaunch."""
     return {"pid": os.getpid(), "respawn": True, "spawn_count": 1, **changes}
 
 
@@ -83,7 +83,7 @@ THE_END = [(os.getppid(), signal.SIGINT)]
 
 
 @pytest.mark.parametrize("error", [StartError("a fault"), SystemExit(1), SystemExit("clingo is not installed")])
-def test_a_start_that_fails_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
+def test_launched_node_with_failed_start_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
     master(serving, monkeypatch, roslaunch(serving, process=1), roslaunch(serving, **own()))
     with pytest.raises(type(error)), Required():
         raise error
@@ -91,7 +91,7 @@ def test_a_start_that_fails_ends_the_roslaunch(serving, ended, monkeypatch, erro
     assert f"{NODE}: a restart cannot help: ends roslaunch" in capsys.readouterr().err
 
 
-def test_a_roslaunch_on_another_machine_is_a_child_of_one_that_is_known(serving, ended, monkeypatch):
+def test_launched_node_finds_parent_of_remote_roslaunch(serving, ended, monkeypatch):
     master(serving, monkeypatch, roslaunch(serving, process=1, children=[roslaunch(serving, **own())]))
     with pytest.raises(StartError), Required():
         raise StartError
@@ -99,7 +99,7 @@ def test_a_roslaunch_on_another_machine_is_a_child_of_one_that_is_known(serving,
 
 
 @pytest.mark.parametrize("error", [SystemExit(0), SystemExit(None), KeyboardInterrupt()])
-def test_an_end_that_is_none_of_its_faults_ends_nothing(serving, ended, monkeypatch, error):
+def test_launched_node_that_did_not_fail_ends_nothing(serving, ended, monkeypatch, error):
     master(serving, monkeypatch, roslaunch(serving, **own()))
     with pytest.raises(type(error)), Required():
         raise error
@@ -107,7 +107,7 @@ def test_an_end_that_is_none_of_its_faults_ends_nothing(serving, ended, monkeypa
 
 
 @pytest.mark.parametrize("changes", [{"respawn": False}, {"pid": 1}], ids=["it would not", "of another"])
-def test_a_roslaunch_that_would_not_start_it_again_goes_on(serving, ended, monkeypatch, changes):
+def test_launched_node_without_respawn_leaves_roslaunch_alone(serving, ended, monkeypatch, changes):
     master(serving, monkeypatch, roslaunch(serving, **own(**changes)))
     with pytest.raises(StartError), Required():
         raise StartError
@@ -115,14 +115,14 @@ def test_a_roslaunch_that_would_not_start_it_again_goes_on(serving, ended, monke
 
 
 @pytest.mark.parametrize("value", [False, "yes", 0])
-def test_a_node_that_is_not_required_ends_nothing(serving, ended, monkeypatch, value):
+def test_launched_node_that_is_optional_ends_nothing(serving, ended, monkeypatch, value):
     master(serving, monkeypatch, roslaunch(serving, **own()), **{f"{NODE}/required": value})
     with pytest.raises(StartError), Required():
         raise StartError
     assert ended == []
 
 
-def test_a_node_by_hand_asks_nobody(ended, monkeypatch, capsys):
+def test_launched_node_started_by_hand_asks_no_roslaunch(ended, monkeypatch, capsys):
     monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core"])
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
     with pytest.raises(StartError), Required():
@@ -131,7 +131,7 @@ def test_a_node_by_hand_asks_nobody(ended, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("uri", ["http://localhost:1", None])
-def test_where_no_master_answers_it_is_said(ended, monkeypatch, capsys, uri):
+def test_launched_node_reports_a_missing_master(ended, monkeypatch, capsys, uri):
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
     if uri:
         monkeypatch.setenv("ROS_MASTER_URI", uri)
@@ -142,7 +142,7 @@ def test_where_no_master_answers_it_is_said(ended, monkeypatch, capsys, uri):
 
 
 def live(happens, code):
-    """A node comes up, something happens, and it ends."""
+    """Start a node, let an event happen, and end the node."""
     with Required() as required:
         required.is_up(None)
         happens()
@@ -152,9 +152,7 @@ def live(happens, code):
 @pytest.mark.parametrize(
     ("starts", "seconds", "ends"), [(1, 0.0, False), (2, 0.0, True), (2, 1000.0, False)], ids=["first", "again", "late"]
 )
-def test_a_fault_of_its_own_ends_the_roslaunch_where_it_comes_back_at_once(
-    serving, ended, monkeypatch, starts, seconds, ends
-):
+def test_launched_node_that_crashes_early_ends_roslaunch(serving, ended, monkeypatch, starts, seconds, ends):
     now = [5.0]
     monkeypatch.setattr(launched.time, "monotonic", lambda: now[0])
     master(serving, monkeypatch, roslaunch(serving, **own(spawn_count=starts)))
@@ -164,7 +162,7 @@ def test_a_fault_of_its_own_ends_the_roslaunch_where_it_comes_back_at_once(
 
 
 @pytest.mark.parametrize(("reason", "ends"), [("[/c] Reason: new node registered with same name", True), ("x", False)])
-def test_a_node_whose_name_another_one_takes_ends_the_roslaunch(serving, ended, monkeypatch, reason, ends):
+def test_launched_node_whose_name_is_taken_ends_roslaunch(serving, ended, monkeypatch, reason, ends):
     rospy, hooks = pytest.importorskip("rospy"), []
     monkeypatch.setattr(rospy.core, "add_preshutdown_hook", hooks.append)
     master(serving, monkeypatch, roslaunch(serving, **own()))

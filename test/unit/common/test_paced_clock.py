@@ -1,4 +1,4 @@
-"""The clock of time limits: ROS time, no faster than wall time, never back."""
+"""The clock of time limits: ROS time, at most as fast as wall time, and never backwards."""
 
 import pytest
 
@@ -15,16 +15,16 @@ def passed(*instants):
     ("instants", "expected"),
     [
         ([(5.0, 70.0), (6.0, 71.0), (8.0, 73.0)], [1.0, 3.0]),
-        ([(5.0, 70.0), (15.0, 71.0), (605.0, 130.0)], [1.0, 60.0]),  # simulated time at ten times the pace
-        ([(5.0, 70.0), (5.5, 71.0), (5.5, 90.0)], [0.5, 0.5]),  # slow, then standing still
+        ([(5.0, 70.0), (15.0, 71.0), (605.0, 130.0)], [1.0, 60.0]),  # simulated time at ten times the speed
+        ([(5.0, 70.0), (5.5, 71.0), (5.5, 90.0)], [0.5, 0.5]),  # slow, then stopped
         ([(500.0, 70.0), (3.0, 71.0), (4.0, 72.0)], [0.0, 1.0]),  # set back
         ([(5.0, 70.0), (10000.0, 70.1)], [0.1]),  # set forward
         ([(0.0, 70.0), (1700000000.0, 71.0), (1700000001.0, 72.0)], [1.0, 2.0]),  # the first /clock
     ],
 )
-def test_what_counts_as_passed(instants, expected):
+def test_paced_clock_counts_the_expected_time(instants, expected):
     assert passed(*instants) == pytest.approx(expected)
 
 
-def test_it_begins_with_the_first_look():
+def test_paced_clock_starts_at_the_first_reading():
     assert PacedClock().at(1700000000.0, 70.0) == 0.0

@@ -1,4 +1,4 @@
-"""Connections that send at once: nobody waits for a slow subscriber, and what arrives is whole messages in order."""
+"""Immediate sending: nobody waits for a slow subscriber, and subscribers receive whole messages in order."""
 
 import socket
 import struct
@@ -14,14 +14,14 @@ PATIENCE = 120.0  # seconds of wall time
 
 
 class Protocol:
-    """What a transport wants to know of its protocol."""
+    """The parts of a protocol that a transport reads."""
 
     buff_size = 65536
     direction = "o"
 
 
 def pair(queue_size=5):
-    """A connection, and the socket at the subscriber's end."""
+    """Return a connection, and the socket at the subscriber's end."""
     near, far = socket.socketpair()
     far.settimeout(PATIENCE)
     transport = tcpros_base.TCPROSTransport(Protocol(), "topic")
@@ -39,7 +39,7 @@ def publish_for_ever(connection):
 
 
 def read(far, count):
-    """The numbers of the next messages; fails where one is not whole."""
+    """Return the numbers of the next messages; fail if a message is incomplete."""
     numbers = []
     for _ in range(count):
         data = b""
@@ -50,7 +50,7 @@ def read(far, count):
     return numbers
 
 
-def test_a_message_is_there_when_publishing_returns():
+def test_prompt_publisher_delivers_before_publish_returns():
     connection, far = pair()
     before = set(threading.enumerate())
     far.setblocking(False)
@@ -63,9 +63,9 @@ def test_a_message_is_there_when_publishing_returns():
     connection.close()
 
 
-def test_a_suspended_subscriber_costs_old_messages_only():
+def test_prompt_publisher_drops_old_messages_for_suspended_subscriber():
     connection, far = pair(queue_size=5)
-    for number in range(200):  # more than any socket buffers, and nobody reads
+    for number in range(200):  # more than any socket buffers, without a reader
         connection.write_data(message(number))
     first = read(far, 1)
     numbers = first
@@ -80,13 +80,13 @@ def test_a_suspended_subscriber_costs_old_messages_only():
 
 
 @pytest.mark.parametrize("full", [False, True])
-def test_who_has_gone_is_told(full):
+def test_prompt_publisher_reports_a_vanished_subscriber(full):
     connection, far = pair()
     if full:
         for number in range(200):
             connection.write_data(message(number))
     far.close()
-    # the last where the thread that relays what was left over is the first to meet a socket that rospy has let go
+    # in the last case the thread that relays the rest is the first to find that rospy has closed the socket
     with pytest.raises((tcpros_base.TransportTerminated, OSError, tcpros_base.TransportInitError)):
         publish_for_ever(connection)
     connection.close()
@@ -94,7 +94,7 @@ def test_who_has_gone_is_told(full):
         connection.write_data(message(0))
 
 
-def test_its_thread_ends_with_the_connection():
+def test_prompt_publisher_thread_ends_with_the_connection():
     before = set(threading.enumerate())
     connection, _far = pair()
     (thread,) = set(threading.enumerate()) - before

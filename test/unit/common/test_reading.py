@@ -1,4 +1,4 @@
-"""Values at their places: read, or refused with place and mend, all faults at once."""
+"""Values read at their places: either read, or refused with place and remedy, all faults at once."""
 
 import math
 import re
@@ -55,14 +55,14 @@ READ = {
         ("entries", "abc", "a mapping"),
     ],
 )
-def test_a_fault_names_place_mend_and_value(kind, value, wanted):
+def test_reading_fault_names_place_remedy_and_value(kind, value, wanted):
     reader = Reader({"arm": [{}, {"speed": value}]}, source="map.yaml: ")
     READ[kind](reader.at("arm").items()[1].at("speed"))
     shown = repr(value) if len(repr(value)) < 200 else repr(value)[:200] + " ..."
     assert reader.faults == [f"map.yaml: arm[1].speed: must be {wanted}, not {shown}"]
 
 
-def test_a_value_that_has_no_end_is_told_by_its_beginning():
+def test_reading_shortens_an_endless_value():
     value = ["x"] * 9
     for _ in range(30):
         value = [value] * 9
@@ -73,7 +73,7 @@ def test_a_value_that_has_no_end_is_told_by_its_beginning():
     assert re.fullmatch(r"speed: must be a finite number, not \[{4}[\]\[., ]{196} \.\.\.", fault)
 
 
-def test_what_is_read():
+def test_reading_accepts_the_documented_values():
     data = {"a": 3, "b": "1e-3", "c": 2.0, "d": [1, 2], "e": "x", "f": ["x"], "g": False, "h": {"x": 1, 7: 2}}
     reader = Reader(data)
     assert (reader.at("a").number(), reader.at("b").number(), reader.at("c").whole()) == (3.0, 0.001, 2)
@@ -87,7 +87,7 @@ def test_what_is_read():
     assert reader.faults == []
 
 
-def test_what_is_left_out_or_empty_has_its_default():
+def test_reading_missing_or_empty_value_has_its_default():
     reader = Reader({"empty": None})
     for key in ("empty", "absent"):
         assert reader.at(key).number(1.5) == 1.5
@@ -100,7 +100,7 @@ def test_what_is_left_out_or_empty_has_its_default():
     assert reader.faults == ["empty: is missing: give a text", "absent.inside: is missing: give a name"]
 
 
-def test_a_fault_is_told_once():
+def test_reading_reports_a_fault_once():
     reader = Reader({"arm": 3})
     arm = reader.at("arm")
     assert (arm.at("speed").number(), arm.at("name").text("left")) == (0.0, "left")
@@ -108,7 +108,7 @@ def test_a_fault_is_told_once():
     assert reader.faults == ["arm: must be a mapping with the keys speed, name, not 3"]
 
 
-def test_unknown_keys_are_told_with_the_likely_one():
+def test_reading_suggests_a_likely_key():
     reader = Reader({"sped": 1, "xyz": 2, 3: 4, "also": 5})
     reader.at("speed").number(1.0)
     reader.close(also=("also",))
@@ -122,7 +122,7 @@ def test_unknown_keys_are_told_with_the_likely_one():
     assert likely("abc", ["speed"]) == ""
 
 
-def test_all_faults_are_raised_at_once():
+def test_reading_raises_all_faults_at_once():
     reader = Reader({"a": 1, "b": 2}, "~")
     reader.check(KeyError)
     reader.at("a").text()
@@ -133,7 +133,7 @@ def test_all_faults_are_raised_at_once():
 
 
 @pytest.mark.parametrize("text", ["a: [", "a: 2026-02-31", None])
-def test_files_that_cannot_be_read(tmp_path, text):
+def test_reading_reports_unreadable_files(tmp_path, text):
     path = tmp_path / "some.yaml"
     if text is not None:
         path.write_text(text)
@@ -141,7 +141,7 @@ def test_files_that_cannot_be_read(tmp_path, text):
         read_yaml(path, "map", LookupError)
 
 
-def test_a_file_is_named_in_its_faults(tmp_path):
+def test_reading_faults_name_their_file(tmp_path):
     path = Path(tmp_path, "some.yaml")
     path.write_text("a: 1")
     reader = read_yaml(path, "map", LookupError)
@@ -150,7 +150,7 @@ def test_a_file_is_named_in_its_faults(tmp_path):
 
 
 @given(ANYTHING | st.just(MISSING), st.sampled_from(sorted(READ)))
-def test_any_value_is_read_or_refused_and_gives_something_of_the_kind(value, kind):
+def test_reading_any_value_gives_its_kind_or_fault(value, kind):
     reader = Reader(value, "here")
     found = READ[kind](reader)
     assert isinstance(found, (float, int, str, tuple, list, dict, bool))

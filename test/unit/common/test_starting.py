@@ -1,4 +1,4 @@
-"""How the scripts start: their help, what they say of missing modules, and parameters that nobody reads."""
+"""The start of scripts: help, reports of missing modules, and parameters that no code reads."""
 
 import os
 import subprocess
@@ -25,11 +25,11 @@ PARAMETERS = {
     "simulator": ["~speed (float, default 1.0)"],
     "move_base": ["~controller_frequency (float, default 20.0)", "doc/simulator_and_navigation.md"],
 }
-BRIEFLY = ("core", "interface", "map_server", "oclingo")  # not slow: one of each kind
+BRIEFLY = ("core", "interface", "map_server", "oclingo")  # one of each kind is not slow
 
 
 def some_slow(scripts):
-    """The scripts in order, all but those of BRIEFLY marked slow."""
+    """Return the scripts in order, with all except those of BRIEFLY marked slow."""
     return [pytest.param(one, marks=[pytest.mark.slow] * (one not in BRIEFLY)) for one in sorted(scripts)]
 
 
@@ -45,7 +45,7 @@ def run(script, *arguments, **environment):
 
 
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
-def test_help_names_the_parameters_and_needs_no_master(script):
+def test_start_help_names_parameters_without_a_master(script):
     done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")
     if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
         pytest.skip("tf2_ros is compiled, and not for this Python")
@@ -55,12 +55,12 @@ def test_help_names_the_parameters_and_needs_no_master(script):
     assert ":class:" not in done.stdout
 
 
-def test_every_node_has_its_help_tested():
+def test_start_help_is_tested_for_every_node():
     nodes = {path.name for path in SCRIPTS.iterdir() if "node_arguments(" in path.read_text()}
     assert nodes < set(PARAMETERS)
 
 
-def test_arguments_that_nobody_reads_are_refused():
+def test_start_refuses_unknown_arguments():
     done = run("core", "program.lp", "_program_files:=[x.lp]", "__name:=y")
     assert done.returncode == 2
     assert "unrecognized arguments: program.lp" in done.stderr
@@ -75,7 +75,7 @@ def run_without(modules, folder, script, *arguments):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
-def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
+def test_start_without_clingo_explains_its_installation(script, tmp_path):
     done = run_without(["clingo"], tmp_path, script, "--help")
     if script == "request":
         assert done.returncode in (0, 1)
@@ -94,7 +94,7 @@ def test_a_missing_clingo_is_told_with_how_to_install_it(script, tmp_path):
         pytest.param("map_server", "PIL", "Pillow", marks=pytest.mark.slow),
     ],
 )
-def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, module, package, tmp_path):
+def test_start_of_simulation_nodes_reports_missing_modules(script, module, package, tmp_path):
     done = run_without([module], tmp_path, script, "--help")
     if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
         pytest.skip("tf2_ros is compiled, and not for this Python")
@@ -108,12 +108,12 @@ def test_a_node_of_the_robots_stand_in_says_in_a_line_what_it_lacks(script, modu
 @pytest.mark.parametrize(
     "script", some_slow(["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])
 )
-def test_the_others_do_without(script, tmp_path):
+def test_start_of_other_scripts_needs_no_clingo(script, tmp_path):
     done = run_without(["numba", "PIL", "numpy"], tmp_path, script, "--help")
     assert done.returncode == 0, done.stderr
 
 
-def test_other_modules():
+def test_start_reports_other_missing_modules():
     assert missing("yaml.nodes").endswith(" PyYAML")
     assert "build the workspace and source" in missing("rosoclingo.msg")
     assert "numba is not installed for" in missing("numba.core")
@@ -135,5 +135,5 @@ def test_other_modules():
         ({"status_frequency": 5, "actionlib_server_pub_queue_size": 9}, set(), []),
     ],
 )
-def test_parameters_that_nobody_reads(values, read, found):
+def test_start_reports_unread_parameters(values, read, found):
     assert unread(values, frozenset(read)) == found

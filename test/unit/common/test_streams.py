@@ -1,4 +1,4 @@
-"""What is said on a full disk costs nobody anything but the words."""
+"""Output on a full disk: messages get lost, and nothing else fails."""
 
 import os
 import re
@@ -28,12 +28,12 @@ for number in range(3):
 
 
 @pytest.mark.slow
-def test_rospys_log_on_a_full_disk_raises_nothing():
+def test_streams_rospy_log_survives_a_full_disk():
     with open("/dev/full", "w") as full:
         assert subprocess.run([sys.executable, "-c", SPEAKER], stdout=full, stderr=full, timeout=60).returncode == 0
 
 
-def test_what_comes_once_there_is_room_is_there(tmp_path):
+def test_streams_resume_once_the_disk_has_room(tmp_path):
     path = Path(tmp_path, "log")
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     with open(path, "w") as file:
@@ -74,7 +74,7 @@ KITCHEN, SIZE = r"[Kk](ü|\?\??|\\xfc)che", r"gr(öß|\?\?|\\xf6\\xdf)e"
 
 
 def run(folder, environment, *command, given=None):
-    """Run a script in a folder; gives its output and its errors."""
+    """Run a script in a folder; return its output and its errors."""
     done = subprocess.run(
         [sys.executable, str(SCRIPTS / command[0]), *command[1:]],
         cwd=folder,
@@ -94,7 +94,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-#: A command, and what it prints.
+#: A command, and its output.
 COMMANDS = [
     (("check", "küche.lp"), KITCHEN),
     (("check", "küche.lp", "--labels", "küche.yaml", "--interfaces", "größe.yaml"), SIZE),
@@ -121,7 +121,7 @@ COMMANDS = [
     [(*one, LOCALES[number % len(LOCALES)]) for number, one in enumerate(COMMANDS)],
     ids=[" ".join(command[:2]) for command, _ in COMMANDS],
 )
-def test_commands_print_any_text_in_any_locale(folder, command, words, environment):
+def test_streams_commands_print_any_text_in_any_locale(folder, command, words, environment):
     output, errors = run(folder, environment, *command)
     assert "Traceback" not in errors, errors
     assert re.search(words, output + errors), (output, errors)
@@ -130,14 +130,14 @@ def test_commands_print_any_text_in_any_locale(folder, command, words, environme
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 @pytest.mark.parametrize("command", [("gringo3to5", "küche3.lp"), ("golog", "küche.golog")])
-def test_programs_are_printed_in_utf8_in_any_locale(folder, command, environment):
+def test_streams_programs_are_utf8_in_any_locale(folder, command, environment):
     output, _ = run(folder, environment, *command)
     assert '("Küche")' in output
 
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
-def test_standard_input_is_utf8_in_any_locale(folder, environment):
+def test_streams_standard_input_is_utf8_in_any_locale(folder, environment):
     output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode())
     assert errors == ""
     assert re.search(rf'<stdin>:4:.*\n.*out\("{KITCHEN}",t\)', output)

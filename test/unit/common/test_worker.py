@@ -1,4 +1,4 @@
-"""The worker thread: jobs in order, settling, questions, and one policy for what goes wrong."""
+"""The worker thread: ordered jobs, settlers, questions, and one policy for errors."""
 
 import queue
 import subprocess
@@ -14,7 +14,7 @@ PATIENCE = 120.0  # seconds of wall time
 
 @pytest.fixture
 def make():
-    """Makes workers that are ended with the test."""
+    """Make workers that end with the test."""
     made = []
 
     def one(*arguments, **settings):
@@ -27,7 +27,7 @@ def make():
         assert not worker._thread.is_alive()
 
 
-def test_jobs_are_done_in_order_and_settled_after(make):
+def test_worker_does_jobs_in_order_then_settles(make):
     seen = queue.Queue()
     worker = make(lambda: seen.put("settled"), period=60.0)
     for number in range(3):
@@ -37,7 +37,7 @@ def test_jobs_are_done_in_order_and_settled_after(make):
     assert [seen.get(timeout=PATIENCE) for _ in range(4)] == [0, 1, 2, "settled"]
 
 
-def test_each_settler_has_its_turn_and_says_when_the_next_is_due(make):
+def test_worker_settlers_take_turns_and_name_due_time(make):
     first, second = queue.Queue(), queue.Queue()
 
     def soon():
@@ -53,14 +53,14 @@ def test_each_settler_has_its_turn_and_says_when_the_next_is_due(make):
         second.get(timeout=PATIENCE)
 
 
-def test_without_jobs_it_settles_once_a_period(make):
+def test_worker_settles_once_a_period_without_jobs(make):
     seen = queue.Queue()
     make(lambda: seen.put(1), period=0.001).start()
     for _ in range(3):
         seen.get(timeout=PATIENCE)
 
 
-def test_questions_are_answered(make, monkeypatch):
+def test_worker_answers_questions(make, monkeypatch):
     worker = make()
     monkeypatch.setattr(rospy, "get_name", lambda: "/node")
     with pytest.raises(rospy.ServiceException, match="/node does not answer"):
@@ -70,7 +70,7 @@ def test_questions_are_answered(make, monkeypatch):
 
 
 @pytest.mark.parametrize("job", [lambda: 1 / 0, None])
-def test_a_worker_that_ends_leaves_no_question_waiting(make, monkeypatch, job):
+def test_worker_end_leaves_no_question_waiting(make, monkeypatch, job):
     monkeypatch.setattr(rospy, "get_name", lambda: "/node")
     monkeypatch.setattr(rospy, "logfatal", lambda *_: None)
     monkeypatch.setattr(rospy, "signal_shutdown", lambda _: None)
@@ -95,7 +95,7 @@ def test_a_worker_that_ends_leaves_no_question_waiting(make, monkeypatch, job):
 
 
 @pytest.mark.parametrize("at_the_end", [False, True])
-def test_an_error_ends_the_node_and_is_told_with_its_traceback(make, monkeypatch, at_the_end):
+def test_worker_error_ends_node_with_a_traceback(make, monkeypatch, at_the_end):
     told, ended, after = [], [], []
     monkeypatch.setattr(worker_module, "_failure", threading.Event())
     monkeypatch.setattr(rospy, "logfatal", lambda text, *values: told.append(text % values))
@@ -134,7 +134,7 @@ sys.exit(starting.run_node("node", node, ()))
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("job", "code"), [("1 / 0", 1), ("sys.exit()", 1), ("rospy.signal_shutdown('asked to')", 0)])
-def test_a_node_whose_worker_failed_ends_with_exit_code_1(job, code):
+def test_worker_failure_gives_the_node_exit_code_1(job, code):
     done = subprocess.run(
         [sys.executable, "-c", NODE.format(job=job)], capture_output=True, text=True, check=False, timeout=120
     )

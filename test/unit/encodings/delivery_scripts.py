@@ -1,4 +1,4 @@
-"""Scripts for robots that deliver: how their actions and moves went, besides the words of core_scripts."""
+"""Scripts for delivery robots: expected actions and moves, in addition to the words of core_scripts."""
 
 import re
 
@@ -37,7 +37,7 @@ class Delivery(Driver):
         assert moves[-len(places) :] == list(places)
 
     def reach(self, action):
-        """All succeeds until this action, as INTERFACE,PARAMETER, is under way."""
+        """Let all actions succeed until this action, as INTERFACE,PARAMETER, is under way."""
         while not any(one.startswith(f"_action_lib({action},") for one in self.awaited):
             assert self.awaited, f"{action} is never under way"
             self.succeed()

@@ -1,4 +1,4 @@
-"""Scripts for control programs: what is done step by step, besides the words of core_scripts."""
+"""Scripts for control programs: their steps, in addition to the words of core_scripts."""
 
 from core_driver import Driver
 from core_scripts import play
@@ -14,7 +14,7 @@ class ProgramDriver(Driver):
 
     @property
     def doing(self):
-        """The actions under way."""
+        """Return the actions under way."""
         return [f"{one.interface},{one.parameter}" if self.pairs else str(one.parameter) for one in self.core.awaited]
 
     def step(self, *names):
@@ -24,17 +24,17 @@ class ProgramDriver(Driver):
             self.succeed()
 
     def breaks(self, name, reason="stuck"):
-        """Expect an action, which fails."""
+        """Expect an action and let it fail."""
         assert self.doing == [name]
         self.fail(reason)
 
     def stuck(self, times):
-        """The action under way fails so many times."""
+        """Let the action under way fail a number of times."""
         for _ in range(int(times)):
             self.fail("stuck")
 
     def rest(self, **reasons):
-        """The actions until there are none; one fails for the reasons given for it, one after the other."""
+        """Return the actions until none is left; one fails for the given reasons, one after the other."""
         found = []
         while self.core.awaited:
             found.append(" ".join(self.doing))
@@ -47,11 +47,11 @@ class ProgramDriver(Driver):
         return found
 
     def performs(self, *names):
-        """Expect just these actions until there are none."""
+        """Expect exactly these actions until none is left."""
         assert self.rest() == list(names)
 
     def tell(self, *facts):
-        """These facts hold now."""
+        """Send facts that hold now."""
         self.facts(*(f"{fact[:-1]},now)" for fact in facts))
 
 
@@ -63,7 +63,7 @@ def run(program, script, settings=None, pairs=False):
 
 
 def plans(program, request, pairs=False):
-    """All shortest plans for a request, as texts in order."""
+    """Return all shortest plans for a request, as sorted texts."""
     solver = PlanSolver(program, models=0)
     result = solver.update(parse_update(f"#step 1 : 30. _request(run({request},1),2). #endstep."))
     found = []

@@ -1,4 +1,4 @@
-"""Whatever is told late, twice or falsely: each action and each end is right, and nothing on the robot is lost."""
+"""Late, repeated and false messages: each action and each end is right, and nothing on the robot is lost."""
 
 from random import Random
 
@@ -19,7 +19,7 @@ DOMAINS = {"office": OFFICE, "house": HOUSE}
 
 
 class Stage:
-    """A core in this process, and a play around it."""
+    """A core in this process, and the world that plays against it."""
 
     def __init__(self, name, seed, goals):
         program = shipped(*FILES[name])
@@ -31,7 +31,7 @@ class Stage:
         self.core.start()
 
     def some_attempts(self):
-        """A recovery makes so many attempts, whatever the machine's speed, and more where the core has the patience."""
+        """Fix the number of a recovery's attempts, whatever the machine's speed; a patient core makes more."""
         left = iter(range(8 * self.core.queue.patience))
         return lambda: None if next(left, None) is not None else Halt("the test")
 
@@ -90,7 +90,7 @@ def check(name, seed, goals):
 @pytest.mark.once
 @settings(max_examples=max(1, settings.default.max_examples // 25), deadline=None)
 @given(st.sampled_from(sorted(DOMAINS)), st.integers(0, 10**6))
-def test_nothing_is_lost_and_nothing_untrue(name, seed):
+def test_carrying_world_loses_nothing_and_reports_the_truth(name, seed):
     check(name, seed, goals=8)
 
 
@@ -101,14 +101,14 @@ class Deaf:
         self.facts = []
 
     def send(self, key, text):
-        """Take a goal, as late as you like."""
+        """Accept a goal with any delay."""
 
     def tell(self, facts):
         self.facts += facts
 
 
-def test_an_action_is_not_judged_by_a_goal_that_it_crosses():
-    """Somebody asks for what is brought back to its origin: the core may have sent the robot to put it down by then."""
+def test_carrying_world_ignores_goals_that_cross_an_action():
+    """A goal asks for a package that is being returned: the core can have sent the put-down already.
     plays = []
     for known in (False, True):
         play = Play(OFFICE, Deaf(), Random(1), 0)
@@ -118,7 +118,7 @@ def test_an_action_is_not_judged_by_a_goal_that_it_crosses():
         assert wish.to != play.robot
         if known:
             play.acknowledged(wish.key)
-            play.command("_action_lib(move_base,office2,5)")  # this one may have crossed it as well
+            play.command("_action_lib(move_base,office2,5)")  # this goal can have crossed the action as well
             play.command("_action_lib(move_base,office1,6)")
         play.command("_action_lib(deliver,2,7)")
         play.command("_action_lib(move_base,office2,8)")
@@ -130,8 +130,8 @@ def test_an_action_is_not_judged_by_a_goal_that_it_crosses():
 
 
 @pytest.mark.parametrize(("status", "faults"), [("aborted", 0), ("canceled", 2)])
-def test_an_action_may_overtake_the_end_of_the_goal_that_it_follows_from(status, faults):
-    """What belongs to a goal that was given up is brought back; the end is told on a topic of its own."""
+def test_carrying_world_accepts_action_before_end_of_its_goal(status, faults):
+    """The package of an aborted goal is returned; the end of the goal arrives on a topic of its own."""
     play = Play(OFFICE, Deaf(), Random(1), 0)
     play.things["2"], play.calm = Thing(ROBOT, origin=play.robot, missed=True), True
     play.wish("2")
@@ -143,8 +143,8 @@ def test_an_action_may_overtake_the_end_of_the_goal_that_it_follows_from(status,
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_no_return_is_told_before_its_action(seed):
-    """It would be taken for the true one, should the core be ahead."""
+def test_carrying_world_sends_no_return_before_its_action(seed):
+    """A core that is ahead would take it for the real return."""
     core = Deaf()
     play = Play(OFFICE, core, Random(seed), 0)
     for _ in range(40):

@@ -1,4 +1,4 @@
-"""The names of the shared rules of delivery: few are a domain's concern, and few join the files."""
+"""The names in the shared delivery rules: few concern a domain, and few connect the files."""
 
 import re
 from pathlib import Path
@@ -23,19 +23,19 @@ def statements(*files):
 
 
 def predicates(head, *files):
-    """The predicates in heads, or those in bodies and conditions."""
+    """Return the predicates in heads, or those in bodies and conditions."""
     found = (one for statement in statements(*files) for one in occurrences(statement))
     return {one.signature for one in found if one.head == head}
 
 
 def shown(*files):
-    """The terms of `#show` statements."""
+    """Return the terms of `#show` statements."""
     terms = [one.term for one in statements(*files) if one.ast_type == ASTType.ShowTerm]
     return {Signature(one.name, len(one.arguments)) for one in terms}
 
 
 def listed(file):
-    """The predicates that the comment at the top of a file lists, each at the begin of a line or after another."""
+    """Return the predicates that a file lists in its first comment, at the start of a line or after another one."""
     text = file.read_text(encoding="utf-8").split("\n#")[0]
     lines = [line[4:].split("  ")[0] for line in text.splitlines() if line.startswith("%   ")]
     forms = [form for line in lines for form in re.findall(r"([_a-z]\w*)\(([^()]*)\)", line)]
@@ -43,7 +43,7 @@ def listed(file):
 
 
 @pytest.mark.slow
-def test_what_fails_is_joined_to_the_other_rules_by_the_hooks_that_are_listed():
+def test_delivery_failure_rules_use_only_listed_hooks():
     rules = [ENCODINGS / "delivery" / name for name in ("rules.lp", "statuses.lp")]
     others = [file for file in FILES if file not in rules]
     assert len(others) == 6
@@ -53,7 +53,7 @@ def test_what_fails_is_joined_to_the_other_rules_by_the_hooks_that_are_listed():
 
 
 @pytest.mark.slow
-def test_every_name_is_listed_or_begins_with_an_underscore():
+def test_delivery_names_are_listed_or_begin_with_underscore():
     known = listed(ENCODINGS / "delivery.lp") | listed(ENCODINGS / "delivery" / "rules.lp")
     assert Signature("place", 1) in known
     names = {one for one in predicates(True, *FILES) | shown(*FILES) if not one.name.startswith("_")}
@@ -62,7 +62,7 @@ def test_every_name_is_listed_or_begins_with_an_underscore():
     assert given == {"place", "connection", "distance", "start", "kind", "cancel", "order", "refused", "later"}
 
 
-def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_may_have():
+def test_delivery_constants_do_not_clash_with_names_of_things():
     names = {one.name for one in statements(*FILES) if one.ast_type == ASTType.Definition}
     assert {name for name in names if not name.startswith("_")} == {"capacity", "tries"}
     assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period", "_most", "_late"}
@@ -76,7 +76,7 @@ def test_constants_to_be_set_have_plain_names_and_the_others_none_that_a_thing_m
         *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in ("told", "memory", "period")),
     ],
 )
-def test_a_thing_may_have_any_name(thing):
+def test_delivery_things_can_have_any_name(thing):
     files = [ENCODINGS / "house.lp", ENCODINGS / "home.lp"]
     sources = [*map(Source.from_file, files), Source("more", f"#program base. thing({thing},kitchen).")]
     house = Driver(settings=CoreSettings(), program=ReactiveProgram(sources))
@@ -85,7 +85,7 @@ def test_a_thing_may_have_any_name(thing):
 
 
 @pytest.mark.slow
-def test_a_domain_may_use_the_names_of_helpers():
+def test_delivery_domains_can_use_the_names_of_helpers():
     own = "#program cumulative(t). closed(shop,t). line(1). valid(1,t). check(t). idle(t). shut(office1,t). way(a,b)."
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
     program = ReactiveProgram([*map(Source.from_file, files), Source("own", own)])

@@ -1,4 +1,4 @@
-"""Plans of the mailbot that are improved: the same in another order is far shorter, and obeys the rules."""
+"""Improved plans of the mailbot: a reordered plan is far shorter and obeys the rules."""
 
 import pytest
 from mailbot_world import neighbours, program
@@ -12,7 +12,7 @@ from rosoclingo.reasoning.keywords import action_of
 
 
 def improved(corridors, requests, questions):
-    """The steps of the first plan, and of the best after so many looks for a shorter one."""
+    """Return the steps of the first plan, and of the best after a number of improvement questions."""
     solver = PlanSolver(program(20, corridors, 1, 3), plan_time=0.0)
     goals = [f"_request(goal(o{a},o{b},{n}),2)." for n, (a, b) in enumerate(requests, 1)]
     solver.update(parse_update(f"#step 1 : 300. {' '.join(goals)} #endstep."))
@@ -32,8 +32,8 @@ def improved(corridors, requests, questions):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("corridors", [ROW, TWO_RINGS], ids=["row", "rings"])
-def test_the_first_better_plan_is_far_better(corridors):
-    """After one more question: first 116 and 124 steps, then 96 and 94."""
+def test_reorder_first_better_plan_is_far_better(corridors):
+    """One further question turns 116 and 124 steps into 96 and 94."""
     first, steps = improved(corridors, errands(20, 20), 1)
     assert first > 110
     assert steps <= 100

@@ -1,4 +1,4 @@
-"""Control programs as goals that are cancelled, given up, sent again and withdrawn, in any order, by the pure core."""
+"""Control programs that are cancelled, aborted, sent again and withdrawn in any order, with the pure core."""
 
 from functools import lru_cache
 
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source
 
-#: Actions named act; a fluent no(A) makes one impossible. What is done is told by acts.
+#: Actions are named act; a fluent no(A) makes one impossible. The fluent acts holds the executed actions.
 DOMAIN = """
 #include "golog.lp".
 #program base.
@@ -47,13 +47,13 @@ NAMES = [line.split()[1] for line in PROGRAMS.splitlines() if line]
 
 @lru_cache(maxsize=None)
 def program():
-    """The domain with these programs."""
+    """Return the domain with these programs."""
     return ReactiveProgram([Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS)])
 
 
 GIVEN_UP = "goal old run(tidied,1); succeed; stuck 3; is old aborted; does act,tidy,..."
 
-#: Scripts; all are played without a problem.
+#: Scripts that are all played without a problem.
 STORIES = {
     "identifier is used again while its old program is undone": f"""
         {GIVEN_UP}; goal new run(short,1); succeed; is new active; finish; is new succeeded""",
@@ -82,12 +82,12 @@ STORIES = {
 
 @pytest.mark.slow
 @scripts(STORIES)
-def test_programs_again(row):
+def test_golog_programs_are_sent_again(row):
     run(program(), f"{row}; problems 0")
 
 
 @pytest.mark.slow
-def test_a_second_program_of_an_identifier_is_undone_beside_the_first_one():
+def test_golog_second_program_of_id_runs_beside_undo_of_first():
     driver, done = run(program(), f"{GIVEN_UP}; goal new run(tidied,1); succeed"), []
     while driver.doing not in (["b"], []):
         done += driver.doing
@@ -98,7 +98,7 @@ def test_a_second_program_of_an_identifier_is_undone_beside_the_first_one():
     assert not driver.problems
 
 
-def test_a_further_cancel_ends_what_is_done_for_the_first_one():
+def test_golog_further_cancel_ends_undo_of_first_program():
     solver = shortest(program())
     done = ":- not _action_lib(act,{0},{1}). _return(act,{0},{1}). _request(cancel(1),{2})."
     solver.update(parse_update("#step 1 : 20. _request(run(tidied,1),2). #endstep."))
@@ -110,7 +110,7 @@ def test_a_further_cancel_ends_what_is_done_for_the_first_one():
 
 
 @pytest.mark.slow
-def test_a_program_that_has_not_begun_is_withdrawn_and_comes_again():
+def test_golog_program_not_yet_begun_can_be_withdrawn():
     driver = BusyDriver(program=program(), most=2).goal("g", "run(waiting,1)").succeed().goal("h", "run(late,2)")
     driver.most = 1
     driver.facts("_set(g,now)")
@@ -121,7 +121,7 @@ def test_a_program_that_has_not_begun_is_withdrawn_and_comes_again():
 
 
 @pytest.mark.slow
-def test_programs_that_have_begun_are_not_withdrawn():
+def test_golog_programs_that_have_begun_are_not_withdrawn():
     driver = BusyDriver(program=program(), most=2)
     play(driver, "goal g run(waiting,g); succeed; goal h run(waiting,h); succeed")
     driver.most = 1
@@ -144,7 +144,7 @@ HAPPENED = st.one_of(
 
 
 class Play:
-    """Goals of a core, and what happens to them."""
+    """Goals of a core, and events that concern them."""
 
     def __init__(self):
         self.driver, self.keys = Driver(program=program()), []
@@ -172,7 +172,7 @@ class Play:
         self.driver.facts(f"{word}({fluent},now)")
 
     def end(self):
-        """All is possible again and works: each goal ends."""
+        """Make all actions possible and successful again: each goal ends."""
         self.driver.facts("_set(f,now)", "_set(g,now)", *(f"_unset({one},now)" for one in FLUENTS[2:])).finish()
         for key in self.keys:
             last = (self.driver.states(key) or ["refused"])[-1]
@@ -185,7 +185,7 @@ class Play:
 @pytest.mark.once
 @settings(max_examples=max(1, settings.default.max_examples // 2), phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.lists(HAPPENED, min_size=4, max_size=12))
-def test_each_goal_ends_and_the_core_goes_on(script):
+def test_golog_goals_end_and_the_core_continues(script):
     play = Play()
     for name, *values in script:
         getattr(play, name)(*values)

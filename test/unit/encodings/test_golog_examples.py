@@ -1,4 +1,4 @@
-"""The examples of the literature: what is done, as their papers say, and when something happens."""
+"""The examples of the literature: the actions that their papers give, and reactions to events."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -17,12 +17,12 @@ GOLOG, DATA = ENCODINGS / "golog", Path(__file__).resolve().parents[2] / "data" 
 
 @lru_cache(maxsize=None)
 def example(name):
-    """An example's program."""
+    """Return an example's program."""
     return ReactiveProgram.from_files([DATA / f"{name}.golog"])
 
 
 def shipped_example(name, facts, **constants):
-    """A program of the encodings with facts of its domain."""
+    """Return a program of the encodings with facts of its domain."""
     return ReactiveProgram(
         [Source.from_file(GOLOG / f"{name}.golog"), Source("facts.lp", f"#program base. {facts}")], constants
     )
@@ -60,7 +60,7 @@ RUNS = {
 
 
 @scripts(QUICK_RUNS)
-def test_example_that_runs(row):
+def test_golog_example_runs_as_published(row):
     name, script = row
     run(example(name), script, CoreSettings())
 
@@ -68,13 +68,13 @@ def test_example_that_runs(row):
 @pytest.mark.slow
 @pytest.mark.once
 @scripts(RUNS)
-def test_further_example_that_runs(row):
+def test_golog_further_example_runs_as_published(row):
     name, script = row
     run(example(name), script, CoreSettings())
 
 
 @pytest.mark.slow
-def test_coffee_goes_to_all_who_want_some():
+def test_golog_coffee_reaches_all_who_want_some():
     driver = run(example("coffee"), "facts _set(wants(lab),now) _set(wants(office),now); goal g run(round,1)")
     served = ["go(kitchen) fetch go({}) serve({})".format(*[one] * 2) for one in ("lab", "office")]
     assert " ".join(driver.rest()) in (" ".join(served), " ".join(reversed(served)))
@@ -96,13 +96,13 @@ def test_coffee_goes_to_all_who_want_some():
         ),
     ],
 )
-def test_all_plans_of_an_example(name, request_, found):
+def test_golog_example_has_exactly_the_published_plans(name, request_, found):
     assert plans(example(name), request_) == found
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_each_tower_of_three_blocks_is_built():
+def test_golog_builds_each_tower_of_three_blocks():
     found = plans(example("blocks"), "some_tower")
     assert len(found) == 6
     assert all(one.startswith("put(3) put(2) move(") for one in found)
@@ -142,13 +142,13 @@ THIRD, FIFTH, SECOND = SERVE.format(3), SERVE.format(5), SERVE.format(2)
     ],
     ids=["either call first", "no calls", "no calls, parked", "nearest"],
 )
-def test_the_elevator_has_the_plans_of_the_paper(facts, control, first, found):
+def test_golog_elevator_has_the_plans_of_the_paper(facts, control, first, found):
     constants = {} if first == "4" else {"first": first}
     assert plans(shipped_example("elevator", facts, **constants), control, pairs=True) == found
 
 
 @pytest.mark.slow
-def test_the_elevator_serves_who_calls_while_it_runs():
+def test_golog_elevator_serves_calls_while_it_runs():
     driver = run(
         shipped_example("elevator", "calls(3)."),
         "goal g run(control,1); does down,3,1; facts _pressed(6,now); finish; is g succeeded",
@@ -158,7 +158,7 @@ def test_the_elevator_serves_who_calls_while_it_runs():
 
 
 @pytest.mark.slow
-def test_mail_is_acknowledged_first_and_goes_on_when_the_service_is_resumed():
+def test_golog_mail_is_acknowledged_first_and_resumes_with_service():
     driver = run(
         shipped_example("mail", "customer(a;b;c). start(a)."),
         "goal g run(control); does; facts _order(1,b,c,now); step ack,1; facts _order(2,b,a,now); step go,b;"

@@ -1,4 +1,4 @@
-"""Long histories of control programs: what is kept of them does not grow, and who has ended is forgotten."""
+"""Long histories of control programs: the stored state does not grow, and ended programs are forgotten."""
 
 from collections import Counter
 
@@ -12,7 +12,7 @@ from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning import solver as plan_solver
 from rosoclingo.reasoning import stream_planner
 
-#: Actions named act; others may act beside programs once ``shared`` holds. Fluents are what somebody tells.
+#: Actions are named act; others can run beside programs once ``shared`` holds. Facts set the fluents.
 DOMAIN = """
 #include "golog.lp".
 #program base.
@@ -36,26 +36,26 @@ proc row { alone { %s } }
 
 
 def program(length=1):
-    """The domain with these programs; ``row`` is so many times two actions."""
+    """Return the domain with these programs; ``row`` repeats two actions a number of times."""
     return ReactiveProgram(
         [Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS % ("a; b; " * length))]
     )
 
 
-#: Rounds of a program that never ends; each is four cycles and more.
+#: Rounds of a program that never ends; each takes at least four cycles.
 ROUNDS = sized(11, 15)
 
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    """Steps that are over are let go as soon as may be, those that an open goal has seen after 5 cycles."""
+    """Compact steps as early as possible; steps that an open goal has seen, after 5 cycles."""
     monkeypatch.setattr(plan_solver, "LEAST_STEPS", 1)
     monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_program_that_never_ends_keeps_no_more_of_its_past_as_time_goes_on():
+def test_golog_endless_program_keeps_a_bounded_past():
     solver = shortest(program())
     driver = Driver(program=solver.program, solver=lambda _: solver)
     driver.goal("watch", "run(watch,0)")
@@ -75,7 +75,7 @@ def test_a_program_that_never_ends_keeps_no_more_of_its_past_as_time_goes_on():
     assert not any("_g_ended(3," in str(fact) for fact in solver.snapshot.past.facts), "it is forgotten how it ended"
 
 
-def test_of_a_search_beside_what_is_free_no_more_may_be_left_with_each_action():
+def test_golog_search_beside_free_actions_keeps_bounded_past():
     solver = shortest(program(length=10))
     (answer,) = solver.update(parse_update("#step 1 : 40. _set(shared,1). _request(run(row,1),2). #endstep.")).answers
     left = Counter(atom.arguments[2].number for atom in answer if atom.name == "_g_reach")

@@ -1,4 +1,4 @@
-"""Control programs as goals of a core: what fails, is cancelled or happens meanwhile, and other goals beside them."""
+"""Control programs as goals of a core: failures, cancels, events during execution, and concurrent goals."""
 
 from functools import lru_cache
 
@@ -11,7 +11,7 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Actions named act, of which one is not possible while ``no(Action)`` holds; fluents are what somebody tells.
+#: Actions are named act; an action is impossible while ``no(Action)`` holds. Facts set the fluents.
 DOMAIN = """
 #include "golog.lp".
 #program base.
@@ -83,7 +83,7 @@ CANCELLED = [
     ("do { do { a; b; } on cancel { c; } } on cancel { tidy; }", 1, "c tidy"),
     ("interleave { do { a; b; } on cancel { c; } } with { test false; }", 0, None),
     ("search { do { a; b; } on cancel { tidy; } }", 1, "tidy"),
-    ("try { do { a; b; } on cancel { tidy; } } else { d; }", 1, ""),  # what has failed has been left
+    ("try { do { a; b; } on cancel { tidy; } } else { d; }", 1, ""),  # the failed search was dropped
     ("retry 2 { do { a; b; } on cancel { tidy; } }", 1, ""),
     ("while not f { do { a; b; } on cancel { tidy; } test f; }", 1, None),
     ("prefer { await f; a; } over { do { b; c; } on cancel { tidy; d; } }", 1, "tidy d"),
@@ -118,7 +118,7 @@ HAPPENING = [
     ("interrupts { when f { c; } } until true; await f; b;", ["_set(f,now)"], "b"),
 ]
 
-#: Programs that lead nowhere, and what is said of them.
+#: Programs without a continuation, and their reasons.
 UNMET = [
     ("test f;", "the test in line {} of test.golog does not hold"),
     ("pick X: is(X) and f { a; }", "there is nothing to pick in line {} of test.golog"),
@@ -133,25 +133,25 @@ TEXTS = {
 
 @lru_cache(maxsize=None)
 def program():
-    """All programs of this file as procedures p0, p1, ... in the domain."""
+    """Return all programs of this file as procedures p0, p1, ... in the domain."""
     texts = [f"proc p{number} {{ {text} }}" for text, number in TEXTS.items()]
     sources = [Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROCEDURES + "\n".join(texts))]
     return ReactiveProgram(sources)
 
 
 def core(text):
-    """A core that has been asked for a program of TEXTS."""
+    """Return a core with a request for a program of TEXTS."""
     return run(program(), f"goal g run(p{TEXTS[text]},1)")
 
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
-def test_what_is_done_when_actions_fail(text, reasons, actions, end):
-    """Each of these actions fails so many times; what is done is given in alphabetic order."""
+def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
+    """Each of these actions fails a number of times; the executed actions are in alphabetical order."""
     driver = core(text)
     found = driver.rest(**{name: ["stuck"] * times for name, times in reasons.items()})
     assert driver.states("g")[-1] == end
-    if actions == "d":  # whichever it was
+    if actions == "d":  # either of them
         assert found in (["a", "d"], ["b", "d"])
     elif actions is not None:
         assert sorted(found) == actions.split()
@@ -159,8 +159,8 @@ def test_what_is_done_when_actions_fail(text, reasons, actions, end):
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "before", "after"), CANCELLED)
-def test_what_is_done_when_it_is_cancelled(text, before, after):
-    """So many actions are done, a cancel comes while the next one is under way, and that fails."""
+def test_golog_program_reacts_to_a_cancel(text, before, after):
+    """After a number of actions, a cancel arrives during the next one, which fails."""
     driver = core(text)
     if after is None:
         assert driver.states("g")[-1] == "aborted"
@@ -172,8 +172,8 @@ def test_what_is_done_when_it_is_cancelled(text, before, after):
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "facts", "actions"), HAPPENING)
-def test_what_is_done_when_something_happens_meanwhile(text, facts, actions):
-    """The facts come while a is under way; what never has a plan is given up."""
+def test_golog_program_reacts_to_events_during_execution(text, facts, actions):
+    """The facts arrive while a is under way; a program that never has a plan is aborted."""
     driver = core(text)
     assert driver.awaited in ([], ["_action_lib(act,a,1)"])
     if driver.states("g")[-1] == "active":
@@ -232,39 +232,39 @@ SLOW_SCENES = {
 
 
 @scripts(SCENES)
-def test_scene(row):
+def test_golog_scene_follows_the_script(row):
     run(program(), row)
 
 
 @pytest.mark.slow
 @scripts(SLOW_SCENES)
-def test_further_scene(row):
+def test_golog_further_scene_follows_the_script(row):
     run(program(), row)
 
 
 @pytest.mark.parametrize("name", ["search1", "search2", "search3"])
-def test_a_search_that_waits_within_others_holds_all_of_them_off(name):
+def test_golog_waiting_search_within_others_blocks_them_all(name):
     driver = run(program(), f"goal g run({name},1); does act,a,1; succeed; does; facts _set(f,now)")
     assert sorted(driver.rest()) == ["b", "c", "d"]
     assert driver.states("g")[-1] == "succeeded"
 
 
-def test_each_action_is_of_one_program():
+def test_golog_action_belongs_to_a_single_program():
     driver = run(program(), "goal g run(pair,1); goal h run(ac,2)")
     assert sorted(driver.rest()) == ["a", "a", "b", "c"]
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
-def test_nothing_comes_into_a_search():
+def test_golog_no_other_action_interrupts_a_search():
     assert "a b c" in " ".join(run(program(), "goal g run(row,1); goal h run(one(d),2)").rest())
 
 
 @pytest.mark.parametrize(("text", "why"), UNMET)
-def test_it_is_told_where_a_program_leads_no_further(text, why):
+def test_golog_reason_names_where_a_program_is_stuck(text, why):
     assert why.format(TEXTS[text] + PROCEDURES.count("\n") + 1) in core(text).message("g")
 
 
-#: A search that waits for the evening, and one that is asked for where it would wait at once.
+#: A search that waits for the evening, and a request for one that would wait at once.
 HOLDING = """
 proc hold { alone { go(office2); await hour(evening); go(office1); } }
 proc wait { alone { go(office2); if hour(morning) { await hour(evening); } go(office1); } }
@@ -273,14 +273,14 @@ proc wait { alone { go(office2); if hour(morning) { await hour(evening); } go(of
 
 @lru_cache(maxsize=None)
 def mailbot():
-    """The mailbot's program with its day, and what is above."""
+    """Return the mailbot's program with its day and the programs above."""
     files = [ENCODINGS / name for name in ("mailbot.lp", "office.lp", "golog/mailbot_day.golog")]
     more = Source("more.golog", f'include "mailbot_day.golog";{HOLDING}', ENCODINGS / "golog")
     return ReactiveProgram([*map(Source.from_file, files), more])
 
 
 @pytest.mark.slow
-def test_requests_of_the_domain_are_served_beside_programs():
+def test_golog_domain_requests_are_served_beside_programs():
     driver = run(mailbot(), """
         goal round run(morning_round); goal mail goal(office2,office4,1); finish; is round succeeded; is mail succeeded
         """)  # fmt: skip
@@ -290,7 +290,7 @@ def test_requests_of_the_domain_are_served_beside_programs():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("first", "end"), [("hold", "facts _hour(evening,now)"), ("wait", "cancel g")])
-def test_a_request_of_the_domain_waits_while_a_search_does(first, end):
+def test_golog_domain_request_waits_during_a_search(first, end):
     run(
         mailbot(),
         f"""
@@ -303,7 +303,7 @@ def test_a_request_of_the_domain_waits_while_a_search_does(first, end):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_no_search_is_begun_to_put_a_request_off():
+def test_golog_begins_no_search_to_defer_a_request():
     run(
         mailbot(),
         """

@@ -1,4 +1,4 @@
-"""Plans where control programs and what ``#heuristic`` advises disagree."""
+"""Plans where control programs and ``#heuristic`` statements disagree."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def program():
 
 
 def after_stream(program):
-    """A solver that has answered the updates, with as little time as there may be, and its last result."""
+    """Return a solver that has answered the updates in minimal time, and its last result."""
     solver = PlanSolver(program, plan_time=0.0)
     for update in parse_updates(LOW_BATTERY.read_text()):
         result = solver.update(update)
@@ -30,14 +30,14 @@ def after_stream(program):
 
 
 @pytest.mark.slow
-def test_advice_that_misleads_makes_no_plan_many_times_too_long(program):
+def test_golog_misleading_heuristic_lengthens_plans_only_moderately(program):
     assert after_stream(program)[1].horizon <= 2 * SHORTEST
 
 
 @pytest.mark.slow
-def test_a_plan_that_is_too_long_is_shortened(program, monkeypatch):
+def test_golog_plan_that_is_too_long_is_shortened(program, monkeypatch):
     monkeypatch.setattr(soon, "EFFORT", 0)
-    monkeypatch.setattr(soon, "FEW_STEPS", 0)  # so that advice is always heeded
+    monkeypatch.setattr(soon, "FEW_STEPS", 0)  # so that the heuristic is always followed
     solver, result = after_stream(program)
     assert result.horizon > SHORTEST, "there is nothing to shorten"
     better = solver.improve()

@@ -1,4 +1,4 @@
-"""Control programs as they run: under failures, events from outside and cancels, beside others and what is free."""
+"""Control programs during execution: failures, external events, cancels, concurrent programs and free actions."""
 
 import clingo
 import pytest
@@ -8,7 +8,7 @@ from golog_traces import ENGINE, OPEN
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-PHASES = [Phase.explicit, Phase.reuse, Phase.generate]  # what fails is short already, and long to make shorter
+PHASES = [Phase.explicit, Phase.reuse, Phase.generate]  # failing examples are short already, and slow to shrink
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 2), phases=PHASES)
 
 STEPS = 5
@@ -31,7 +31,7 @@ golog_free(t) :- free(t).
 
 
 class Play:
-    """What happens, step by step, drawn as the programs allow it; and what they say of it."""
+    """Random events, step by step, drawn as the programs allow, and the interpreter's view of them."""
 
     def __init__(self, data):
         self.facts, self.constraints, self.told = [], [], set()
@@ -42,7 +42,7 @@ class Play:
         self.rules = PROCEDURE_RULES + self.terms.facts
 
     def step(self, data, step):
-        """One step."""
+        """Play one step."""
         happens = data.draw(st.none() | st.tuples(st.sampled_from(FLUENTS), st.booleans()), label="event")
         if happens is not None and step > 1:
             self.runs.happen(*happens)
@@ -59,7 +59,7 @@ class Play:
         self.act(data, step, free)
 
     def ask(self, data, name, step):
-        """A program is asked for, be it one that there is not, the same again, or another."""
+        """Request a program, which can be unknown, a repetition, or another one."""
         program = data.draw(st.none() | programs() | programs(), label=name)
         number = len(self.facts)
         self.facts.append(f"_request(run(p({number}),{name}),{step + 1})")
@@ -68,7 +68,7 @@ class Play:
         return program
 
     def tell(self, step):
-        """Note what is to be shown of this step."""
+        """Record the atoms that this step has to show."""
         for name, how in self.runs.how.items():
             self.told.add(f"status({name},{how},{step})")
         for key in self.runs.left:
@@ -78,7 +78,7 @@ class Play:
                 self.told.add(f"waits({shown},{step})")
 
     def act(self, data, step, free):
-        """Something is done, or not; or fails."""
+        """Execute an action, skip it, or let it fail."""
         possible = {one for name in self.runs.left for one in self.runs.offers(name)}
         if free:
             possible |= {one for one in ACTIONS if self.runs.interpreter.possible(one, self.runs.state)}
@@ -93,7 +93,7 @@ class Play:
         self.runs.act(action, worked, free)
 
     def shown(self):
-        """What the encoding shows of it, with all that has happened known."""
+        """Return the atoms that the encoding shows, given all events."""
         control = clingo.Control(["0", "-Wnone"])
         facts = "".join(f"{one}. " for one in self.facts)
         for part in (*ENGINE, GOALS, TOY, PLAYED, f"#program cumulative(t).\n{self.rules}", f"#program base.\n{facts}"):
@@ -105,7 +105,7 @@ class Play:
         control.ground([("end", [])])
         found = []
         control.solve(on_model=lambda model: found.append(set(map(str, model.symbols(shown=True)))))
-        assert len(set(map(frozenset, found))) == 1, "what was done decides all"  # clasp may find one twice
+        assert len(set(map(frozenset, found))) == 1, "what was done decides all"  # clasp can find an answer twice
         return {one for one in found[0] if not one.startswith(("_action_lib", "_explain", "_status"))}
 
 
@@ -113,41 +113,41 @@ class Play:
 @pytest.mark.once
 @RUNS
 @given(st.data())
-def test_what_is_left_is_what_the_definitions_leave(data):
+def test_golog_remaining_program_agrees_with_the_definitions(data):
     play = Play(data)
     assert play.shown() == play.told
 
 
 class Script:
-    """Draws what is written down."""
+    """Returns prewritten values as draws."""
 
     def __init__(self, *values):
         self._values = list(values)
 
     def draw(self, strategy, label=None):
-        """The next value."""
+        """Return the next value."""
         return self._values.pop(0)
 
 
 ENDLESS = ("while", ("not", ("f",)), ("await", ("less", 0, 1)))
-QUIET = [None, False, False, False, None]  # nothing happens, h is not asked for, nothing is cancelled, free or done
+QUIET = [None, False, False, False, None]  # no event, no request for h, no cancel, no free and no executed action
 
 
 @pytest.mark.parametrize(
     "later",
     [
-        [*QUIET, *QUIET, (("f",), True), False, False, False, None],  # it ends once f holds
-        [None, False, True, False, None, *([None, False, False, False, False, None] * 2)],  # it is cancelled
+        [*QUIET, *QUIET, (("f",), True), False, False, False, None],  # the loop ends once f holds
+        [None, False, True, False, None, *([None, False, False, False, False, None] * 2)],  # a cancel
     ],
 )
-def test_a_loop_behind_which_nothing_comes_stays(later):
+def test_golog_loop_without_continuation_stays(later):
     play = Play(Script(None, True, ENDLESS, False, False, False, None, *QUIET, *later))
     assert play.shown() == play.told
     assert any("succeeded" in one or "canceled" in one for one in play.told)
     assert not any("could be undone" in one for one in play.told)
 
 
-def test_who_has_lost_the_search_that_he_was_in_is_cancelled_all_the_same():
+def test_golog_cancel_reaches_program_whose_search_is_lost():
     search = ("search", ("seq", ("do", ("a",)), ("do", ("b",))))
     acted = [("a",), True]
     play = Play(Script(None, True, search, False, False, False, *acted, None, False, False, True, ("c",), True,

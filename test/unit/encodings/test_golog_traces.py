@@ -1,4 +1,4 @@
-"""Control programs: the encoding allows just the sequences of actions that the definitions allow."""
+"""Control programs: the encoding allows exactly the action sequences of the definitions."""
 
 import pytest
 from golog_interpreter import Interpreter
@@ -13,5 +13,5 @@ RUNS = settings(max_examples=max(1, settings.default.max_examples))
 @pytest.mark.slow
 @RUNS
 @given(programs(), st.frozensets(st.sampled_from(FLUENTS)), st.integers(0, 3))
-def test_all_traces_are_those_of_the_definitions(program, state, longest):
+def test_golog_traces_are_exactly_those_of_the_definitions(program, state, longest):
     assert encoded_traces(program, state, longest) == Interpreter(Toy, PROCEDURES).traces(program, state, longest)

@@ -1,4 +1,4 @@
-"""The heuristic and the bound of delivery: plans are found at once, no answer changes, few rules are ground."""
+"""The heuristic and the plan-length bound of delivery: fast plans, unchanged answers, few ground rules."""
 
 from dataclasses import replace
 from itertools import chain
@@ -16,7 +16,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.snapshot import Snapshot
 
-LIMIT = 50  # conflicts in which a plan has to be found
+LIMIT = 50  # conflicts within which a plan has to be found
 ANSWERS = settings(max_examples=max(1, settings.default.max_examples // 12))
 
 ROW = tuple((number, number + 1) for number in range(1, 20))
@@ -28,7 +28,7 @@ MESH = tuple((a, a + step) for a in range(1, 17) for step in (1, 4) if (a < 13 i
 
 
 class Count(Observer):
-    """Counts what is ground."""
+    """Counts ground rules and heuristic statements."""
 
     def __init__(self):
         self.statements = 0
@@ -41,13 +41,13 @@ class Count(Observer):
 
 
 def mailbot(corridors, capacity=3, **constants):
-    """The mailbot on a floor, the robot in office 1."""
+    """Return the mailbot on a floor, the robot in office 1."""
     whole = program(max(max(pair) for pair in corridors), tuple(corridors), 1, capacity)
     return ReactiveProgram(whole.sources, {"capacity": str(capacity), **constants}) if constants else whole
 
 
 def without(file, whole):
-    """The same program without the rules of a file."""
+    """Return the same program without the rules of a file."""
     bare = ReactiveProgram(whole.sources, {name: str(value) for name, value in whole.constants.items()})
     for part in bare.parts:
         part.statements = [one for one in part.statements if not one.location.begin.filename.endswith(file)]
@@ -55,13 +55,13 @@ def without(file, whole):
 
 
 def errands(number, offices):
-    """So many requests between offices, always the same."""
+    """Return a number of requests between offices, always the same."""
     pairs = ((7 * one % offices + 1, (3 * one + one // 5 + 2) % offices + 1) for one in range(number))
     return [(a, b if b != a else b % offices + 1) for a, b in pairs]
 
 
 def ground(program, requests, horizon, heuristic="Domain", facts=(), observer=None):
-    """Return a control with all steps up to the horizon, at which a plan has to end, and what was ground for each."""
+    """Return a control grounded up to the horizon, where a plan has to end, and the counts of each step."""
     control = clingo.Control(program.arguments(), logger=lambda code, text: None)
     control.configuration.solver.heuristic = heuristic
     if observer is not None:
@@ -72,7 +72,7 @@ def ground(program, requests, horizon, heuristic="Domain", facts=(), observer=No
     control.ground([("base", []), ("told", [])])
     steps = [[("cumulative", [number]), ("volatile", [number])] for number in map(clingo.Number, range(1, horizon + 1))]
     counts = []
-    for parts in steps if observer is not None else [list(chain(*steps))]:  # all at once takes half the time
+    for parts in steps if observer is not None else [list(chain(*steps))]:  # grounding all at once takes half the time
         before = observer and observer.statements
         control.ground(parts)
         counts.append(observer and observer.statements - before)
@@ -81,7 +81,7 @@ def ground(program, requests, horizon, heuristic="Domain", facts=(), observer=No
 
 
 def plan(control, conflicts=LIMIT):
-    """Return the actions of the first plan in their order, None where so many conflicts are too few for one."""
+    """Return the ordered actions of the first plan, None without a plan within the limit of conflicts."""
     control.configuration.solve.solve_limit = f"{conflicts},umax"
     with control.solve(yield_=True) as handle:
         model = handle.model()
@@ -94,7 +94,7 @@ def actions(model):
 
 
 def nearest_first(corridors, requests, capacity=3):
-    """Return how long it takes to go to the nearest place of use always."""
+    """Return the length of the plan that always drives to the nearest useful place."""
     graph, office, steps, load, waits = neighbours(corridors), 1, 0, [], list(requests)
     while load or waits:
         if any(end == office for _, end in load):
@@ -109,7 +109,7 @@ def nearest_first(corridors, requests, capacity=3):
 
 
 def first_step(graph, office, targets):
-    """Return where to go first from an office to the nearest of some others."""
+    """Return the first move from an office to the nearest of some others."""
     queue = [(one, one) for one in sorted(graph[office])]
     for first, here in queue:
         if here in targets:
@@ -121,7 +121,7 @@ def first_step(graph, office, targets):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("corridors", "number"), [(ROW[:3], 20), (STAR, 8), (THETA, 10), (MESH, 8)])
-def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, number):
+def test_heuristic_finds_plan_for_many_requests_without_conflicts(corridors, number):
     offices = max(max(pair) for pair in corridors)
     requests = errands(number, offices)
     longest = 3 * nearest_first(corridors, requests) // 2
@@ -134,7 +134,7 @@ def test_a_plan_for_many_requests_is_found_with_hardly_a_conflict(corridors, num
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("offices", "number"), [(4, 20), (20, 8)])
-def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, number):
+def test_heuristic_beats_nearest_place_first_on_a_row(offices, number):
     requests = errands(number, offices)
     fewest = nearest_first(ROW[: offices - 1], requests)
     control, _ = ground(mailbot(ROW[: offices - 1]), requests, fewest)
@@ -142,7 +142,7 @@ def test_on_a_row_it_goes_less_than_who_goes_to_the_nearest_place(offices, numbe
 
 
 @pytest.mark.parametrize(("end", "steps"), [(9, 16), (4, 23)], ids=["far ahead", "not far"])
-def test_it_goes_back_a_place_for_what_it_had_no_room_for_if_that_goes_far_ahead(end, steps):
+def test_heuristic_turns_back_for_load_that_goes_far_ahead(end, steps):
     """With room for two it passes office 2, and has room again at office 3."""
     control, _ = ground(mailbot(ROW[:8], 2), [(1, 3), (1, 9), (2, end)], 30)
     assert len(plan(control)) == steps
@@ -150,7 +150,7 @@ def test_it_goes_back_a_place_for_what_it_had_no_room_for_if_that_goes_far_ahead
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_without_a_heuristic_so_few_conflicts_do_not_do():
+def test_heuristic_is_needed_within_the_conflict_limit():
     requests = errands(20, 4)
     control, _ = ground(mailbot(ROW[:3]), requests, nearest_first(ROW[:3], requests), heuristic="Vsids")
     assert plan(control) is None
@@ -159,7 +159,7 @@ def test_without_a_heuristic_so_few_conflicts_do_not_do():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
-def test_with_a_way_shut_a_plan_is_found_soon(way):
+def test_heuristic_finds_plan_soon_with_a_blocked_way(way):
     requests = errands(8, 12)
     horizon = 3 * nearest_first(THETA, requests) // 2
     control, _ = ground(mailbot(THETA), requests, horizon, facts=["_blocked(o{},o{},1)".format(*way)])
@@ -172,8 +172,8 @@ def test_with_a_way_shut_a_plan_is_found_soon(way):
 @pytest.mark.parametrize("file", ["heuristic.lp", "search.lp"])
 @ANSWERS
 @given(st.data())
-def test_no_answer_changes(file, data):
-    """All the shortest plans of small floors, with the rules of a file and without, looking back at little or much."""
+def test_heuristic_changes_no_answer(file, data):
+    """Compare all shortest plans of small floors, with and without a file's rules, for short and long look-backs."""
     count = data.draw(st.integers(2, 4 if file == "heuristic.lp" else 3))
     corridors = {(data.draw(st.integers(1, number - 1)), number) for number in range(2, count + 1)}
     corridors |= {(1, count)} if count > 2 and data.draw(st.booleans()) else set()
@@ -203,9 +203,9 @@ def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_the_rules_of_a_step_are_no_more_than_places_and_requests():
+def test_heuristic_rules_of_a_step_grow_linearly():
     def cost(offices, number):
-        """What the heuristic adds to each of the steps."""
+        """Return the number of statements that the heuristic adds to each step."""
         whole = mailbot(STAR[: offices - 1])
         requests = errands(number, offices)
         counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without("heuristic.lp", whole))]
@@ -217,7 +217,7 @@ def test_the_rules_of_a_step_are_no_more_than_places_and_requests():
     assert large[-1] == large[-2]
 
 
-def test_what_a_domain_adds_is_heeded_in_the_house_too():
+def test_heuristic_of_a_domain_applies_to_the_house():
     house = shipped("house.lp", "home.lp")
     kinds = {str(one.ast_type) for part in house.parts for one in part.statements}
     assert any("Heuristic" in kind for kind in kinds)
@@ -229,8 +229,8 @@ def test_what_a_domain_adds_is_heeded_in_the_house_too():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (60, 1)])
-def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopeless):
-    """Seven packages, three at a time, over one corridor: there in three loads, or back."""
+def test_plan_bound_counts_several_loads(window, hopeless):
+    """Seven packages, three at a time, over one corridor: three loads in one direction or the other."""
     there, back = [(1, 2)] * 7, [(2, 1)] * 7
     program = mailbot([(1, 2)], 3, _window=str(window))
     for requests, fewest in ((there, 14 + 5), (back, 14 + 6), (there + back, 28 + 6)):
@@ -240,15 +240,15 @@ def test_what_has_to_go_in_several_loads_takes_as_long_as_it_takes(window, hopel
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_what_is_far_too_short_is_refuted_at_once_however_long_it_is():
+def test_plan_bound_refutes_short_horizons_at_once():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
     assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
 
 
 @pytest.mark.slow
-def test_the_solver_is_told_how_long_it_takes_at_least():
-    """Nearly: what is told grows by a quarter at first, beyond the look back by a sixteenth."""
+def test_plan_bound_reaches_the_solver():
+    """The bound grows by a quarter at first, and by a sixteenth beyond the look-back."""
     requests = [(1, 2)] * 7 + [(2, 1)] * 7
     assert 30 <= claimed(mailbot([(1, 2)], 3, _window="1"), requests) <= 28 + 6
     assert 27 <= claimed(mailbot([(1, 2)], 3), requests) <= 28 + 6
@@ -259,7 +259,7 @@ def test_the_solver_is_told_how_long_it_takes_at_least():
 
 
 def claimed(program, requests):
-    """How many steps the program says that a plan takes at least, with a grounding of one step that was searched."""
+    """Return the program's lower bound for a plan, from a grounding of one step after a search."""
     told = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
     update = StreamUpdate(1, None, tuple(map(fact, told)))
     snapshot = Snapshot.initial(program).with_update(update, program)
@@ -274,8 +274,8 @@ def claimed(program, requests):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
-    """Whatever else there is to do, and however many steps there are."""
+def test_plan_bound_refutes_goals_behind_blocked_way_at_once():
+    """This holds for any number of other goals and of steps."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (1, 3)], 3)
     near, far = [(1, 2), (2, 3), (3, 1), (2, 1)], [(1, 6), (5, 2), (6, 5), (3, 5)]
     shut = ["_blocked(o3,o4,1)"]
@@ -285,8 +285,8 @@ def test_goals_behind_a_shut_way_are_refuted_at_once_however_many_there_are():
     assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
 
 
-def test_a_bound_is_made_anew_for_few_alone():
-    """Nothing is ground for it where many come at once, and no more loads than few make where many have come before."""
+def test_plan_bound_is_recomputed_only_for_few_requests():
+    """It grounds nothing if many requests come at once, and only the loads of a few if many came before."""
     program = mailbot([(1, 2)], 3)
     assert steps_of("_check", ground(program, [(1, 2)] * 16, 20)[0]) == {1, 9, 17}
     assert steps_of("_check", ground(program, [(1, 2)] * 17, 20)[0]) == {1}
@@ -304,5 +304,5 @@ def steps_of(name, control):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("capacity", [0, -1])
-def test_a_robot_that_can_carry_nothing_has_a_bound_that_ends(capacity):
+def test_plan_bound_is_finite_for_robot_without_capacity(capacity):
     assert solve(mailbot([(1, 2)], capacity), [(1, 2), (2, 1)], 9)[0].unsatisfiable

@@ -1,11 +1,11 @@
-"""The house encoding on the shared rules of delivery, through the pure core."""
+"""The house encoding with the shared delivery rules, run by the pure core."""
 
 import pytest
 from core_scripts import scripts
 from delivery_scripts import deliver
 
 
-def test_what_there_is_not_is_rejected():
+def test_house_rejects_unknown_things():
     deliver(
         "house",
         """
@@ -15,7 +15,7 @@ def test_what_there_is_not_is_rejected():
     )
 
 
-def test_things_that_are_seen_in_two_rooms_at_once_are_not_seen():
+def test_house_ignores_things_seen_in_two_rooms():
     deliver(
         "house",
         """
@@ -70,5 +70,5 @@ STORIES = {
 
 @pytest.mark.slow
 @scripts(STORIES)
-def test_house(row):
+def test_house_follows_the_script(row):
     deliver("house", row)

@@ -1,4 +1,4 @@
-"""The mailbot's day as its scenario has it, by the pure core: it ends, whatever plans the core has time to find."""
+"""The mailbot's day as in its scenario, run by the pure core: it ends with any plans that the core finds."""
 
 from functools import partial
 
@@ -16,7 +16,7 @@ SCENARIO = Scenario.from_file(ENCODINGS.parent / "config" / "scenarios" / "mailb
 
 
 class Day:
-    """The scenario as it goes; moves through the door that is closed fail for a reason."""
+    """The scenario as it runs; moves through the closed door fail for a reason."""
 
     def __init__(self, solver, reason):
         program = ReactiveProgram.from_files([ENCODINGS / name for name in FILES])
@@ -26,7 +26,7 @@ class Day:
         self.place, self.packages = "office1", dict(SCENARIO.packages)
 
     def play(self):
-        """Play it, to its end."""
+        """Play the scenario to its end."""
         while len(self.done) < 60:
             self.happen()
             if not self.driver.core.awaited:
@@ -35,7 +35,7 @@ class Day:
         raise AssertionError(f"the day has no end: {self.done}")
 
     def happen(self):
-        """What comes in this cycle, or before."""
+        """Apply the events of this cycle and earlier ones."""
         while self.events and (self.events[0].cycle or 0) <= self.driver.core.cycle:
             event = self.events.pop(0)
             if event.verb == "request":
@@ -50,7 +50,7 @@ class Day:
                 self.reason = None
 
     def act(self):
-        """What is under way is done, or fails."""
+        """End the actions under way with success or failure."""
         (action,) = self.driver.core.awaited
         name, about = action.interface_name, str(action.parameter)
         self.done.append(f"{name} {about}")
@@ -64,14 +64,14 @@ class Day:
         self.driver.succeed()
 
 
-#: Solvers that have all the time, and none.
+#: Solvers with unlimited time, and with none.
 SOLVERS = {"shortest": shortest, "hasty": partial(soon, plan_time=0.0)}
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("solver", "reason"), [("hasty", "timeout"), *sized([], [("shortest", "blocked")])])
-def test_the_day_of_the_scenario_ends_as_it_says(solver, reason):
+def test_mailbot_day_ends_as_its_scenario_says(solver, reason):
     day = Day(SOLVERS[solver], reason).play()
     assert not day.events
     expected = SCENARIO.expect

@@ -1,4 +1,4 @@
-"""The mailbot encoding: plans are shortest, in every situation, and there is one wherever there can be one."""
+"""The mailbot encoding: plans are shortest in every situation, and exist wherever the rules permit one."""
 
 import shutil
 from pathlib import Path
@@ -21,19 +21,19 @@ ROW = tuple((number, number + 1) for number in range(1, 6))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
 FLOOR = ((1, 2), (2, 3), (3, 4), (4, 2), (4, 5), (5, 6))  # a loop between two dead ends
 COMMON = ("failed", "timeout", "server_lost", "preempted", "stuck(door,1)", '"no idea"', "77", "move_base", '"o2"')
-OTHERS = ("o1", "o2", "o3", "1", "2", "3")  # what other actions are about
+OTHERS = ("o1", "o2", "o3", "1", "2", "3")  # arguments of other actions
 MOVING = (*COMMON, "blocked", "unreachable", "unknown_label")
 HANDLING = (*COMMON, "not_here", "unknown_package", "not_carried", "not_at_label", "full", "blocked")
 
 
-# each example loads a program of its own, and a run takes as long as many single plans
+# each example loads its own program, and a run costs the time of many single plans
 PLANS = settings(max_examples=max(1, settings.default.max_examples // 5))
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 12))
 
 
 @st.composite
 def floors(draw):
-    """Number of offices, corridors of a connected floor, start, capacity."""
+    """Generate the number of offices, the corridors of a connected floor, start and capacity."""
     count = draw(st.integers(3, 6))
     corridors = {(draw(st.integers(1, number - 1)), number) for number in range(2, count + 1)}
     pairs = st.tuples(st.integers(1, count), st.integers(1, count)).filter(lambda pair: pair[0] != pair[1])
@@ -45,8 +45,8 @@ def floors(draw):
 @pytest.mark.once
 @PLANS
 @given(st.data())
-def test_plans_are_shortest(data):
-    """One batch of requests, some with the same offices, some that stay where they are."""
+def test_mailbot_plans_are_shortest(data):
+    """One batch of requests, some with equal offices, some without a move."""
     count, corridors, start, capacity = data.draw(floors())
     robot = Robot(count, corridors, start, capacity)
     offices = st.integers(1, count)
@@ -58,8 +58,8 @@ def test_plans_are_shortest(data):
 @pytest.mark.slow
 @RUNS
 @given(st.data())
-def test_plans_are_shortest_at_any_time(data):
-    """Runs with requests, cancellations, failures and idle cycles in any order; ids are used again."""
+def test_mailbot_plans_are_shortest_at_any_time(data):
+    """Runs with requests, cancels, failures and idle cycles in any order; ids are reused."""
     count, corridors, start, capacity = data.draw(floors())
     robot = Robot(count, corridors, start, capacity)
     for _ in range(data.draw(st.integers(1, 20), label="cycles")):
@@ -81,7 +81,7 @@ def test_plans_are_shortest_at_any_time(data):
 
 
 def happens(robot, data, count):
-    """A request or a cancellation arrives, or nothing."""
+    """Add a request, a cancel, or nothing."""
     free = [number for number in range(1, 5) if robot.places.get(number) in (None, ("stuck",))]
     taken = [number for number in range(1, 5) if robot.places.get(number)]
     event = data.draw(st.sampled_from(["nothing", "nothing", "request", "requests", "cancel", "cancel_what_is_over"]))
@@ -97,7 +97,7 @@ def happens(robot, data, count):
         robot.cancel(free[0])
 
 
-#: The floor, and what happens to a robot that starts in office 1 and carries three packages.
+#: The floor, and the events for a robot that starts in office 1 and carries at most three packages.
 LIVES = {
     "idle cycles": (ROW, f"request 1 4 2; works 1; {'idle;' * 12} finish; ended 1 succeeded"),
     **{f"no failure is tried for ever: {reason}": (FLOOR, f"""
@@ -134,7 +134,7 @@ LIVES = {
 
 
 class Robot(Mailbot):
-    """The words of its life."""
+    """The words of the robot's script."""
 
     def request(self, *numbers):
         super().request(*map(int, numbers))
@@ -143,27 +143,27 @@ class Robot(Mailbot):
         super().cancel(int(number))
 
     def works(self, times=1):
-        """So many actions are done."""
+        """Let a number of actions succeed."""
         for _ in range(int(times)):
             self.act(self.plan()[0])
 
     def fails(self, reason, times=1):
-        """The next action fails, so many times."""
+        """Let the next action fail a number of times."""
         for _ in range(int(times)):
             self.act(self.plan()[0], reason)
 
     def only_fails(self, reason):
-        """Whatever it tries fails, until there is no plan."""
+        """Let every action fail until there is no plan."""
         while (ahead := self.plan()) is not None:
             assert self.cycle < 20
             self.act(ahead[0], reason)
 
     def idle(self):
-        """A cycle without an action."""
+        """Pass a cycle without an action."""
         self.plan()
 
     def goes(self, *things):
-        """Expect these parameters of the next actions, none of which is done in this cycle."""
+        """Expect these parameters of the next actions, none of which is executed in this cycle."""
         assert [str(one.arguments[1]) for one in self.plan()[: len(things)]] == list(things)
 
     def has_no_plan(self):
@@ -174,14 +174,14 @@ class Robot(Mailbot):
         assert self.plan() == []
 
     def gives_up(self):
-        """Cancel what can't be met; there has to be a plan for the rest."""
+        """Cancel the goals that cannot be met; the rest must have a plan."""
         hopeless = self.hopeless()
         assert hopeless
         for identifier in hopeless:
             self.cancel(identifier)
 
     def finish(self, number=None):
-        """All actions work, and what can't be met is given up; expect so many actions."""
+        """Let all actions succeed and cancel unmeetable goals; expect this number of actions."""
         for done in range(200):
             ahead = self.plan()
             if ahead is None:
@@ -202,14 +202,14 @@ class Robot(Mailbot):
         assert set(texts) == {f'"{" ".join(words)}"'}
 
     def ended(self, *words):
-        """Expect each request and how it ended."""
+        """Expect each request and its end."""
         assert " ".join(f"{number} {end}" for number, (end, _) in sorted(self.ends.items())) == " ".join(words)
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @scripts(LIVES)
-def test_life_of_a_robot(row):
+def test_mailbot_life_follows_the_script(row):
     corridors, script = row
     perform(Robot(max(map(max, corridors)), corridors), script)
 
@@ -217,7 +217,7 @@ def test_life_of_a_robot(row):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("corridors", "capacity"), [(ROW, 3), (RING, 1), (FLOOR, 3)])
-def test_more_packages_than_fit(corridors, capacity):
+def test_mailbot_carries_at_most_its_capacity(corridors, capacity):
     robot = Robot(6, corridors, 3, capacity)
     for number in range(1, capacity + 3):
         robot.request(number, number % 2 + 1, 6 - number % 3)
@@ -227,7 +227,7 @@ def test_more_packages_than_fit(corridors, capacity):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", sized(["o4", "1"], ["o4", "1", '"o2"', "77"]))
-def test_the_name_of_something_else_is_a_failure(reason):
+def test_mailbot_failure_value_can_name_something_else(reason):
     robot = Robot(6, ROW)
     perform(robot, f"request 1 2 3; request 2 2 3; fails {reason}; goes o2; works 1")
     while robot.plan() is not None and not robot.ends:
@@ -246,8 +246,8 @@ def test_the_name_of_something_else_is_a_failure(reason):
         (1, ["move_base,office2", "move_base,office1", "deliver,7"]),
     ],
 )
-def test_what_is_being_brought_back_is_asked_for_again(moves, then):
-    """As long as it is on the robot it stays there; that it is being put down is too late to change."""
+def test_mailbot_package_on_its_way_back_is_requested_again(moves, then):
+    """While it is on the robot it stays there; a put-down that is under way cannot be changed."""
     robot = Driver.of_shipped("mailbot.lp", "office.lp")
     robot.goal("first", "goal(office2,office4,7)").until("pickup")
     for _ in range(moves):
@@ -262,7 +262,7 @@ def test_what_is_being_brought_back_is_asked_for_again(moves, then):
     assert [text[len("_action_lib(") :].rpartition(",")[0] for text in done] == then
 
 
-def test_a_request_replaces_a_live_one_of_the_same_id():
+def test_mailbot_request_replaces_live_one_with_same_id():
     robot = perform(Robot(6, ROW, 1), "request 1 6 1; works 1; request 1 2 1")
     assert len(robot.plan()) == fewest_steps(robot.graph, 3, "o2", [("waits", "o2", "o1")])
 
@@ -277,7 +277,7 @@ def statuses(answer):
 
 
 @pytest.mark.parametrize("offices", ["nowhere,office1", "office1,nowhere", "7,f(x)"])
-def test_unknown_offices_are_rejected(offices):
+def test_mailbot_rejects_unknown_offices(offices):
     update = f"#step 1. _request(goal({offices},1),2). #endstep."
     found = statuses(answers(update, shipped("mailbot.lp", "office.lp"))[0])
     assert {str(one)[: len("_status(1,rejected(")] for one in found} == {"_status(1,rejected("}
@@ -287,7 +287,7 @@ def test_unknown_offices_are_rejected(offices):
     )
 
 
-def test_a_string_is_no_constant():
+def test_mailbot_treats_string_and_constant_as_different():
     update = '#step 1. _request(goal("office1",office2,1),2). #endstep.'
     found = answers(update, shipped("mailbot.lp", "office.lp"))
     texts = [text_of(one.arguments[1].arguments[0]) for one in statuses(found[0])]
@@ -295,7 +295,7 @@ def test_a_string_is_no_constant():
 
 
 @pytest.mark.slow
-def test_an_office_without_a_way_to_it_is_rejected(tmp_path: Path):
+def test_mailbot_rejects_an_office_without_a_way(tmp_path: Path):
     island = tmp_path / "island.lp"
     island.write_text("office(attic).", encoding="utf-8")
     update = "#step 1. _request(goal(office1,attic,1),2). #endstep."
@@ -315,8 +315,8 @@ def test_an_office_without_a_way_to_it_is_rejected(tmp_path: Path):
         ),
     ],
 )
-def test_bounds_change_no_plan_and_neither_do_failures_that_never_came(absent, tmp_path: Path):
-    """Without these files there are exactly the same shortest plans: the other rules are whole."""
+def test_mailbot_plans_need_neither_bounds_nor_failure_rules(absent, tmp_path: Path):
+    """Without these files the shortest plans are exactly the same: the other rules are complete."""
     shutil.copytree(ENCODINGS, tmp_path, dirs_exist_ok=True)
     lines = (ENCODINGS / "delivery.lp").read_text(encoding="utf-8").splitlines()
     kept = [line for line in lines if not any(f'"delivery/{name}"' in line for name in absent)]
@@ -331,7 +331,7 @@ def test_bounds_change_no_plan_and_neither_do_failures_that_never_came(absent, t
     assert fewer
 
 
-def test_the_search_that_plans_are_compared_with():
+def test_mailbot_reference_search_finds_shortest_plans():
     graph = neighbours([(f"o{a}", f"o{b}") for a, b in ROW])
     assert fewest_steps(graph, 3, "o1", [("waits", "o3", "o2")]) == 5
     assert fewest_steps(graph, 1, "o1", [("waits", "o1", "o2"), ("waits", "o1", "o2")]) == 7
@@ -344,8 +344,8 @@ def test_the_search_that_plans_are_compared_with():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_what_is_remembered_of_a_long_run_does_not_grow():
-    """As long as a bound is kept (``_window``), the requests of its cycle are; all else that is over is forgotten."""
+def test_mailbot_memory_of_a_long_run_is_bounded():
+    """The requests of a bound stay as long as the bound (``_window``); all other past is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
     window, cycles = sized((8, 36), (20, 60))
     program = ReactiveProgram.from_files(files, {"_window": str(window)})
@@ -363,7 +363,7 @@ def test_what_is_remembered_of_a_long_run_does_not_grow():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_place_that_navigation_does_not_know_may_be_left():
+def test_mailbot_can_leave_a_place_unknown_to_navigation():
     driver = Driver.of_shipped("mailbot.lp", "office.lp")
     driver.core.add_goal("first", "goal(office1,office3,1)")
     driver.goal("second", "goal(office1,office3,2)").succeed().fail("not_at_label")

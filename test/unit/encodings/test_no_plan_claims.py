@@ -1,4 +1,4 @@
-"""The delivery robot's claims that there is no plan: right whatever has happened, so that none is ever lost by them."""
+"""The delivery robot's proofs that no plan exists: they are right after any events, so no plan is lost."""
 
 from functools import lru_cache
 
@@ -26,7 +26,7 @@ LATER = st.sampled_from([0, 0, 0, 5])
 
 @lru_cache(maxsize=None)
 def program(floor, claims):
-    """The mailbot, with the claims or without."""
+    """Return the mailbot, with or without the claims."""
     facts = " ".join(f"office(o{number})." for number in (1, 2, 3))
     text = f"#program base. start(o1). {facts} {FLOORS[floor]}"
     whole = ReactiveProgram([Source.from_file(ENCODINGS / "mailbot.lp"), Source("floor", text)])
@@ -41,7 +41,7 @@ def is_claim(statement):
 
 @st.composite
 def news(draw):
-    """What is told with one update, its cycle left out, and how the action before has ended."""
+    """Generate the facts of an update, without its cycle, and the end of the action before."""
     way, number = draw(WAYS), draw(st.integers(1, 2))
     kinds = [
         f"_blocked({way},{{0}}+{draw(LATER)}).",
@@ -53,7 +53,7 @@ def news(draw):
 
 
 def written(step, action, reason, facts):
-    """The update of a step, with what became of the action before it."""
+    """Return the update of a step, with the return of the action before it."""
     lines = [f"#step {step} : {BOUND}. #closed {step - 1}."]
     if action is not None:
         name, value = action.arguments[:2]
@@ -63,18 +63,18 @@ def written(step, action, reason, facts):
 
 
 def evaluated(fact):
-    """The fact with its cycle as a number."""
+    """Return the fact with its cycle as a number."""
     head, _, cycle = fact.rstrip(").").rpartition(",")
     return f"{head},{sum(map(int, cycle.split('+')))})."
 
 
-def test_the_rules_that_are_left_out_are_the_claims():
+def test_no_plan_claims_are_the_omitted_rules():
     left_out = [one for part in program("row", True).parts for one in part.statements if is_claim(one)]
     assert len(left_out) == 2
 
 
 def check(floor, told, note=lambda text: None):
-    """Have both solvers take what is told, and do the first one's plan; return the outcomes."""
+    """Send the facts to both solvers and execute the plan of the first; return the outcomes."""
     claiming, other = (PlanSolver(program(floor, claims)) for claims in (True, False))
     action, outcomes = None, []
     for step, (reason, facts) in enumerate(told, 1):
@@ -108,7 +108,7 @@ CANCEL = "_request(cancel(1),{1})."
     ],
     ids=["opened again", "cancelled", "cancelled, what it carries cut off", "opened later", "driven by somebody else"],
 )
-def test_it_is_told_as_without_them(told, outcomes):
+def test_no_plan_claims_agree_with_program_without_them(told, outcomes):
     assert check("row", told) == list(map(bool, outcomes))
 
 
@@ -116,5 +116,5 @@ def test_it_is_told_as_without_them(told, outcomes):
 @pytest.mark.once
 @settings(max_examples=settings.default.max_examples // 4)
 @given(st.sampled_from(sorted(FLOORS)), st.lists(news(), min_size=2, max_size=7))
-def test_there_is_a_plan_where_there_is_one_without_them(floor, told):
+def test_no_plan_claims_preserve_existing_plans(floor, told):
     check(floor, told, event)

@@ -1,4 +1,4 @@
-"""The case study of the paper (section IV): its three printed updates and Table I, through the pure core."""
+"""The case study of the paper (section IV): its three printed updates and Table I, run by the pure core."""
 
 import pytest
 from core_driver import PLANS
@@ -31,12 +31,12 @@ PLAN_3 = ["move_base,office2,1", "move_base,office3,2", "pickup,2,4", "move_base
 
 @pytest.fixture(params=[(name, plan) for name in ("paper", "mailbot") for plan in sorted(PLANS)])
 def mailbot(request):
-    """Either program, with either setting of ``~plan``."""
+    """Return either program, with either setting of ``~plan``."""
     name, plan = request.param
     return Delivery(name, solver=PLANS[plan])
 
 
-def test_the_paper_in_one_file_is_short_and_needs_no_other():
+def test_paper_encoding_is_one_short_file():
     text = (ENCODINGS / "paper.lp").read_text()
     assert len(text.splitlines()) <= 60
     assert "#include" not in text
@@ -51,7 +51,7 @@ def plan(driver):
 
 
 @pytest.mark.mostly_slow
-def test_the_case_study(mailbot):
+def test_paper_case_study_has_its_published_plans(mailbot):
     assert (plan(mailbot), mailbot.core.cycle, mailbot.journal.updates) == ([], 1, [])
     mailbot.goal("first", "goal(office3,office2,1)")
     assert plan(mailbot) == PLAN_1
@@ -68,8 +68,8 @@ def test_the_case_study(mailbot):
     assert squeezed(mailbot.journal.updates[3]) == "#step4._request(goal(office3,office4,2),5).#endstep."
 
 
-def test_cancels_and_failures(mailbot):
-    """A package that is aboard is taken back, and a failed action is tried again."""
+def test_paper_example_handles_cancels_and_failures(mailbot):
+    """A package on the robot is returned, and a failed action is tried again."""
     play(
         mailbot,
         """
@@ -81,7 +81,7 @@ def test_cancels_and_failures(mailbot):
 
 
 @pytest.mark.slow
-def test_five_requests_with_capacity_three(mailbot):
+def test_paper_example_serves_five_requests_with_capacity_three(mailbot):
     for number in range(1, 6):
         mailbot.core.add_goal(str(number), f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})")
     mailbot.run().finish()
@@ -94,8 +94,8 @@ def test_five_requests_with_capacity_three(mailbot):
     assert all(mailbot.states(str(number)) == ["active", "succeeded"] for number in range(1, 6))
 
 
-def test_statuses_of_the_program():
-    """A cancel while the package is delivered comes too late; goals that it does not know are rejected."""
+def test_paper_example_reports_its_statuses():
+    """A cancel during the delivery comes too late; unknown goals are rejected."""
     deliver(
         "mailbot",
         """

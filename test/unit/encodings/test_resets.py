@@ -1,4 +1,4 @@
-"""What people correct of the robot's world: where it is, what is on it, where things lie."""
+"""Corrections of the robot's world by people: its position, its load, and places of things."""
 
 import pytest
 from core_scripts import scripts
@@ -9,7 +9,7 @@ DETOUR = "acts move_base,office2 move_base,office3 pickup,1 move_base,office4 de
 FROM_4 = "acts move_base,office3 pickup,1 move_base,office4 deliver,1"
 
 
-def test_what_is_told_now_counts_for_the_next_action():
+def test_correction_counts_for_the_next_action():
     assert {shipped("mailbot.lp", "office.lp").delay_of(name, 2) for name in ("_at", "_aboard", "_off")} == {1}
     assert shipped("house.lp", "home.lp").delay_of("_lies", 3) == 1
 
@@ -71,19 +71,19 @@ SLOW_CORRECTIONS = {
 
 
 @scripts(CORRECTIONS)
-def test_correction(row):
+def test_correction_follows_the_script(row):
     deliver("mailbot", row)
 
 
 @pytest.mark.slow
 @scripts(SLOW_CORRECTIONS)
-def test_further_correction(row):
+def test_correction_in_further_situations_follows_script(row):
     deliver("mailbot", row)
 
 
 @pytest.mark.slow
-def test_corrections_of_the_house():
-    """A book that was not on the robot anyway, and a cup that was taken off by hand."""
+def test_correction_of_the_house_world():
+    """A book that was not on the robot, and a cup that somebody took off."""
     deliver(
         "house",
         """
@@ -96,7 +96,7 @@ def test_corrections_of_the_house():
     )
 
 
-def test_actions_in_vain_are_ended_with_preempt():
+def test_correction_preempts_actions_that_became_useless():
     deliver("mailbot", f"""
         goal a goal(office3,office4,1); facts _at(office4,now); ends move_base,office2,1; acts move_base,office2
         fail preempted; finish; {FROM_4}""", preempt=True)  # fmt: skip

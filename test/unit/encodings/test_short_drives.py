@@ -1,4 +1,4 @@
-"""Short drives: of the shortest plans one that drives the least."""
+"""Short drives: among the shortest plans, one with the least driving."""
 
 import pytest
 from hypothesis import given, settings
@@ -9,7 +9,7 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.solver import PlanSolver
 
-#: Two ways of two moves lead from a to d, and a third of one move from d to e.
+#: Two routes of two moves lead from a to d, and a third of one move from d to e.
 WAYS = ("ab", "ac", "bd", "cd", "de")
 PLACES = sorted({*"".join(WAYS)})
 PREFERS = Source.from_file(ENCODINGS / "delivery" / "short_drives.lp")
@@ -31,7 +31,7 @@ def plans(distances, requests, prefers, **options):
 
 
 def moves(answer):
-    """The places to which an answer drives, in order, and its number of actions."""
+    """Return the places to which an answer drives, in order, and its number of actions."""
     actions = sorted((one.arguments for one in answer if one.name == "_action_lib"), key=lambda one: one[2].number)
     return [one[1].name for one in actions if one[0].name == "move_base"], len(actions)
 
@@ -48,7 +48,7 @@ def driven(places, distances):
     st.fixed_dictionaries({(a, b): st.integers(1, 9) for a, b in WAYS}),
     st.lists(st.tuples(st.sampled_from(PLACES), st.sampled_from(PLACES)), min_size=1, max_size=2),
 )
-def test_no_shortest_plan_drives_less(distances, requests):
+def test_short_drives_no_shortest_plan_drives_less(distances, requests):
     ((chosen, length),) = plans(distances, requests, prefers=True)
     every = plans(distances, requests, prefers=False, models=0)
     assert {number for _, number in every} == {length}
@@ -56,7 +56,7 @@ def test_no_shortest_plan_drives_less(distances, requests):
 
 
 @pytest.mark.slow
-def test_it_is_so_where_plans_are_to_come_soon():
+def test_short_drives_also_with_plans_on_time():
     for short in ("ab", "ac"):
         distances = dict.fromkeys([(a, b) for a, b in WAYS], 50)
         distances[tuple(short)] = 10
@@ -64,5 +64,5 @@ def test_it_is_so_where_plans_are_to_come_soon():
         assert chosen == [short[1], "d", short[1], "a"]
 
 
-def test_without_distances_there_is_nothing_to_prefer():
+def test_short_drives_without_distances_prefer_nothing():
     assert plans({}, [("a", "e")], prefers=True)[0][1] == 5

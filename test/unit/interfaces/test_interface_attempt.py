@@ -1,4 +1,4 @@
-"""What an attempt says of its action: what earlier goals of it may have done counts."""
+"""The verdict of an attempt about its action, including the effects of earlier goals."""
 
 import pytest
 from clingo import Function
@@ -28,31 +28,31 @@ def after(one, *events, ended=None):
 SENT = (ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED)
 
 
-def test_an_attempt_without_a_goal_is_preempted_by_a_cancel():
+def test_attempt_without_goal_is_preempted_by_cancel():
     assert attempt(ActionEvent.CANCEL).conclusion.status == "preempted"
 
 
 @pytest.mark.parametrize("status", ["preempted", "recalled", "aborted", "rejected", "succeeded"])
-def test_a_cancelled_goal_ends_as_its_server_says(status):
+def test_attempt_with_cancelled_goal_ends_as_server_says(status):
     event = ActionEvent.PREEMPTED if status in ("preempted", "recalled") else ActionEvent.ENDED
     assert attempt(*SENT, ActionEvent.CANCEL, event, ended=Ended(status)).conclusion.status == status
 
 
 @pytest.mark.parametrize("why", [ActionEvent.CANCEL, ActionEvent.EXPIRED])
-def test_a_goal_that_outlives_its_cancel_is_lost_and_not_sent_again(why):
+def test_attempt_goal_that_outlives_its_cancel_is_lost(why):
     one = attempt(*SENT, why, ActionEvent.EXPIRED)
     assert one.conclusion.status == "server_lost"
     assert not one.should_retry(one.conclusion, Function("server_lost"), ("server_lost",))
 
 
-def test_a_cancel_between_two_goals_leaves_the_end_of_the_first():
+def test_attempt_cancelled_between_goals_keeps_first_end():
     first = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted", "slipped"))
     assert first.should_retry(first.conclusion, Function("failed"), ("failed",))
     second = first.next_attempt(first.conclusion, NOW)
     assert after(second, ActionEvent.CANCEL).conclusion == Ended("aborted", "slipped")
 
 
-def test_a_cancel_while_an_absent_server_is_tried_again_preempts():
+def test_attempt_cancelled_while_retrying_an_absent_server_preempts():
     first = attempt(ActionEvent.EXPIRED)
     assert first.conclusion.status == "server_lost"
     assert after(first.next_attempt(first.conclusion, NOW), ActionEvent.CANCEL).conclusion.status == "preempted"
@@ -62,7 +62,7 @@ def test_a_cancel_while_an_absent_server_is_tried_again_preempts():
     ("events", "ended"),
     [([ActionEvent.CANCEL], None), ([*SENT, ActionEvent.CANCEL, ActionEvent.PREEMPTED], Ended("preempted"))],
 )
-def test_nobody_is_preempted_while_an_earlier_goal_is_in_doubt(events, ended):
+def test_attempt_with_uncertain_earlier_goal_is_not_preempted(events, ended):
     first = attempt(*SENT, ActionEvent.SERVER_LOST)
     first.uncertain = True
     second = first.next_attempt(first.conclusion, NOW)
@@ -70,7 +70,7 @@ def test_nobody_is_preempted_while_an_earlier_goal_is_in_doubt(events, ended):
     assert after(second, *events, ended=ended).conclusion.status == "server_lost"
 
 
-def test_an_action_that_is_not_wanted_is_not_sent_again():
+def test_attempt_of_unwanted_action_is_not_sent_again():
     one = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted"))
     one.cancelled = True
     assert not one.should_retry(one.conclusion, Function("failed"), ("failed",))

@@ -1,4 +1,4 @@
-"""Looking at a message for what an action was to bring about."""
+"""Checks of a message for the intended effect of an action."""
 
 import pytest
 from clingo import Function, Number, String
@@ -26,25 +26,25 @@ def scope(parameter):
         (Number(1), False, True),
         (Function("cup"), True, False),
         (String("cup"), True, False),
-        (Number(2), False, False),  # no element is about it: each condition needs one
+        (Number(2), False, False),  # no element matches it: each condition needs one
     ],
 )
-def test_one_element_of_an_array_has_to_be_as_wanted(package, carried, lying):
+def test_check_requires_one_matching_array_element(package, carried, lying):
     assert holds(OFFICE, CARRIED, scope(package)) is carried
     assert holds(OFFICE, LYING, scope(package)) is lying
 
 
-def test_all_fields_of_the_same_element():
+def test_check_requires_all_fields_in_same_element():
     assert holds(OFFICE, {"status": {"name": "1", "message": "office3"}}, scope(Number(1)))
     assert not holds(OFFICE, {"status": {"name": "cup", "message": "office3"}}, scope(Number(1)))
 
 
-def test_what_cannot_be_filled_tells_nothing():
+def test_check_that_cannot_be_filled_is_undecided():
     assert holds(OFFICE, {"status": {"name": "$2"}}, scope(Number(1))) is None
     assert holds(OFFICE, {"status": {"name": "$parameter.frame"}}, scope(Number(1))) is None
 
 
-def test_numbers_texts_and_patterns():
+def test_check_compares_numbers_texts_and_patterns():
     pose = PoseStamped()
     pose.header.frame_id, pose.pose.position.x = "map", 2.0
     assert holds(pose, {"header": {"frame_id": "/^m/"}, "pose": {"position": {"x": 2}}}, scope(Number(1)))
@@ -57,7 +57,7 @@ def test_numbers_texts_and_patterns():
     assert not holds(Bool(data=False), {"data": True}, scope(Number(1)))
 
 
-def test_faults_of_a_check_name_their_places():
+def test_check_faults_name_their_places():
     wanted = {"status": {"name": "1", "massage": True, "level": "/[12]/"}, "header": 3, "parcels": "$1"}
     fields = "level, name, message, hardware_id, values"
     assert field_faults(DiagnosticArray(), wanted, "pickup.done.when") == [

@@ -1,4 +1,4 @@
-"""Entries of config/interfaces.yaml: what is read, and each fault with its place."""
+"""Entries of config/interfaces.yaml: accepted values, and each fault with its place."""
 
 from pathlib import Path
 
@@ -16,14 +16,14 @@ TYPE = {"type": "actionlib/TestAction"}
 
 
 def read_specs(data):
-    """All entries; raises ConfigError with all faults, as the node does."""
+    """Return all entries; raises ConfigError with all faults, as the node does."""
     reader = Reader(data)
     specs = survey(reader)
     reader.check(ConfigError)
     return specs
 
 
-def test_the_shipped_configuration():
+def test_interface_config_of_package_is_read():
     specs = read_specs(yaml.safe_load(SHIPPED.read_text()))
     assert sorted(specs) == ["deliver", "move_base", "pickup"]
     assert specs["move_base"].server == "move_base"
@@ -35,7 +35,7 @@ def test_the_shipped_configuration():
     }
 
 
-def test_what_is_left_out():
+def test_interface_config_has_defaults():
     spec = read_specs({"arm(left)": TYPE})["arm(left)"]
     assert spec.name == spec.server == "arm(left)"
     assert spec.goal == {}
@@ -45,7 +45,7 @@ def test_what_is_left_out():
     assert spec.done is None
 
 
-def test_everything_given():
+def test_interface_config_with_all_keys_is_read():
     entry = {
         "server": "/robot/arm",
         "type": "actionlib/TestAction",
@@ -124,17 +124,17 @@ def test_everything_given():
         ({**TYPE, "returns": [{"return": "$what"}]}, r"arm.returns\[0\].return: no \$what"),
     ],
 )
-def test_faults_are_named(entry, fault):
+def test_interface_config_faults_name_their_place(entry, fault):
     with pytest.raises(ConfigError, match=fault):
         read_specs({"arm": entry})
 
 
-def test_names_are_terms():
+def test_interface_config_names_are_terms():
     with pytest.raises(ConfigError, match="Left Arm: the name must be the ASP term"):
         read_specs({"Left Arm": TYPE})
 
 
-def test_all_faults_at_once():
+def test_interface_config_reports_all_faults_at_once():
     with pytest.raises(ConfigError) as caught:
         read_specs({"arm": {"timeout": -1}, "leg": 3})
     assert [line.split(":")[0] for line in str(caught.value).splitlines()] == ["arm.type", "arm.timeout", "leg"]
@@ -148,12 +148,12 @@ def test_all_faults_at_once():
         ({}, "has no entries; write one"),
     ],
 )
-def test_no_entries(data, fault):
+def test_interface_config_can_be_empty(data, fault):
     with pytest.raises(ConfigError, match=fault):
         read_specs(data)
 
 
-def test_what_is_usable_of_a_faulty_entry_is_there_to_be_checked_further():
+def test_interface_config_faulty_entry_is_checked_further():
     reader = Reader(
         {"arm": {**TYPE, "timeout": -1, "goal": {"x": "$y", "z": "$", "goal": 1}}, "leg": {"type": 3}},
         source="~interfaces: ",
@@ -169,7 +169,7 @@ def test_what_is_usable_of_a_faulty_entry_is_there_to_be_checked_further():
     assert specs["leg"].type == ""
 
 
-def test_limits_alone():
+def test_interface_config_limits_are_read_alone():
     assert read_limits(Reader({"timeout": 7}), ActionLimits(1.0, 2.0, 3)) == ActionLimits(7.0, 2.0, 3)
     reader = Reader({"retries": -1}, "~")
     assert read_limits(reader) == ActionLimits()
@@ -187,7 +187,7 @@ RULES = st.lists(st.dictionaries(st.sampled_from(["status", "text", "when", "ret
 
 
 @given(st.dictionaries(st.sampled_from(FIELDS), st.one_of(ANYTHING, RULES)), SCALARS)
-def test_any_data_is_read_or_refused(entry, name):
+def test_interface_config_of_any_data_is_handled(entry, name):
     try:
         read_specs({name: entry})
     except ConfigError as error:

@@ -24,14 +24,14 @@ from rosoclingo.runs.topic_atoms import run_in
 OFFICE2 = Function("office2")
 
 
-def test_an_action_is_read_and_answered():
+def test_facts_action_is_read_and_answered():
     command = parse_command("_action_lib(move_base,office2,1)", "move_base")
     assert command == (Verb.RUN, Action(Function("move_base"), OFFICE2, 1))
     assert return_text(command.action, OFFICE2) == "_return(move_base,office2,1)"
     assert return_text(command.action, Function("failed")) == "_return(move_base,failed,1)"
 
 
-#: Parameters and reasons: what interfaces and core answer, words of an entry, terms around them.
+#: Parameters and reasons: answers of interfaces and core, words of an entry, terms around them.
 WORDS = (
     "failed",
     "rejected",
@@ -56,7 +56,7 @@ TERMS = st.recursive(
 
 
 @given(st.lists(TERMS, min_size=1, max_size=4, unique=True), TERMS, st.data())
-def test_a_reason_is_never_the_success_of_an_action(parameters, reason, data):
+def test_facts_reason_never_equals_success_of_an_action(parameters, reason, data):
     actions = [Action(Function("drop"), parameter, 3) for parameter in parameters]
     action, sent = data.draw(st.sampled_from(actions)), SentActions()
     known = data.draw(st.sets(st.sampled_from(actions)))
@@ -84,7 +84,7 @@ def test_a_reason_is_never_the_success_of_an_action(parameters, reason, data):
         ("blocked(right)", False, "blocked(right)"),
     ],
 )
-def test_what_an_action_returns_beside_another(reason, succeeded, value):
+def test_facts_keep_return_and_extra_facts_apart(reason, succeeded, value):
     sent = SentActions()
     sent.add(parse_command(f"_action_lib(drop,{what},3)", "drop") for what in ("left", "rejected"))
     sent.add([parse_command("_action_lib(drop,right,2)", "drop")])
@@ -105,16 +105,16 @@ def test_what_an_action_returns_beside_another(reason, succeeded, value):
         (("core", "new"), ("core", None), True),
     ],
 )
-def test_a_core_that_was_replaced_cancels_nothing(sender, owner, may):
+def test_facts_of_a_replaced_core_cancel_nothing(sender, owner, may):
     assert Sender(*sender).may_cancel(Sender(*owner)) is may
 
 
-def test_the_run_is_read():
+def test_facts_run_is_read():
     assert run_in('_run("4f-2 a")') == "4f-2 a"
     assert [run_in(text) for text in ("_run(4)", "_run(a)", '_run("a","b")', '_rum("a")', "_run(", "")] == [None] * 6
 
 
-def test_a_cancellation_names_the_same_action():
+def test_facts_cancellation_names_the_same_action():
     run = parse_command("_action_lib(arm(left),pose(1,up),12).", "arm(left)")
     cancel = parse_command("_cancel(arm(left), pose(1, up), 12)", "arm(left)")
     assert cancel.verb is Verb.CANCEL
@@ -136,18 +136,18 @@ def test_a_cancellation_names_the_same_action():
         ("_action_lib(pickup,office2,1)", "is for pickup, but was sent to move_base"),
     ],
 )
-def test_what_is_no_command_is_told(text, fault):
+def test_facts_report_other_atoms_as_no_command(text, fault):
     with pytest.raises(CommandError, match=fault):
         parse_command(text, "move_base")
 
 
 @given(st.text(max_size=60))
-def test_any_text_is_a_command_or_a_fact_error(text):
+def test_facts_any_text_is_command_or_fact_error(text):
     with contextlib.suppress(CommandError):
         parse_command(text, "move_base")
 
 
-def test_values_of_terms():
+def test_facts_terms_become_values():
     assert as_text(String("two words")) == "two words"
     assert as_text(Function("f", [Number(1), String("a")])) == 'f(1,"a")'
     assert as_text(True) == "true"
@@ -171,12 +171,12 @@ def test_values_of_terms():
         (as_boolean, Number(2)),
     ],
 )
-def test_values_that_do_not_fit_are_told(convert, value):
+def test_facts_unsuitable_values_are_reported(convert, value):
     with pytest.raises(TermError):
         convert(value)
 
 
-def test_terms_of_values():
+def test_facts_values_become_terms():
     assert as_term(OFFICE2) is OFFICE2
     assert as_term(3) == Number(3)
     assert as_term("at(office2,3)") == Function("at", [OFFICE2, Number(3)])

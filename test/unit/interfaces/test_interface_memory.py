@@ -1,4 +1,4 @@
-"""What an interface has begun and answered, and that its death costs none of it."""
+"""The memory of an interface: begun and answered actions, all of which survive its death."""
 
 import contextlib
 import resource
@@ -17,7 +17,7 @@ ANSWER = ("_return(pickup,1,3)",)
 
 @pytest.fixture
 def tmp_path():
-    """A folder in memory: nothing here outlives the machine, so no disk is waited for."""
+    """A folder in memory: no test needs the data after a crash of the machine, so nothing waits for a disk."""
     with volatile_folder() as folder:
         yield Path(folder)
 
@@ -27,7 +27,7 @@ def volatile_folder():
 
 
 def copy_of(one, folder, wal_size):
-    """What a machine that went down leaves: the database of a memory, with this many bytes of its log."""
+    """Return what a crashed machine leaves: a memory's database, with this many bytes of its log."""
     log = Path(f"{one.path}-wal").read_bytes()
     (folder / one.path.name).write_bytes(one.path.read_bytes())
     (folder / f"{one.path.name}-wal").write_bytes(log[:wal_size])
@@ -44,7 +44,7 @@ def memory(folder, run="first"):
     return found
 
 
-def test_a_successor_knows_what_was_begun_and_answered(tmp_path):
+def test_memory_successor_knows_begun_and_answered_actions(tmp_path):
     dead = memory(tmp_path)
     dead.note_begun(PICKUP, "goal-1")
     assert memory(tmp_path).recall(PICKUP) == Record("goal-1")
@@ -53,14 +53,14 @@ def test_a_successor_knows_what_was_begun_and_answered(tmp_path):
     assert memory(tmp_path).recall("_action_lib(pickup,1,4)") is None
 
 
-def test_the_last_goal_of_an_action_counts(tmp_path):
+def test_memory_last_goal_of_an_action_counts(tmp_path):
     dead = memory(tmp_path)
     dead.note_begun(PICKUP, "goal-1")
     dead.note_begun(PICKUP, "goal-2")
     assert memory(tmp_path).recall(PICKUP) == Record("goal-2")
 
 
-def test_another_run_is_another_story(tmp_path):
+def test_memory_of_another_run_is_separate(tmp_path):
     one = memory(tmp_path)
     one.note_answered(PICKUP, ANSWER)
     assert not one.begin_run("first")
@@ -71,14 +71,14 @@ def test_another_run_is_another_story(tmp_path):
     assert memory(tmp_path).recall(PICKUP) == Record("", ANSWER)
 
 
-def test_other_interfaces_have_files_of_their_own(tmp_path):
+def test_memory_of_other_interfaces_has_separate_files(tmp_path):
     memory(tmp_path).note_begun(PICKUP, "goal-1")
-    other = ActionMemory(tmp_path, "/robot_pickup/interface pickup")  # the same letters, cut in another way
+    other = ActionMemory(tmp_path, "/robot_pickup/interface pickup")  # the same letters, divided differently
     other.begin_run("first")
     assert other.recall(PICKUP) is None
 
 
-def test_without_a_folder_there_is_no_file():
+def test_memory_without_folder_writes_no_file():
     one = memory(None)
     one.note_begun(PICKUP, "goal-1")
     assert one.path is None
@@ -86,7 +86,7 @@ def test_without_a_folder_there_is_no_file():
 
 
 @pytest.mark.parametrize("damage", [b"nonsense " * 1000, b"SQLite format 3\0" + b"\xff" * 4096])
-def test_a_damaged_database_is_reported_and_set_aside(tmp_path, damage):
+def test_memory_damaged_database_is_reported_and_set_aside(tmp_path, damage):
     dead = memory(tmp_path)
     dead.note_begun(PICKUP, "goal-1")
     dead.close()
@@ -99,7 +99,7 @@ def test_a_damaged_database_is_reported_and_set_aside(tmp_path, damage):
     assert memory(tmp_path).recall(PICKUP) == Record("goal-2")
 
 
-def test_a_database_damaged_under_a_node_is_written_again_whole(tmp_path):
+def test_memory_database_damaged_while_open_is_rewritten(tmp_path):
     one = memory(tmp_path)
     one.note_answered(PICKUP, ANSWER)
     one.close()
@@ -112,7 +112,7 @@ def test_a_database_damaged_under_a_node_is_written_again_whole(tmp_path):
     assert memory(tmp_path).recall("_action_lib(pickup,2,3)") == Record("goal-2")
 
 
-def test_a_disk_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
+def test_memory_reports_unwritable_disk_and_continues(tmp_path):
     folder = tmp_path / "folder"
     one = memory(folder)
     folder.write_text("in the way")
@@ -122,12 +122,12 @@ def test_a_disk_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     folder.unlink()
     one.note_answered("_action_lib(pickup,2,3)", ANSWER)
     assert not one.trouble
-    assert memory(folder).recall(PICKUP) == Record("goal-1")  # with what could not be written before
+    assert memory(folder).recall(PICKUP) == Record("goal-1")  # with the entries that could not be written before
 
 
 @contextlib.contextmanager
 def room_for(size):
-    """A disk on which files of this process cannot become larger than ``size`` bytes: EFBIG in place of ENOSPC."""
+    """Limit files of this process to ``size`` bytes: EFBIG stands for ENOSPC."""
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, limit[1]))
     try:
@@ -136,7 +136,7 @@ def room_for(size):
         resource.setrlimit(resource.RLIMIT_FSIZE, limit)
 
 
-def test_a_full_disk_that_has_room_again_is_written_without_anything_new(tmp_path):
+def test_memory_is_written_once_full_disk_has_room(tmp_path):
     one = memory(tmp_path)
     one.note_begun(PICKUP, "goal-1")
     with room_for(wal_size(one) + 10):
@@ -153,7 +153,7 @@ def test_a_full_disk_that_has_room_again_is_written_without_anything_new(tmp_pat
 
 
 @pytest.mark.parametrize("size", [0, 4096, 40000])
-def test_a_disk_that_is_full_from_the_start_is_written_later(tmp_path, size):
+def test_memory_starts_on_a_full_disk_and_writes_later(tmp_path, size):
     one = memory(tmp_path)
     with room_for(size):
         for number in range(300):
@@ -167,14 +167,14 @@ def test_a_disk_that_is_full_from_the_start_is_written_later(tmp_path, size):
     ]
 
 
-def test_a_file_that_cannot_be_read_is_told(tmp_path):
+def test_memory_reports_an_unreadable_file(tmp_path):
     one = ActionMemory(tmp_path, "a b")
     one.path.mkdir()
     one.begin_run("first")
     assert "cannot read" in one.trouble
 
 
-def test_the_last_answers_are_kept_and_all_that_is_under_way(tmp_path):
+def test_memory_keeps_last_answers_and_all_running_actions(tmp_path):
     one = memory(tmp_path)
     one.note_begun(PICKUP, "goal-1")
     largest = 0
@@ -189,7 +189,7 @@ def test_the_last_answers_are_kept_and_all_that_is_under_way(tmp_path):
     assert largest < 1_000_000
 
 
-def test_former_runs_are_forgotten(tmp_path):
+def test_memory_forgets_former_runs(tmp_path):
     for number in range(3 * RUNS):
         memory(tmp_path, f"run {number}").note_begun(PICKUP, f"goal-{number}")
     known = [memory(tmp_path, f"run {number}").recall(PICKUP) for number in range(3 * RUNS)]
@@ -207,7 +207,7 @@ STEPS = st.one_of(
 
 
 def take(model, step):
-    """What a memory that never dies would know: run -> action -> Record."""
+    """Return the content of an immortal memory: run -> action -> Record."""
     kind, action, value = step
     if kind == "begin":
         model[action] = Record(value)
@@ -216,7 +216,7 @@ def take(model, step):
 
 
 @given(st.lists(STEPS, max_size=30))
-def test_deaths_and_runs_in_any_order(steps):
+def test_memory_survives_deaths_and_runs_in_any_order(steps):
     with volatile_folder() as name:
         one, models, run = memory(Path(name), "r1"), {"r1": {}, "r2": {}}, "r1"
         for step in steps:
@@ -235,8 +235,8 @@ def test_deaths_and_runs_in_any_order(steps):
 
 
 @given(st.lists(STEPS.filter(lambda step: step[0] in ("begin", "answer")), min_size=1, max_size=8), st.data())
-def test_a_death_at_every_byte_of_the_file(steps, data):
-    """What was written whole is known, what was not is as if it had never been."""
+def test_memory_survives_death_at_every_byte_of_file(steps, data):
+    """Completely written entries are known; partially written ones never existed."""
     with volatile_folder() as name:
         dead, ends, models = memory(Path(name)), [0], [{}]
         for step in steps:

@@ -1,4 +1,4 @@
-"""Filling ROS messages from values: every kind of field, every misfit."""
+"""ROS messages filled from values: every kind of field, every mismatch."""
 
 import genpy
 import pytest
@@ -19,7 +19,7 @@ NOW = genpy.Time(12, 34)
 BEDROOM = Label("bedroom", 10.5, 11.2, 3.141592653589793, "map")
 
 
-def test_a_label_fills_a_stamped_pose():
+def test_messages_label_fills_a_stamped_pose():
     goal = fill(MoveBaseGoal(), {"target_pose": BEDROOM}, NOW)
     assert goal.target_pose.header.frame_id == "map"
     assert goal.target_pose.header.stamp == NOW
@@ -28,7 +28,7 @@ def test_a_label_fills_a_stamped_pose():
     assert goal.target_pose.pose.orientation.w == pytest.approx(0.0)
 
 
-def test_frames_are_sent_without_a_leading_slash():
+def test_messages_frames_lose_their_leading_slash():
     header = {"header": {"frame_id": "/map"}}
     goal = fill(MoveBaseGoal(), {"target_pose": {**header, "pose": BEDROOM}}, NOW)
     assert goal.target_pose.header.frame_id == "map"
@@ -36,7 +36,7 @@ def test_frames_are_sent_without_a_leading_slash():
     assert fill(StringMessage(), {"data": "/map"}, NOW).data == "/map"
 
 
-def test_other_messages_that_a_label_fills():
+def test_messages_label_fills_other_types():
     assert fill(PointStamped(), {"point": BEDROOM}, NOW).point == Point(10.5, 11.2, 0.0)
     assert fill(PoseStamped(), {"pose": {"orientation": BEDROOM}}, NOW).pose.orientation.z == pytest.approx(1.0)
     poses = fill(PoseArray(), {"poses": [BEDROOM, BEDROOM]}, NOW).poses
@@ -44,7 +44,7 @@ def test_other_messages_that_a_label_fills():
     assert fill(Pose2D(), {"x": 1, "theta": String("0.5")}, NOW) == Pose2D(1.0, 0.0, 0.5)
 
 
-def test_scalars_times_and_arrays():
+def test_messages_scalars_times_and_arrays_are_filled():
     goal = fill(
         RequestGoal(),
         {
@@ -90,12 +90,12 @@ def test_scalars_times_and_arrays():
         ),
     ],
 )
-def test_misfits_are_named(message, values, fault):
+def test_messages_mismatches_name_their_field(message, values, fault):
     with pytest.raises(FieldError, match=fault):
         fill(message, values, NOW)
 
 
-def test_templates_are_checked_against_the_type():
+def test_messages_templates_are_checked_against_the_type():
     assert field_faults(MoveBaseGoal(), {"target_pose": {"pose": {"position": "$parameter.pose"}}}) == []
     assert field_faults(Int8(), {"data": {"x": 1}}) == ["goal.data: needs int8, but has a mapping"]
     template = {"target_pose": {"pos": 1, "header": {"frame_id": 3, "seq": -1, "stamp": "$now"}}, "targets": {}}

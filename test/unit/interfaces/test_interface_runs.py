@@ -1,4 +1,4 @@
-"""The life of one goal: every event in every phase, deadlines, odd clocks."""
+"""The life of one goal: every event in every phase, deadlines, irregular clocks."""
 
 import pytest
 from hypothesis import given
@@ -39,7 +39,7 @@ def later(ros=0.0, wall=0.0):
     return Instant(START.ros + ros, START.wall + wall)
 
 
-def test_only_what_cannot_happen_is_illegal():
+def test_goal_run_rejects_only_impossible_events():
     illegal = {(phase, event) for phase in Phase for event in ActionEvent if event not in TRANSITIONS[phase]}
     assert illegal == {
         (Phase.WAITING, ActionEvent.ACKNOWLEDGED),
@@ -77,15 +77,15 @@ def test_only_what_cannot_happen_is_illegal():
         (Phase.DONE, ActionEvent.SHUTDOWN, "preempted"),
     ],
 )
-def test_verdicts(phase, event, verdict):
+def test_goal_run_verdicts_follow_the_table(phase, event, verdict):
     run = run_in(phase)
     run.handle(event, START)
     assert run.verdict == verdict
 
 
 @given(st.lists(st.sampled_from(list(ActionEvent)), max_size=12))
-def test_a_goal_that_was_sent_is_preempted_by_its_server_alone(events):
-    """Nothing has happened: only of a goal that was never sent can anybody else say so."""
+def test_goal_run_preemption_comes_only_from_the_server(events):
+    """The run can report that nothing has happened only for a goal that was never sent."""
     run, sent = Run(LIMITS, START), False
     for event in events:
         if event in TRANSITIONS[run.phase]:
@@ -94,7 +94,7 @@ def test_a_goal_that_was_sent_is_preempted_by_its_server_alone(events):
     assert not run.cancel_ignored or run.verdict in ("server_lost", "interface_lost")
 
 
-def test_a_server_that_never_comes_is_lost_by_the_wall_clock():
+def test_goal_run_absent_server_is_lost_by_wall_clock():
     run = run_in(Phase.WAITING)
     assert run.tick(later(ros=1000.0, wall=4.9)) is Effect.NOTHING
     assert run.tick(later(ros=0.0, wall=5.0)) is Effect.FINISH
@@ -103,11 +103,11 @@ def test_a_server_that_never_comes_is_lost_by_the_wall_clock():
 
 @pytest.mark.parametrize("now", [later(ros=1000.0, wall=4.9), later(ros=4.9, wall=1000.0)])
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.ENDING])
-def test_a_connected_server_is_lost_by_both_clocks_only(phase, now):
+def test_goal_run_connected_server_is_lost_by_both_clocks(phase, now):
     assert run_in(phase).tick(now) is Effect.NOTHING
 
 
-def test_a_server_that_is_starting_is_waited_for_and_that_is_told_once():
+def test_goal_run_waits_for_starting_server_with_one_report():
     run = run_in(Phase.WAITING)
     told = [run.wait_on(later(wall=second)) for second in range(1, 100)]
     assert told == [True] + [False] * 98
@@ -116,7 +116,7 @@ def test_a_server_that_is_starting_is_waited_for_and_that_is_told_once():
     assert run.verdict == "server_lost"
 
 
-def test_a_server_that_never_gets_started_is_lost_in_the_end():
+def test_goal_run_server_that_never_starts_is_lost():
     run = run_in(Phase.WAITING)
     for second in range(1, int(START_TIME) + 10):
         run.wait_on(later(wall=second))
@@ -124,13 +124,13 @@ def test_a_server_that_never_gets_started_is_lost_in_the_end():
     assert run.verdict == "server_lost"
 
 
-def test_a_goal_that_is_not_acknowledged_is_given_up():
+def test_goal_run_unacknowledged_goal_is_aborted():
     run = run_in(Phase.SENT)
     assert run.tick(later(5.0, 5.0)) is Effect.ABANDON
     assert run.verdict == "server_lost"
 
 
-def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
+def test_goal_run_slow_goal_is_cancelled_then_aborted():
     run = run_in(Phase.RUNNING)
     assert run.tick(later(9.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
@@ -143,37 +143,37 @@ def test_a_goal_that_takes_too_long_is_cancelled_then_given_up():
     assert run.done
 
 
-def test_the_time_counts_from_sending_the_goal():
+def test_goal_run_timeout_counts_from_sending():
     run = run_in(Phase.SENT)
     run.handle(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
 
 
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
-def test_a_server_that_somebody_else_has_taken_is_left_to_him_for_a_while(phase):
+def test_goal_run_waits_for_server_busy_with_others(phase):
     run = run_in(phase, LIMITS._replace(pause=2.0))
     assert run.handle(ActionEvent.PREEMPTED, START) is Effect.NOTHING
     assert run.tick(later(1.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(2.0, 0.1)) is Effect.FINISH
 
 
-def test_nobody_waits_for_the_pause_of_an_action_that_is_not_wanted_any_more():
+def test_goal_run_unwanted_action_skips_the_pause():
     assert run_in(Phase.YIELDING).handle(ActionEvent.CANCEL, later(0.1)) is Effect.FINISH
     assert run_in(Phase.ENDING).handle(ActionEvent.PREEMPTED, later(0.1)) is Effect.FINISH
 
 
-def test_no_limit():
+def test_goal_run_without_limit_waits_for_ever():
     assert run_in(Phase.RUNNING, LIMITS._replace(timeout=0.0)).tick(later(1e9, 1e9)) is Effect.NOTHING
 
 
-def test_the_clock_starts_with_the_first_clock_message():
+def test_goal_run_clock_starts_with_first_clock_message():
     run = run_in(Phase.RUNNING, now=Instant(0.0, 0.0))
     assert run.tick(Instant(0.0, 1.0)) is Effect.NOTHING
     assert run.tick(Instant(5000.0, 2.0)) is Effect.NOTHING
     assert run.tick(Instant(5010.0, 3.0)) is Effect.CANCEL
 
 
-def test_time_that_is_reset_starts_the_deadline_anew():
+def test_goal_run_reset_time_restarts_the_deadline():
     run = run_in(Phase.RUNNING)
     assert run.tick(Instant(1.0, 51.0)) is Effect.NOTHING
     assert run.tick(Instant(10.9, 52.0)) is Effect.NOTHING
@@ -183,7 +183,7 @@ def test_time_that_is_reset_starts_the_deadline_anew():
 @given(
     st.lists(st.one_of(st.sampled_from(list(ActionEvent)), st.tuples(st.floats(0, 20), st.floats(0, 20))), max_size=30)
 )
-def test_every_run_ends_once_and_for_good(happenings):
+def test_goal_run_ends_exactly_once(happenings):
     run, now, finished = Run(LIMITS, START), START, 0
     for happening in happenings:
         if isinstance(happening, ActionEvent):

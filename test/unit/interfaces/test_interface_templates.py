@@ -53,12 +53,12 @@ def scope(parameter="office2", ended=ABORTED):
         ("$parameter.pose", "office2", LABELS["office2"]),
     ],
 )
-def test_values(template, parameter, value):
+def test_template_values_are_filled(template, parameter, value):
     assert not faults(template)
     assert evaluate(template, scope(parameter)) == value
 
 
-def test_now_is_filled_in_later():
+def test_template_now_is_filled_in_later():
     assert isinstance(evaluate("$now", scope()), Now)
 
 
@@ -74,7 +74,7 @@ def test_now_is_filled_in_later():
         ("$result.location", "office2", FillError),
     ],
 )
-def test_what_an_action_cannot_fill(template, parameter, error):
+def test_template_reports_fields_that_an_action_lacks(template, parameter, error):
     with pytest.raises(error):
         evaluate(template, scope(parameter))
 
@@ -93,12 +93,12 @@ def test_what_an_action_cannot_fill(template, parameter, error):
         ([{"b": "$x"}], r"goal.a\[0\].b: no \$x"),
     ],
 )
-def test_faulty_templates_are_told_with_their_place(template, fault):
+def test_template_faults_name_their_place(template, fault):
     [found] = faults(template, place="goal.a")
     assert re.search(fault, found)
 
 
-def test_answers_may_refer_to_the_end():
+def test_template_answers_can_refer_to_the_end():
     assert not faults("$result.poses.0.x", ANSWER_NAMES)
     end = scope(ended=Ended("aborted", "no way", RESULT))
     assert evaluate("$status", end) == "aborted"
@@ -125,11 +125,11 @@ def test_answers_may_refer_to_the_end():
         ("bad_parameter", "bad_parameter"),
     ],
 )
-def test_default_return_terms(status, value):
+def test_template_default_return_terms(status, value):
     assert str(answer((), scope(ended=Ended(status))).value) == value
 
 
-def test_the_first_matching_rule_answers():
+def test_template_first_matching_rule_answers():
     rules = (
         Rule("here(${1})", status="succeeded"),
         Rule("not_here", status="aborted", when={"outcome": 3, "location": "/^office/"}, facts=("seen(${1},$$)",)),
@@ -144,7 +144,7 @@ def test_the_first_matching_rule_answers():
     assert "is no ground atom" in first.warnings[0]
 
 
-def test_further_facts_and_terms_from_the_result():
+def test_template_adds_facts_and_terms_from_result():
     rule = Rule("$result.location", facts=("at(${result.location},${cycle})", "$result.missing"))
     given = answer((rule,), scope(ended=Ended("succeeded", "", RESULT)))
     assert str(given.value) == "office4"
@@ -152,24 +152,24 @@ def test_further_facts_and_terms_from_the_result():
     assert len(given.warnings) == 1
 
 
-def test_an_answer_that_cannot_be_filled_falls_back():
+def test_template_answer_that_cannot_be_filled_falls_back():
     given = answer((Rule("$result.missing"),), scope(ended=Ended("aborted", "", RESULT)))
     assert str(given.value) == "failed"
     assert "the result has no missing" in given.warnings[0]
 
 
-def test_text_that_is_no_term_is_returned_as_a_string():
+def test_template_text_that_is_no_term_becomes_string():
     assert str(answer((Rule("$result.text"),), scope(ended=Ended("succeeded", "", RESULT))).value) == '"Some Words"'
 
 
 def said(words, *facts, returns="$result.message", parameter="office2"):
-    """What an entry makes of a server's words."""
+    """Return what an entry makes of a server's words."""
     return answer(
         (Rule(returns, facts=facts),), scope(parameter, Ended("succeeded", words, SimpleNamespace(message=words)))
     )
 
 
-#: Any text that ASP can hold, words of its own language more often than by chance.
+#: Any text that ASP permits, with more of ASP's own words than random text has.
 TEXTS = st.one_of(
     st.text(st.characters(blacklist_categories=["Cs"], blacklist_characters="\0")),
     st.lists(st.sampled_from(['"', "\\", "\n", ",", "(", ")", ".", "a", " ", "%", "$", "{", "}", "X", "\\n", "ä"])).map(
@@ -179,7 +179,7 @@ TEXTS = st.one_of(
 
 
 @given(TEXTS)
-def test_any_text_comes_back_from_a_fact(words):
+def test_template_any_text_survives_in_a_fact(words):
     given = said(words, 'heard("${result.message}",1,now)', 'noted(f("<${text}>"),"${1}")', returns='told("${text}")')
     assert given.warnings == ()
     heard, noted = map(read_atom, given.facts)
@@ -194,7 +194,7 @@ def test_any_text_comes_back_from_a_fact(words):
 
 
 @given(TEXTS)
-def test_bare_text_in_a_fact_is_one_term_or_is_told(words):
+def test_template_bare_text_is_one_term_or_reported(words):
     given = said(words, "heard(${result.message},now)", returns="told(${text})")
     if given.facts:
         heard = read_atom(given.facts[0])
@@ -219,7 +219,7 @@ def test_bare_text_in_a_fact_is_one_term_or_is_told(words):
         ("hall", 'heard("$$${text}","${1}",now)', 'heard("$hall","office2",now)'),
     ],
 )
-def test_words_of_a_server_in_a_fact(words, template, fact):
+def test_template_server_words_in_a_fact(words, template, fact):
     assert said(words, template)[1:3] == ((fact,), ())
 
 
@@ -240,7 +240,7 @@ def test_words_of_a_server_in_a_fact(words, template, fact):
         ("two words", "$text", "is no ground atom"),
     ],
 )
-def test_words_that_are_no_term_are_told_and_no_fact(words, template, warning):
+def test_template_reports_server_words_that_are_no_term(words, template, warning):
     given = said(words, template)
     assert given.facts == ()
     assert warning in given.warnings[0]
@@ -259,11 +259,11 @@ def test_words_that_are_no_term_are_told_and_no_fact(words, template, warning):
         ("a,b", "$text", '"a,b"'),
     ],
 )
-def test_words_of_a_server_in_a_return(words, template, value):
+def test_template_server_words_in_a_return(words, template, value):
     assert str(said(words, returns=template).value) == value
 
 
-def test_a_string_of_the_program_stays_one_in_facts():
+def test_template_string_of_program_stays_a_string():
     given = said("", "heard(${parameter},${1},now)", 'heard("${parameter}",now)', parameter='"two \\"words\\""')
     text = '"two \\"words\\""'
     assert given.facts == (f"heard({text},{text},now)", f"heard({text},now)")
@@ -281,7 +281,7 @@ def test_a_string_of_the_program_stays_one_in_facts():
         ({"return": "${result.missing}"}, Ended("succeeded"), None),
     ],
 )
-def test_a_constant_is_a_reason_and_never_success(rule, ended, success):
+def test_template_constant_is_a_reason_and_never_success(rule, ended, success):
     spec = survey(Reader({"arm": {"type": "actionlib/TestAction", "returns": [rule]}}))["arm"]
     given = answer(spec.rules, scope(ended=ended))
     assert given.success is success
@@ -300,7 +300,7 @@ def test_a_constant_is_a_reason_and_never_success(rule, ended, success):
         ("server_lost", None, "server_lost"),
     ],
 )
-def test_the_own_verdict_stands_unless_the_server_succeeded(verdict, ended, status):
+def test_template_own_verdict_stands_unless_server_succeeded(verdict, ended, status):
     assert conclude(verdict, ended).status == status
 
 
@@ -312,7 +312,7 @@ PIECES = st.sampled_from(
 @given(
     st.lists(PIECES, max_size=8).map("".join), st.sampled_from(["office2", "office9", "f(a,office2)", "7", '"text"'])
 )
-def test_a_template_that_passes_the_check_is_filled_or_refused_for_a_reason(template, parameter):
+def test_template_that_passes_check_is_filled_or_refused(template, parameter):
     if faults(template):
         return
     try:
@@ -330,5 +330,5 @@ def test_a_template_that_passes_the_check_is_filled_or_refused_for_a_reason(temp
         ({"a": "$result.pose"}, []),
     ],
 )
-def test_templates_that_ask_for_labels(template, wanted):
+def test_template_that_requires_labels(template, wanted):
     assert labelled(template) == wanted

@@ -1,4 +1,4 @@
-"""What the tests of nodes share."""
+"""Fixtures that the tests of nodes share."""
 
 from pkgutil import extend_path
 
@@ -9,7 +9,7 @@ import rosoclingo
 
 @pytest.fixture
 def messages(monkeypatch):
-    """The package's messages; unit tests take it from its sources, where they are not."""
+    """The package's messages, where unit tests import the package from its sources, without messages."""
     pytest.importorskip("rosbag")
     monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
     return pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")

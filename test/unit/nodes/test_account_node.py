@@ -1,4 +1,4 @@
-"""The account of ROS messages: where the robot and things are, in a package of any kind."""
+"""The account of ROS messages: where robot and things are, for any package."""
 
 from types import SimpleNamespace
 
@@ -54,7 +54,7 @@ def transforms(*found):
         ("/tf", transforms(("/map", "/base_footprint", 1.0, 2.3))),
     ],
 )
-def test_account_names_the_place_by_the_program_s_labels(account, topic, message):
+def test_account_names_place_by_label_of_program(account, topic, message):
     account.take(topic, message, 1.0)
     account.take("~program", program(), 1.1)
     assert account.account.summary.robot == "kitchen"
@@ -62,7 +62,7 @@ def test_account_names_the_place_by_the_program_s_labels(account, topic, message
     assert account.account.summary.robot == "kitchen", "what is measured counts more"
 
 
-def test_account_names_no_place_for_a_robot_between_labels(account):
+def test_account_names_no_place_between_labels(account):
     account.take("~program", program(), 1.0)
     account.take("amcl_pose", posed(3.0, 3.0), 1.1)
     assert account.account.summary.robot == "away from every label"
@@ -71,7 +71,7 @@ def test_account_names_no_place_for_a_robot_between_labels(account):
 
 
 @pytest.mark.parametrize("labels", [LABELS, {}])
-def test_account_takes_places_that_the_program_shows(account, labels):
+def test_account_reads_places_that_the_program_shows(account, labels):
     account.take("~program", program(labels=labels), 1.0)
     account.take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
     assert account.account.summary.robot == "kitchen"
@@ -89,7 +89,7 @@ def test_account_prefers_the_topic_of_packages(account):
     assert account.account.summary.packages == {"1": "hall"}
 
 
-def test_account_compares_cycles_from_the_scenario_s_beginning(account):
+def test_account_counts_cycles_from_start_of_scenario(account):
     account.take("~task_plan", SimpleNamespace(cycle=7, horizon=7, actions=[], ground_time=0.0, solve_time=0.0), 1.0)
     account.take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
     expect = {"actions": ["_action_lib(go,x,1)"]}

@@ -1,4 +1,4 @@
-"""The bag while it is written: what it holds however often it is flushed, and wherever its writer dies."""
+"""The bag during recording: its content after any flush, and after its writer dies anywhere."""
 
 import resource
 from contextlib import contextmanager
@@ -25,7 +25,7 @@ def read(path):
         return [message.data for _, message, _ in bag.read_messages(["/said"])]
 
 
-def test_the_index_that_is_let_go_now_and_then_is_whole_in_the_end(tmp_path, monkeypatch):
+def test_bag_index_is_complete_after_intermediate_flushes(tmp_path, monkeypatch):
     monkeypatch.setattr(bag_file, "KEEP", 2)
     bag = BagFile(tmp_path / "new" / "run.bag", "/notes")
     for number in range(9):
@@ -36,7 +36,7 @@ def test_the_index_that_is_let_go_now_and_then_is_whole_in_the_end(tmp_path, mon
     assert not active(bag.path).exists()
 
 
-def test_before_time_begins_is_its_beginning(tmp_path):
+def test_bag_time_before_first_stamp_is_its_start(tmp_path):
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "0")
     bag.close()
@@ -45,7 +45,7 @@ def test_before_time_begins_is_its_beginning(tmp_path):
 
 
 @pytest.mark.parametrize("lost", [0, 1, 100])
-def test_a_bag_is_mended_up_to_its_last_flush(tmp_path, lost):
+def test_bag_is_repaired_up_to_last_flush(tmp_path, lost):
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "1", "2")
     bag.flush()
@@ -58,7 +58,7 @@ def test_a_bag_is_mended_up_to_its_last_flush(tmp_path, lost):
     assert note == "repaired: the recorder was killed; messages after 2.000 s are missing"
 
 
-def test_what_is_no_bag_is_not_mended(tmp_path):
+def test_bag_repair_refuses_other_files(tmp_path):
     path = tmp_path / "run.bag"
     for content in (b"", b"#ROSBAG V2.0\n", b"something else"):
         active(path).write_bytes(content)
@@ -67,7 +67,7 @@ def test_what_is_no_bag_is_not_mended(tmp_path):
     assert not path.exists()
 
 
-def test_a_place_that_cannot_be_written(tmp_path):
+def test_bag_path_that_is_not_writable_is_reported(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(BagError, match=r"file/run\.bag cannot be written"):
         BagFile(tmp_path / "file" / "run.bag", "/notes")
@@ -75,7 +75,7 @@ def test_a_place_that_cannot_be_written(tmp_path):
 
 @contextmanager
 def room_for(size):
-    """A disk on which files of this process cannot become larger than ``size`` bytes: EFBIG in place of ENOSPC."""
+    """Limit files of this process to ``size`` bytes: EFBIG stands for ENOSPC."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
@@ -85,7 +85,7 @@ def room_for(size):
 
 
 def fill(bag):
-    """Write more than there is room for."""
+    """Write more than fits on the disk."""
     for number in range(10, 100):
         write(bag, str(number))
         bag.flush()
@@ -93,7 +93,7 @@ def fill(bag):
 
 @pytest.mark.parametrize("keep", [1, 2, 300])
 @pytest.mark.parametrize("room", [0, 100, 5000])
-def test_it_goes_on_when_a_full_disk_has_room_again(tmp_path, monkeypatch, keep, room):
+def test_bag_recording_continues_once_full_disk_has_room(tmp_path, monkeypatch, keep, room):
     monkeypatch.setattr(bag_file, "KEEP", keep)
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "1", "2")
@@ -119,7 +119,7 @@ def test_it_goes_on_when_a_full_disk_has_room_again(tmp_path, monkeypatch, keep,
         assert [message.data for _, message, _ in whole.read_messages(["/notes"])] == ["lacks a lot"]
 
 
-def test_a_bag_that_ends_on_a_full_disk_can_be_mended(tmp_path):
+def test_bag_that_ends_on_full_disk_is_repairable(tmp_path):
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "1", "2")
     bag.flush()

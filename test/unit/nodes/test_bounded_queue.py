@@ -1,4 +1,4 @@
-"""The queue in which arrivals wait for the core's worker: a node without room waits."""
+"""The queue of arrivals for the core's worker: a node blocks while the queue is full."""
 
 import threading
 
@@ -15,7 +15,7 @@ def queue():
     return BoundedQueue(LIMIT)
 
 
-def test_items_keep_the_order_of_their_arrival(queue):
+def test_bounded_queue_keeps_order_of_arrival(queue):
     for number in range(3):
         queue.put("/a", number)
         queue.put("/b", -number)
@@ -25,14 +25,14 @@ def test_items_keep_the_order_of_their_arrival(queue):
     assert not queue
 
 
-def test_the_worker_is_called_for_the_first_item_only(queue):
+def test_bounded_queue_wakes_worker_for_first_item_only(queue):
     assert queue.put("/a", 1)
     assert not queue.put("/b", 1)
     queue.take(2)
     assert queue.put("/a", 2)
 
 
-def test_a_node_without_room_waits_and_loses_nothing(queue):
+def test_bounded_queue_blocks_sender_and_loses_nothing(queue):
     number, sent = 3 * LIMIT, []
 
     def send():
@@ -51,7 +51,7 @@ def test_a_node_without_room_waits_and_loses_nothing(queue):
     assert queue.put("/quiet", 0), "there is room for others"
 
 
-def test_a_waiting_sender_ends_with_the_node(queue, monkeypatch):
+def test_bounded_queue_releases_sender_when_node_ends(queue, monkeypatch):
     monkeypatch.setattr(bounded_queue, "CHECK", 0.01)
     monkeypatch.setattr(bounded_queue, "ending", lambda: True)
     for one in range(LIMIT):

@@ -18,12 +18,12 @@ def program(tmp_path):
     return str(path)
 
 
-def test_defaults(program):
+def test_core_parameters_have_defaults(program):
     found = core_parameters({"program_files": [program]})
     assert found == CoreParameters((program,), {}, (), CoreSettings())
 
 
-def test_all_parameters(program):
+def test_core_parameters_are_all_read(program):
     values = {
         "program_files": program,
         "constants": {"n": 4},
@@ -60,12 +60,12 @@ def test_all_parameters(program):
 
 
 @pytest.mark.parametrize(("value", "word"), [(True, "yes"), (False, "no"), ("ask", "ask"), ("no", "no")])
-def test_whether_to_resume_as_yaml_has_it(program, value, word):
+def test_core_parameters_resume_accepts_yaml_booleans(program, value, word):
     assert core_parameters({"program_files": program, "resume": value}).resume == word
 
 
 @pytest.mark.parametrize("value", [1, "perhaps", ["yes"]])
-def test_no_way_to_resume(program, value):
+def test_core_parameters_reject_unknown_resume_value(program, value):
     with pytest.raises(ParameterError, match="~resume: must be one of ask, yes, no"):
         core_parameters({"program_files": program, "resume": value})
 
@@ -80,13 +80,13 @@ def test_no_way_to_resume(program, value):
     ],
     ids=["poses", "another frame", "names", "none"],
 )
-def test_where_labels_are_is_told_with_the_program(program, labels, told):
+def test_core_parameters_pass_label_file_to_program(program, labels, told):
     found = core_parameters({"program_files": program, "labels": labels})
     assert found.deciding["labels"] == told
     assert len(found.labels) == 2
 
 
-def test_the_time_for_a_shorter_plan(program):
+def test_core_parameters_limit_time_for_improvement(program):
     values = {"program_files": program, "plan_time": 3}
     assert core_parameters(values).time_to_shorten == 3.0
     assert core_parameters({**values, "plan": "shortest"}).time_to_shorten is None
@@ -117,13 +117,13 @@ def test_the_time_for_a_shorter_plan(program):
         ("preempt", "true", "must be true or false"),
     ],
 )
-def test_bad_parameters_name_themselves_and_the_mend(program, name, value, mend):
+def test_core_parameters_faults_name_parameter_and_remedy(program, name, value, mend):
     with pytest.raises(ParameterError, match=re.escape(mend)) as error:
         core_parameters({"program_files": [program], name: value})
     assert f"~{name}" in str(error.value)
 
 
-def test_all_faults_at_once():
+def test_core_parameters_report_all_faults_at_once():
     with pytest.raises(ParameterError) as error:
         core_parameters({"program_files": 3, "constants": {"n": "X"}, "preempt": 1})
     assert [line.split(":")[0] for line in str(error.value).splitlines()] == [
@@ -133,12 +133,12 @@ def test_all_faults_at_once():
     ]
 
 
-def test_no_program():
+def test_core_parameters_require_a_program():
     with pytest.raises(ParameterError, match="program_files"):
         core_parameters({})
 
 
-def test_constants_and_labels_reach_the_program(program):
+def test_core_parameters_constants_and_labels_reach_program(program):
     loaded, _ = load_program(
         core_parameters({"program_files": [program], "constants": {"n": 3}, "labels": ["kitchen"]})
     )
@@ -146,18 +146,18 @@ def test_constants_and_labels_reach_the_program(program):
     assert answer == {"at(3,1)", "label(kitchen)"}
 
 
-def test_places_reach_the_program(program):
+def test_core_parameters_places_reach_program(program):
     found, _ = load_program(core_parameters({"program_files": program, "places": "#program base.\nplace(hall)."}))
     result = ReactiveSolver(found).solve()
     assert "place(hall)" in {str(one) for one in result.answers[0]}
 
 
-def test_places_that_are_no_facts_are_told_by_their_name(program):
+def test_core_parameters_name_places_that_are_no_facts(program):
     with pytest.raises(ProgramError, match="~places:1:12"):
         load_program(core_parameters({"program_files": program, "places": "place(hall)\n#program"}))
 
 
-def test_constants_that_do_not_fit_the_program(program):
+def test_core_parameters_reject_constants_unknown_to_program(program):
     with pytest.raises(ParameterError) as error:
         load_program(core_parameters({"program_files": [program], "constants": {"n": "one", "m": 2}}))
     assert str(error.value).splitlines() == [
@@ -169,14 +169,14 @@ def test_constants_that_do_not_fit_the_program(program):
     assert told.startswith("constant n: n is -1")
 
 
-def test_a_constant_with_which_the_program_cannot_be_loaded(tmp_path):
+def test_core_parameters_report_constant_that_prevents_loading(tmp_path):
     path = tmp_path / "program.lp"
     path.write_text("#const w = 2.\n#volatile t : w.\n:- a(t).\n#program cumulative(t).\n{a(t)}.\n")
     with pytest.raises(ParameterError, match=r"w is soon, but the program's own value is 2 \(.*:1\) \(give a number\)"):
         load_program(core_parameters({"program_files": [str(path)], "constants": {"w": "soon"}}))
 
 
-def test_documented_defaults_are_the_real_ones():
+def test_core_parameters_defaults_match_the_document():
     node = Path(module.__file__).with_name("core_node.py").read_text()
     documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|[a-z]+)\)", node))
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
@@ -188,7 +188,7 @@ def test_documented_defaults_are_the_real_ones():
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real
 
 
-def test_what_the_lint_says_of_program_and_labels_is_told_at_the_start(tmp_path):
+def test_core_parameters_lint_findings_are_logged_at_start(tmp_path):
     path = tmp_path / "drive.lp"
     path.write_text(
         "#external _request/2. #external _return/3.\nplace(hall). place(kitchn).\n#program cumulative(t).\n"

@@ -1,4 +1,4 @@
-"""What the demonstration says of a system that has ended by itself."""
+"""Messages of the demonstration about a system that has ended by itself."""
 
 import subprocess
 from importlib import import_module
@@ -11,7 +11,7 @@ KILLED = ["[one] killing on exit"] * 30
 
 @pytest.fixture
 def demo(messages):
-    """The module, with the messages that the build has made."""
+    """The module, with the built messages."""
     return import_module("rosoclingo.nodes.demo")
 
 
@@ -24,7 +24,7 @@ def demo(messages):
     ],
     ids=["fatal", "last", "short"],
 )
-def test_the_error_is_shown_whatever_came_after_it(demo, tmp_path, log, shown):
+def test_demo_shows_the_error_despite_later_output(demo, tmp_path, log, shown):
     system = demo.DemoSystem("mailbot", tmp_path, [])
     system.log.write_text("\n".join(log))
     system._process = subprocess.Popen(["true"])

@@ -1,4 +1,4 @@
-"""When the next update waits for what was sent together."""
+"""How long the next update waits for messages that were sent together."""
 
 import pytest
 
@@ -17,7 +17,7 @@ def test_update_waits_for_goals_that_were_sent_together():
 
 
 @pytest.mark.parametrize("queued", [True, False])
-def test_update_waits_for_arrivals_that_never_end_only_for_a_while(queued):
+def test_update_waits_limited_time_for_endless_arrivals(queued):
     gathering, step = Gathering(100.0), 0.5 * TOGETHER
     times = [100.0 + step * number for number in range(100)]
     waits = [gathering.goal_came(now) or gathering.waits(now, queued) for now in times]

@@ -1,4 +1,4 @@
-"""A core's node takes its journal."""
+"""A core's node locks its journal."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from rosoclingo.reasoning.journal.folder import Journal, LockedError
 FRESH = Header("second", "program")
 
 
-def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
+def test_journal_lock_waits_for_end_of_previous_core(tmp_path, monkeypatch):
     before, waits = Journal(tmp_path), []
 
     def wait(seconds):
@@ -18,13 +18,13 @@ def test_it_waits_for_the_end_of_the_core_before(tmp_path, monkeypatch):
             before.close()
 
     monkeypatch.setattr(keeping.time, "sleep", wait)
-    monkeypatch.setattr(keeping.rospy, "is_shutdown", lambda: False)  # other tests may have ended this process's node
+    monkeypatch.setattr(keeping.rospy, "is_shutdown", lambda: False)  # other tests can have ended this process's node
     found = keeping.take_journal(tmp_path, "ask", FRESH, patience=600.0)
     found.journal.close()
     assert (found.run, len(waits)) == ("second", 3)
 
 
-def test_it_does_not_wait_for_ever(tmp_path):
+def test_journal_lock_waits_for_a_limited_time(tmp_path):
     before = Journal(tmp_path)
     with pytest.raises(LockedError, match="another core uses the journal"):
         keeping.take_journal(tmp_path, "ask", FRESH, patience=0.0)

@@ -1,4 +1,4 @@
-"""The view of a map: all that it knows is in the picture, with the text below it."""
+"""The view of a map: the picture contains all known cells, with the text below the map."""
 
 import numpy as np
 import pytest
@@ -12,18 +12,18 @@ from rosoclingo.nodes.rviz.panel import LETTERS, LINES, Panel
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, larger, text_width
 
 
-def test_an_unknown_margin_is_left_out():
+def test_map_view_crops_an_unknown_margin():
     cells = np.full((1600, 2000), -1, dtype=np.int8)
     cells[300:1100, 400:1600] = 0
     assert known(cells, 0.05, (-20.0, -30.0, 0.0)) == pytest.approx((0.0, -15.0, 60.0, 25.0))
     assert known(cells[:, ::-1].T, 0.05, (0.0, 0.0, 0.0)) == pytest.approx((15.0, 20.0, 55.0, 80.0))
 
 
-def test_a_map_that_knows_nothing_is_shown_whole():
+def test_map_view_shows_unknown_map_as_a_whole():
     assert known(np.full((10, 20), -1, dtype=np.int8), 0.5, (1.0, 2.0, 0.0)) == pytest.approx((1.0, 2.0, 11.0, 7.0))
 
 
-def test_a_turned_map():
+def test_map_view_handles_a_turned_map():
     message = OccupancyGrid(data=[0] * 8)
     message.info.resolution, message.info.height, message.info.width = 1.0, 2, 4
     message.info.origin.orientation.z = message.info.origin.orientation.w = 0.5**0.5
@@ -34,7 +34,7 @@ def test_a_turned_map():
     st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.5, 500.0), st.floats(0.5, 500.0)),
     st.tuples(st.integers(300, 4000), st.integers(300, 3000)),
 )
-def test_the_map_and_the_longest_words_are_in_the_picture(box, size):
+def test_map_view_contains_map_and_longest_text(box, size):
     x, y, wide, high = box
     bounds = (x, y, x + wide, y + high)
     view, factor = view_of(bounds, size), text_factor(bounds)
@@ -54,7 +54,7 @@ def test_the_map_and_the_longest_words_are_in_the_picture(box, size):
     assert all(py <= y + 1e-6 for _, py in corners[2:]), "words lie on the map"
 
 
-def test_a_narrow_margin_of_the_map_is_shown_and_words_are_below_it():
+def test_map_view_shows_narrow_margin_and_text_below():
     message = OccupancyGrid(data=[-1] * 400)
     message.info.resolution, message.info.height, message.info.width = 0.5, 20, 20
     message.data = [0 if 1 < cell % 20 < 18 and cell >= 180 else -1 for cell in range(400)]
@@ -63,7 +63,7 @@ def test_a_narrow_margin_of_the_map_is_shown_and_words_are_below_it():
     assert bounds_of(message) == pytest.approx((0.0, 0.0, 10.0, 10.0))
 
 
-def test_the_shipped_configuration_is_kept_but_for_the_view(pytestconfig):
+def test_map_view_changes_only_view_of_shipped_configuration(pytestconfig):
     config = yaml.safe_load((pytestconfig.rootpath / "config" / "mailbot.rviz").read_text())
     view = view_of((0.0, 0.0, 10.0, 10.0), (800, 600))
     changed = with_view(config, view, (800, 600))

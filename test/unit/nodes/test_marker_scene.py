@@ -1,4 +1,4 @@
-"""What rviz is to show on the map: places of packages, arrows of the plan, ways and marks."""
+"""The markers for rviz on the map: places of packages, arrows of the plan, ways and marks."""
 
 import math
 
@@ -38,17 +38,17 @@ def arrows(cycle, start):
     return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
 
 
-def test_every_label_has_a_disc_and_a_name():
+def test_markers_label_has_a_disc_and_a_name():
     shapes = label_shapes(LABELS)
     assert [shape.text for shape in shapes if shape.kind == "text"] == ["office1", "office2", "office3"]
     assert [shape.position[0] for shape in shapes if shape.kind == "cylinder"] == [0.0, 4.0, 8.0]
 
 
-def test_the_robot_is_drawn_in_its_own_frame():
+def test_markers_draw_robot_in_its_own_frame():
     assert {shape.frame for shape in robot_shapes("base_link", 0.2)} == {"base_link"}
 
 
-def test_packages_lie_apart_before_their_label_or_on_the_robot():
+def test_markers_place_packages_apart_at_label_or_robot():
     places = [("1", "office2", False), ("2", "office2", False), ("3", "", True), ("4", "", True), ("5", "attic", False)]
     cubes = [shape for shape in package_shapes(places, LABELS, "base_link") if shape.kind == "cube"]
     assert [shape.frame for shape in cubes] == ["map", "map", "base_link", "base_link"]
@@ -57,18 +57,18 @@ def test_packages_lie_apart_before_their_label_or_on_the_robot():
     assert cubes[3].position[2] - cubes[2].position[2] > cubes[2].scale[2]
 
 
-def test_actions_happen_where_the_robot_was_sent_last():
+def test_markers_locate_actions_at_last_move_target():
     assert [step.place.name for step in steps()] == ["office2", "office3", "office3", "office2", "office2"]
     assert steps(["_action_lib(pickup,1,1)"])[0].place is None
 
 
-def test_arrows_lead_from_the_robot_along_what_is_left_of_the_plan():
+def test_markers_arrows_follow_remaining_plan_from_robot():
     assert arrows(1, (0.0, 0.0)) == [(0.0, 4.0, NEXT), (4.0, 8.0, LATER), (8.0, 4.0, LATER)]
     assert arrows(3, (8.0, 0.0)) == [(8.0, 4.0, LATER)]
     assert arrows(6, (4.0, 0.0)) == []
 
 
-def test_without_a_pose_the_way_begins_where_the_robot_was_sent_last():
+def test_markers_without_pose_start_at_last_move_target():
     assert arrows(1, None) == [(4.0, 8.0, LATER), (8.0, 4.0, LATER)]
     assert arrows(4, None) == [(8.0, 4.0, NEXT)]
 
@@ -77,7 +77,7 @@ def drawn(*drawings):
     return drawn_shapes([Drawing(kind, labels, text) for kind, labels, text in drawings], LABELS)
 
 
-def test_a_blocked_way_has_a_bar_across_and_its_words():
+def test_markers_blocked_way_has_bar_and_text():
     way, bar, words = drawn((DrawingKind.BLOCKED, ("office1", "office2"), "shut"))
     assert {shape.colour[:3] for shape in (way, bar, words)} == {SHUT[:3]}
     assert [point[:2] for point in way.points] == [(0.0, 0.0), (4.0, 0.0)]
@@ -88,7 +88,7 @@ def test_a_blocked_way_has_a_bar_across_and_its_words():
     assert (words.text, words.plate is None) == ("shut", False)
 
 
-def test_other_ways_are_below_it_whatever_comes_first():
+def test_markers_other_ways_lie_below_blocked_way():
     ways = [
         (DrawingKind.BLOCKED, ("office1", "office2"), ""),
         (DrawingKind.WAY, ("office1", "office2"), ""),
@@ -101,19 +101,19 @@ def test_other_ways_are_below_it_whatever_comes_first():
     assert lines[2].colour == SHUT
 
 
-def test_a_way_from_a_label_to_itself_has_no_bar():
+def test_markers_way_from_label_to_itself_has_no_bar():
     labels = LabelTable.from_mapping({"a": [0, 0], "b": [0, 0]})
     assert len(drawn_shapes([Drawing(DrawingKind.BLOCKED, ("a", "b"), "")], labels)) == 1
 
 
-def test_marks_at_a_label_are_above_each_other():
+def test_markers_at_a_label_are_stacked():
     words = drawn(*[(DrawingKind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
     assert [shape.text for shape in words] == ["office1", "office1", "office2"]
     assert words[0].position[1] < words[1].position[1]
     assert words[2].position[0] == 4.0
 
 
-def test_things_that_the_program_believes_in_are_packages():
+def test_markers_show_things_in_beliefs_as_packages():
     drawings = [
         Drawing(DrawingKind.THING, ("office2",), "cup"),
         Drawing(DrawingKind.CARRIED, (), "tray"),

@@ -1,4 +1,4 @@
-"""A package of one's own from the templates; rostest new_package builds one and runs its test."""
+"""A new package made from the templates; rostest new_package builds one and runs its test."""
 
 import os
 import re
@@ -20,27 +20,27 @@ def templates(tmp_path):
     return folder
 
 
-def test_the_name_is_put_into_texts_and_names(templates, tmp_path):
+def test_new_package_inserts_name_into_texts_and_paths(templates, tmp_path):
     assert new_package("guard", tmp_path, templates) == [Path("guard/guard/guard.py"), Path("guard/text")]
     assert (tmp_path / "guard" / "text").read_text(encoding="utf-8") == "ä $(find guard)/guard\n"
     assert os.access(tmp_path / "guard" / "guard" / "guard.py", os.X_OK)
     assert not os.access(tmp_path / "guard" / "text", os.X_OK)
 
 
-def test_the_shipped_templates_leave_no_placeholder(tmp_path):
+def test_new_package_templates_leave_no_placeholder(tmp_path):
     files = new_package("guard", tmp_path, TEMPLATES)
     assert {"CMakeLists.txt", "package.xml"} <= {path.name for path in files}
     assert not [path for path in files if "@" in str(path) or "@NAME@" in (tmp_path / path).read_text()]
 
 
-def test_the_readme_names_what_is_there(tmp_path):
+def test_new_package_readme_names_the_files(tmp_path):
     files = {str(path) for path in new_package("guard", tmp_path, TEMPLATES)}
     named = re.findall(r"^\| `([^`]+)`", (tmp_path / "guard" / "README.md").read_text(), re.MULTILINE)
     assert len(named) == 7
     assert not [name for name in named if not any(file.startswith(f"guard/{name}") for file in files)]
 
 
-def test_a_name_that_a_package_has_is_refused(templates, tmp_path):
+def test_new_package_refuses_a_name_in_use(templates, tmp_path):
     with pytest.raises(NewPackageError, match="the package std_msgs already exists"):
         new_package("std_msgs", tmp_path, templates, ["roscpp", "std_msgs"])
     assert not (tmp_path / "std_msgs").exists()
@@ -50,12 +50,12 @@ def test_a_name_that_a_package_has_is_refused(templates, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["Guard", "my-robot 2", "2_arms", "x", "", "../up", "ü", "x" * 101])
-def test_what_is_no_name_is_refused(name, templates, tmp_path):
+def test_new_package_refuses_an_invalid_name(name, templates, tmp_path):
     with pytest.raises(NewPackageError, match="use 2 to 100 lower-case letters, digits"):
         new_package(name, tmp_path / "folder", templates)
 
 
-def test_what_is_there_is_left_alone(templates, tmp_path):
+def test_new_package_leaves_existing_folder_alone(templates, tmp_path):
     (tmp_path / "guard").mkdir()
     (tmp_path / "guard" / "mine").write_text("precious")
     with pytest.raises(NewPackageError, match="guard already exists: choose another name, or remove it"):
@@ -63,7 +63,7 @@ def test_what_is_there_is_left_alone(templates, tmp_path):
     assert [path.name for path in (tmp_path / "guard").iterdir()] == ["mine"]
 
 
-def test_where_nothing_can_be_written_nothing_stays(templates, tmp_path):
+def test_new_package_removes_partial_output_after_failure(templates, tmp_path):
     with pytest.raises(NewPackageError, match="nowhere/guard: No such file or directory: choose another --folder"):
         new_package("guard", tmp_path / "nowhere", templates)
     (templates / ("@NAME@" + "x" * 245)).write_text("too long a name")

@@ -1,4 +1,4 @@
-"""Orders that come from pages."""
+"""Orders that arrive from pages."""
 
 import pytest
 import yaml
@@ -18,7 +18,7 @@ KEY = "a key of a page"
 
 
 class Counter:
-    """A desk with a core that takes everything."""
+    """A desk with a core that accepts every goal."""
 
     def __init__(self):
         self.view = RunView({"labels": LABELS})
@@ -44,7 +44,7 @@ def counter():
     return Counter()
 
 
-def test_an_order_is_a_goal_that_its_key_cancels(counter):
+def test_desk_order_is_a_goal_that_its_key_cancels(counter):
     assert counter.order() == {"ordered": "id 1", "text": "goal(office2,office1,1)"}
     assert counter.sent == ["goal(office2,office1,1)"]
     for key in ("another key", "a key of a pagE", "ö" * 9):
@@ -53,7 +53,7 @@ def test_an_order_is_a_goal_that_its_key_cancels(counter):
     assert counter.canceled == ["id 1"]
 
 
-def test_what_others_have_asked_for_is_not_cancelled(counter):
+def test_desk_does_not_cancel_goals_of_others(counter):
     counter.view.goal(1.0, "of others", "g(1)")
     for what in ("of others", "", None, 3, ["id 1"], {}):
         assert counter.take(cancel=what, key=KEY) == {"fault": "this was not ordered here"}
@@ -63,13 +63,13 @@ def test_what_others_have_asked_for_is_not_cancelled(counter):
 @pytest.mark.parametrize(
     "message", [{"order": 9}, {"order": -1}, {"order": True}, {"order": "0"}, {"order": 0, "chosen": 3}, {"order": 0}]
 )
-def test_what_is_no_order(counter, message):
+def test_desk_refuses_malformed_orders(counter, message):
     assert counter.take(key=KEY, **message) == {"fault": "there is no such order"}
     assert counter.sent == []
 
 
 @pytest.mark.parametrize("key", [None, 3, "", "short", "x" * 101])
-def test_without_a_key_nothing_is_taken(counter, key):
+def test_desk_refuses_orders_without_a_key(counter, key):
     assert counter.order(key) == {"fault": "the page sent no key"}
     assert counter.sent == []
 
@@ -95,13 +95,13 @@ def test_desk_answers_a_message_without_order_or_cancel(counter):
     assert counter.take(key=KEY) == {"fault": "give 'order' or 'cancel'"}
 
 
-def test_what_is_not_offered_is_not_sent(counter):
+def test_desk_sends_no_goal_that_is_not_offered(counter):
     assert "choose one" in counter.order(package="2")["fault"]
     assert counter.sent == []
 
 
 def test_desk_burst_accepts_only_free_places():
-    """The view hears of a goal only after the burst: places are counted by what was sent."""
+    """The view learns about a goal only after the burst, so sent goals occupy places."""
     desk = Counter()
     desk.send = lambda text: desk.sent.append(text) or f"id {len(desk.sent)}"
     desk.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), lambda text: desk.send(text), lambda key: None)
@@ -116,7 +116,7 @@ def test_desk_burst_accepts_only_free_places():
     assert sum("ordered" in desk.order() for _ in range(720)) == 10
 
 
-def test_desk_place_is_kept_after_a_failed_sending(counter):
+def test_desk_place_is_kept_after_failed_sending(counter):
     def fail(_text):
         raise OrderError("the core is not running: try again later")
 
@@ -143,7 +143,7 @@ def test_desk_remembers_an_open_order_behind_many_others(counter):
     assert "canceled" in counter.take(cancel="id 1", key=KEY)
 
 
-def test_old_orders_are_forgotten(counter):
+def test_desk_forgets_old_orders(counter):
     for number in range(MOST_KNOWN + 1):
         counter.order()
         counter.view.status(2.0, f"id {number + 1}", 3, "")

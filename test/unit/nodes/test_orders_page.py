@@ -1,4 +1,4 @@
-"""The form for orders in a browser: what is offered, what stays chosen, what is said of an order."""
+"""The order form in a browser: offers, persistent choices, and messages about an order."""
 
 import pytest
 import yaml
@@ -21,7 +21,7 @@ FORMS = """
 
 
 class Desk:
-    """A page with forms for a view, whose goals are not heard of unless a test says so."""
+    """A page with forms for a view, which receives no goals unless a test sends them."""
 
     def __init__(self, served, page):
         self.view, self.served, self.page = served.view, served, page
@@ -38,7 +38,7 @@ class Desk:
         return f"order {len(self.sent)}"
 
     def lie(self, places):
-        """Packages lie elsewhere now."""
+        """Move packages elsewhere."""
 
         def change(view):
             view.packages(140.0, places.items())
@@ -135,7 +135,7 @@ def test_page_keeps_the_choice_while_packages_move(desk):
     desk.says("Ordered: goal(office1,office3,2)")
 
 
-def test_page_leaves_the_select_that_is_used_in_place(desk):
+def test_page_leaves_the_open_select_in_place(desk):
     desk.page.run("window.before = document.querySelector('#orders select[name=package]')")
     desk.page.run("window.before.focus()")
     desk.lie({"1": "office3", "2": "office2", "3": "office3"})

@@ -1,4 +1,4 @@
-"""The live page's server: who is let in, what is sent to whom, and the page in a browser."""
+"""The live page's server: access, messages to viewers, and the page in a browser."""
 
 import asyncio
 import gc
@@ -24,7 +24,7 @@ def served():
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 
-def test_the_page_and_what_it_needs_are_served(served):
+def test_server_serves_the_page_and_its_files(served):
     code, headers, page = served.get()
     assert (code, headers["Content-Type"]) == (200, "text/html; charset=utf-8")
     assert [f'src="/{name}"' in page for name in LIVE_SCRIPTS] == [True] * len(LIVE_SCRIPTS)
@@ -35,28 +35,29 @@ def test_the_page_and_what_it_needs_are_served(served):
 
 
 @pytest.mark.parametrize("path", ["/nosuch", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/report.html"])
-def test_nothing_else_is_served(served, path):
+def test_server_serves_nothing_else(served, path):
     assert served.get(path)[0] == 404
 
 
-def test_a_request_that_is_too_long_is_refused(served):
+def test_server_refuses_a_request_that_is_too_long(served):
     with pytest.raises(ConnectionError):
         served.get("/" + "x" * 40000)
     assert served.get()[0] == 200
 
 
-# ---- who is let in --------------------------------------------------------------------------------------------------
+# ---- access
+# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "a b", "127.0.0.1@evil"]
 )
-def test_a_page_for_this_machine_answers_to_its_own_names_only(served, host):
+def test_server_for_this_machine_accepts_only_its_own_names(served, host):
     assert served.get(Host=host or "-")[0] in (400, 403)
     assert served.get(Host=f"localhost:{served.port}")[0] == 200
 
 
-def test_another_site_s_page_is_no_viewer(served):
+def test_server_refuses_the_page_of_another_site(served):
     for origin in (
         "http://evil.example",
         "null",
@@ -94,7 +95,7 @@ def test_server_refuses_a_token_that_is_not_utf8(served, token):
     assert served.get(f"/?token={token}")[::2] == (400, "400 The token is not UTF-8\n")
 
 
-def test_with_a_token_only_who_knows_it_is_let_in():
+def test_server_with_a_token_admits_only_its_holders():
     with serving(token="open sesame") as served:
         assert served.get()[0] == 403
         assert served.get("/model.js")[0] == 403
@@ -116,7 +117,7 @@ def test_with_a_token_only_who_knows_it_is_let_in():
 
 
 @pytest.mark.slow
-def test_who_speaks_or_says_too_much_is_let_go(served):
+def test_server_disconnects_viewers_that_send_too_much(served):
     async def scene():
         for text in ("hello", "x" * (MOST_BYTES + 1)):
             client = await served.connect()
@@ -131,7 +132,7 @@ def test_who_speaks_or_says_too_much_is_let_go(served):
 
 
 @pytest.mark.slow
-def test_there_are_so_many_viewers_and_no_more(served):
+def test_server_limits_the_number_of_viewers(served):
     async def scene():
         clients = [await served.connect() for _ in range(MOST_VIEWERS)]
         with pytest.raises(HTTPClientError) as error:
@@ -146,7 +147,7 @@ def test_there_are_so_many_viewers_and_no_more(served):
 
 
 @pytest.mark.slow
-def test_viewers_are_told_of_its_end_and_nothing_is_left_over(served, capfd):
+def test_server_reports_its_end_and_leaves_nothing_open(served, capfd):
     async def scene():
         clients = [await served.connect() for _ in range(3)]
         for client in clients:
@@ -162,11 +163,12 @@ def test_viewers_are_told_of_its_end_and_nothing_is_left_over(served, capfd):
     assert "destroyed" not in capfd.readouterr().err
 
 
-# ---- what is sent ---------------------------------------------------------------------------------------------------
+# ---- messages
+# -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-def test_a_viewer_gets_all_and_then_what_is_new(served):
+def test_server_sends_whole_view_and_then_changes(served):
     async def scene():
         client = await served.connect()
         first = await told(client)
@@ -180,7 +182,7 @@ def test_a_viewer_gets_all_and_then_what_is_new(served):
 
 
 @pytest.mark.slow
-def test_that_the_core_is_gone_is_told(served):
+def test_server_reports_that_the_core_is_gone(served):
     async def scene():
         client = await served.connect()
         await told(client)
@@ -191,7 +193,7 @@ def test_that_the_core_is_gone_is_told(served):
 
 
 @pytest.mark.slow
-def test_another_view_is_told_whole(served):
+def test_server_sends_another_view_as_a_whole(served):
     async def scene():
         client = await served.connect()
         await told(client)
@@ -207,10 +209,11 @@ def test_another_view_is_told_whole(served):
     play(scene())
 
 
-# ---- what is asked for ----------------------------------------------------------------------------------------------
+# ---- questions
+# ------------------------------------------------------------------------------------------------------
 
 
-def test_a_question_has_its_answer():
+def test_server_answers_a_question():
     with serving(take=lambda message: {"heard": message}) as served:
 
         async def scene():
@@ -222,7 +225,7 @@ def test_a_question_has_its_answer():
 
 
 @pytest.mark.parametrize("text", ["", "nonsense", "[1]", "3", "null", "[" * 4000])
-def test_what_is_no_question_ends_the_connection(text):
+def test_server_disconnects_after_a_malformed_question(text):
     with serving(take=lambda message: {}) as served:
 
         async def scene():
@@ -234,7 +237,7 @@ def test_what_is_no_question_ends_the_connection(text):
 
 
 @pytest.mark.parametrize("number", ['"7"', "1.5", "NaN", "[" * 100 + "]" * 100, "true"])
-def test_server_answers_a_number_that_is_none(number):
+def test_server_answers_a_number_that_is_invalid(number):
     with serving(take=lambda message: {"heard": 1}) as served:
 
         async def scene():
@@ -247,7 +250,7 @@ def test_server_answers_a_number_that_is_none(number):
         play(scene())
 
 
-def test_who_asks_too_often_is_let_go():
+def test_server_disconnects_viewer_that_asks_too_often():
     with serving(take=lambda message: {}) as served:
 
         async def scene():
@@ -268,7 +271,7 @@ def test_who_asks_too_often_is_let_go():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("width", [320, 360, 1280])
-def test_nothing_is_wider_than_a_phone(page, served, width):
+def test_page_is_no_wider_than_a_phone(page, served, width):
     served.do(lambda view: view.goal(140.0, "b", f"goal({'x' * 300},1)"))
     options = [["long" * 60, "long" * 60], ["2", "2"]]
     fields = [{"name": name, "options": options} for name in ("package", "from", "to")]
@@ -285,7 +288,7 @@ def test_nothing_is_wider_than_a_phone(page, served, width):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_the_page_connects_again(page):
+def test_page_connects_again(page):
     with serving() as served:
         page.open(served.address + "/")
         page.wait_for("document.getElementById('connection').textContent === 'Live'")
@@ -301,7 +304,7 @@ def test_the_page_connects_again(page):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_two_viewers_see_the_same_and_a_moment_that_is_looked_at_stays(page, served):
+def test_page_keeps_selected_moment_for_each_viewer(page, served):
     with browser.Browser(browser.found()) as other:
         for one in (page, other):
             one.open(served.address + "/")

@@ -1,4 +1,4 @@
-"""The command ``replay`` on bags: runs as a recorder writes them, and bags that hold none."""
+"""The command ``replay`` on bags: recorded runs, and bags without a run."""
 
 import shutil
 from pathlib import Path
@@ -28,7 +28,7 @@ def driver():
 
 @pytest.fixture
 def replay():
-    """The command; its exit code and its lines."""
+    """Run the command; return its exit code and its lines."""
     pytest.importorskip("rosbag")
     from rosoclingo.nodes.recording.replaying import main
 
@@ -42,7 +42,7 @@ def replay():
 
 @pytest.fixture
 def write(messages, tmp_path, driver):
-    """Writes a bag of the run, with ``left_out`` topics, of cores in some namespaces."""
+    """Write a bag of the run, without ``left_out`` topics, of cores in some namespaces."""
     import rosbag
     from std_msgs.msg import String
 
@@ -72,7 +72,7 @@ def write(messages, tmp_path, driver):
 
 
 @pytest.mark.slow
-def test_a_recorded_run_replays(replay, write):
+def test_replay_accepts_a_recorded_run(replay, write):
     code, text = replay(write())
     assert code == 0
     assert text.endswith("no unexplained difference")
@@ -80,14 +80,14 @@ def test_a_recorded_run_replays(replay, write):
 
 
 @pytest.mark.slow
-def test_each_cycle_has_a_line_where_that_is_asked_for(replay, write, driver):
+def test_replay_prints_a_line_per_cycle_on_request(replay, write, driver):
     _, text = replay(write(), "--all")
     cycles = len(driver.journal.of(UpdateSent))
     assert sum(line.startswith("cycle ") for line in text.splitlines()) == cycles >= 10
 
 
 @pytest.mark.slow
-def test_a_cycle_s_answer_is_a_table(replay, write):
+def test_replay_prints_answer_of_a_cycle_as_table(replay, write):
     code, text = replay(write(), "--to", 3, "--all")
     assert code == 0
     assert "3 cycles:" in text
@@ -99,13 +99,13 @@ def test_a_cycle_s_answer_is_a_table(replay, write):
 
 
 @pytest.mark.slow
-def test_a_cycle_beyond_the_run(replay, write, capsys):
+def test_replay_refuses_a_cycle_beyond_the_run(replay, write, capsys):
     assert replay(write(), "--to", 999)[0] == 2
     assert "--to 999 is beyond" in capsys.readouterr().err
 
 
 @pytest.mark.slow
-def test_a_decision_that_is_no_plan_is_an_error(replay, write):
+def test_replay_reports_a_decision_that_is_no_plan(replay, write):
     def change(topic, message):
         if topic == "rosoclingo/task_plan" and message.cycle == 2 and message.actions:
             message.actions = [one.replace("office3", "office1") for one in message.actions]
@@ -121,7 +121,7 @@ def test_a_decision_that_is_no_plan_is_an_error(replay, write):
     assert "Answer of the replay, horizon" in text
 
 
-def test_stream_and_program_are_written(replay, write, driver, tmp_path):
+def test_replay_writes_stream_and_program(replay, write, driver, tmp_path):
     code, text = replay(write(), "--stream", "-")
     assert (code, text.split()) == (0, driver.journal.stream.split())
     code, text = replay(write(), "--stream", tmp_path / "stream", "--program-to", tmp_path / "program")
@@ -132,7 +132,7 @@ def test_stream_and_program_are_written(replay, write, driver, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_bag_of_an_earlier_version_lacks_the_program(replay, write, capsys):
+def test_replay_accepts_early_bag_without_program(replay, write, capsys):
     path = write(left_out=["rosoclingo/program"])
     assert replay(path)[0] == 2
     assert "lacks the program (topic rosoclingo/program)" in capsys.readouterr().err
@@ -141,7 +141,7 @@ def test_a_bag_of_an_earlier_version_lacks_the_program(replay, write, capsys):
 
 
 @pytest.mark.slow
-def test_another_program(replay, write, tmp_path):
+def test_replay_accepts_another_program(replay, write, tmp_path):
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
     assert "another program" not in replay(write(), "--program", *files)[1]
     code, text = replay(write(), "--program", *files, "-c", "capacity=0")
@@ -158,14 +158,14 @@ def test_another_program(replay, write, tmp_path):
         ([], (), "the bag is empty"),
     ],
 )
-def test_what_a_bag_lacks_is_told(replay, write, capsys, left_out, spaces, why):
+def test_replay_reports_topics_missing_in_a_bag(replay, write, capsys, left_out, spaces, why):
     path = write(left_out, spaces)
     assert replay(path)[0] == 2
     assert why in capsys.readouterr().err
 
 
 @pytest.mark.slow
-def test_one_of_several_cores(replay, write, capsys):
+def test_replay_selects_one_of_several_cores(replay, write, capsys):
     path = write(spaces=("/a/", "/b/"))
     assert replay(path, "--core", "b/rosoclingo")[0] == 0
     assert replay(path, "--core", "c")[0] == 2
@@ -173,7 +173,7 @@ def test_one_of_several_cores(replay, write, capsys):
 
 
 @pytest.mark.slow
-def test_a_core_that_was_started_again(replay, write, capsys):
+def test_replay_handles_a_core_that_was_restarted(replay, write, capsys):
     path = write(spaces=("/", "/"), left_out=["rosoclingo/program"])
     files = ("--program", ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp")
     code, text = replay(path, *files)
@@ -184,7 +184,7 @@ def test_a_core_that_was_started_again(replay, write, capsys):
     assert replay(path, *files, "--run", 3)[0] == 2
 
 
-def test_a_run_that_begins_too_late(replay, write, capsys):
+def test_replay_refuses_a_run_that_begins_too_late(replay, write, capsys):
     def change(topic, message):
         if topic == "rosoclingo/updates" and message.data.startswith("#step 1 "):
             message.data = message.data.replace("#step 1 ", "#step 2 ", 1)
@@ -195,7 +195,7 @@ def test_a_run_that_begins_too_late(replay, write, capsys):
 
 
 @pytest.mark.parametrize("size", [0, 5, 5000, -1])
-def test_a_bag_that_is_cut_off(replay, write, capsys, size):
+def test_replay_accepts_a_truncated_bag(replay, write, capsys, size):
     path = write()
     path.write_bytes(path.read_bytes()[:size])
     assert replay(path)[0] == 2
@@ -204,7 +204,7 @@ def test_a_bag_that_is_cut_off(replay, write, capsys, size):
     assert "Traceback" not in error
 
 
-def test_a_bag_that_is_none(replay, write, capsys, tmp_path):
+def test_replay_refuses_files_that_are_no_bag(replay, write, capsys, tmp_path):
     assert replay(tmp_path / "none.bag")[0] == 2
     assert "none.bag cannot be read: No such file" in capsys.readouterr().err
     shutil.copy(__file__, tmp_path / "test.bag")
@@ -221,7 +221,7 @@ def journal(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_a_journal_replays(replay, journal, tmp_path):
+def test_replay_accepts_a_journal(replay, journal, tmp_path):
     code, text = replay(journal)
     assert code == 0
     assert text.endswith("no unexplained difference")
@@ -236,19 +236,19 @@ def test_a_journal_replays(replay, journal, tmp_path):
     assert (tmp_path / "mailbot.lp").exists()
 
 
-def test_a_journal_that_was_changed_is_refused_at_the_record(replay, journal, tmp_path, capsys):
+def test_replay_refuses_a_changed_journal_at_its_record(replay, journal, tmp_path, capsys):
     change = "UPDATE record SET change = replace(change, 'office3,office2', 'office3,office1')"
     assert replay(changed(journal / NAME, tmp_path / "changed.db", change))[0] == 2
     error = capsys.readouterr().err
     assert error.startswith(f"replay: {tmp_path}/changed.db: record 3 is corrupt; take another copy")
 
 
-def test_a_folder_without_a_journal(replay, tmp_path, capsys):
+def test_replay_refuses_a_folder_without_journal(replay, tmp_path, capsys):
     assert replay(tmp_path)[0] == 2
     assert f"{tmp_path}/{NAME}: No such file" in capsys.readouterr().err
 
 
-def test_a_wrong_command_line(replay):
+def test_replay_refuses_a_wrong_command_line(replay):
     for words in ([], ["a.bag", "--to", "x"], ["a.bag", "-c", "a=1"], ["a.bag", "--plan-time", "-1"]):
         with pytest.raises(SystemExit) as ended:
             replay(*words)

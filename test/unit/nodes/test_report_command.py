@@ -1,4 +1,4 @@
-"""The command ``report`` on bags: runs as a recorder writes them, and bags that hold none."""
+"""The command ``report`` on bags: recorded runs, and bags without a run."""
 
 import json
 import math
@@ -19,7 +19,7 @@ PLAN = plan_of("move_base office2", "pickup 1")
 
 @pytest.fixture
 def report(monkeypatch):
-    """The command; its exit code and its lines."""
+    """Run the command; return its exit code and its lines."""
     pytest.importorskip("rosbag")
     from rosoclingo.nodes.pages import report_command
 
@@ -34,7 +34,7 @@ def report(monkeypatch):
 
 @pytest.fixture
 def write(messages, tmp_path):
-    """Writes a bag with messages of topics at some seconds."""
+    """Write a bag with messages of topics at some seconds."""
     import genpy
     import rosbag
 
@@ -50,7 +50,7 @@ def write(messages, tmp_path):
 
 @pytest.fixture
 def run(messages):
-    """What a robot's topics say of a goal that is met; all below a namespace."""
+    """Return the messages of a robot whose goal is met, all in a namespace."""
     from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
     from nav_msgs.msg import OccupancyGrid
     from rosgraph_msgs.msg import Log
@@ -113,8 +113,8 @@ def transform(parent, child, x):
 
 
 @pytest.mark.parametrize("core", ["rosoclingo", "brain"])
-def test_a_bag_becomes_a_report_beside_it(report, write, run, tmp_path, core):
-    """The action server has the usual name, whatever the core is called."""
+def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path, core):
+    """The action server has the usual name, whatever the name of the core."""
     path = write(run(core=core))
     assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
     found = shown(tmp_path / "run.html")
@@ -129,7 +129,7 @@ def test_a_bag_becomes_a_report_beside_it(report, write, run, tmp_path, core):
     assert found["actions"][0][1]["value"] == "office2"
 
 
-def test_file_title_and_core_can_be_named(report, write, run, tmp_path):
+def test_report_options_name_file_title_and_core(report, write, run, tmp_path):
     path = write([*run("/red/"), *run("/blue/")])
     to = tmp_path / "other.html"
     assert report(path, "-o", to, "--core", "/red/rosoclingo", "--title", "Red <b>")[0] == 0
@@ -138,13 +138,13 @@ def test_file_title_and_core_can_be_named(report, write, run, tmp_path):
     assert len(shown(to)["goals"]) == 1
 
 
-def test_what_all_robots_share_may_lie_at_the_root(report, write, run, tmp_path):
+def test_report_finds_shared_topics_at_the_root(report, write, run, tmp_path):
     said = [(time, "/map" if topic == "/red/map" else topic, one) for time, topic, one in run("/red/")]
     assert report(write(said))[0] == 0
     assert shown(tmp_path / "run.html")["about"]["map"]["width"] == 2.0
 
 
-def test_the_pose_is_the_simulator_s_where_it_tells_one(report, write, run, tmp_path):
+def test_report_prefers_the_pose_of_the_simulator(report, write, run, tmp_path):
     truth = [(3.0 + 0.01 * tick, "/base_pose_ground_truth", odometry(0.05 * tick, 0.5)) for tick in range(100)]
     tf = [(3.0, "/tf", transform("map", "odom", 7.0)), (3.5, "/tf", transform("odom", "base_link", 7.0))]
     report(write([*run(), *truth, *tf]))
@@ -154,7 +154,7 @@ def test_the_pose_is_the_simulator_s_where_it_tells_one(report, write, run, tmp_
     assert max(pose[1] for pose in poses) < 6.0
 
 
-def test_a_robot_s_pose_is_that_of_tf(report, write, run, tmp_path):
+def test_report_reads_robot_pose_from_tf(report, write, run, tmp_path):
     tf = [
         (1.5, "/tf_static", transform("base_footprint", "base_link", 0.5)),
         (2.0, "/tf", transform("map", "odom", 7.0)),
@@ -164,7 +164,7 @@ def test_a_robot_s_pose_is_that_of_tf(report, write, run, tmp_path):
     assert [pose[:2] for pose in shown(tmp_path / "run.html")["poses"]] == [[1.0, 7.5], [2.0, 8.5], [3.0, 9.5]]
 
 
-def test_the_way_that_is_to_be_driven(report, write, run, tmp_path):
+def test_report_shows_the_planned_path(report, write, run, tmp_path):
     from geometry_msgs.msg import PoseStamped
     from nav_msgs.msg import Path as Way
 
@@ -175,20 +175,20 @@ def test_the_way_that_is_to_be_driven(report, write, run, tmp_path):
     assert shown(tmp_path / "run.html")["paths"] == [[0, {"time": 1.0, "points": [[0.0, 0.0], [2.0, 0.0]]}]]
 
 
-def test_a_map_without_cells_is_none(report, write, run, tmp_path):
+def test_report_ignores_a_map_without_cells(report, write, run, tmp_path):
     from nav_msgs.msg import OccupancyGrid
 
     report(write([*run(), (9.0, "/map", OccupancyGrid())]))
     assert shown(tmp_path / "run.html")["about"]["map"] is None
 
 
-def test_a_page_that_cannot_be_written(report, write, run, tmp_path, capsys):
+def test_report_fails_if_page_is_not_writable(report, write, run, tmp_path, capsys):
     assert report(write(run()), "-o", tmp_path / "no" / "folder.html")[0] == 2
     assert "No such file or directory" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("heard", [True, False])
-def test_goals_whose_clients_were_not_heard(report, write, run, messages, tmp_path, heard):
+def test_report_shows_goals_without_recorded_clients(report, write, run, messages, tmp_path, heard):
     from actionlib_msgs.msg import GoalID, GoalStatus
     from genpy import Time
 
@@ -216,7 +216,7 @@ def journal(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_a_journal_has_a_report(report, journal, tmp_path):
+def test_report_of_a_journal(report, journal, tmp_path):
     assert report(journal, "-o", tmp_path / "out.html") == (0, [f"report: {tmp_path / 'out.html'}"])
     page = shown(tmp_path / "out.html")
     assert [goal["request"] for _, goal in page["goals"]] == [GOALS[0][1]]

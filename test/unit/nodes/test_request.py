@@ -1,4 +1,4 @@
-"""The command request: what it says of a goal that is cancelled."""
+"""The command request: its messages about a cancelled goal."""
 
 from importlib import import_module
 from types import SimpleNamespace
@@ -11,7 +11,7 @@ from rosoclingo.runs.sentences import Sentences
 
 @pytest.fixture
 def command(messages, monkeypatch):
-    """The module of the command, for its client that below."""
+    """The module of the command, which gets the client below."""
     module = import_module("rosoclingo.nodes.request")
     monkeypatch.setattr(module, "CoreClient", Client)
     monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}))
@@ -24,7 +24,7 @@ def feedback(state):
 
 
 class Client:
-    """A core's client: its one goal is cancelled by Ctrl-C, and ends as the next feedback was told."""
+    """A client whose only goal is cancelled by Ctrl-C and ends as the last feedback says."""
 
     node = "rosoclingo"
 
@@ -63,7 +63,7 @@ class Client:
         (False, "cycle 1, active: _action_lib(walk,3,1)", "cycle 1, preempting: _action_lib(walk,3,1)"),
     ],
 )
-def test_what_is_done_is_said_once_also_after_a_cancel(plain, first, then, command):
+def test_request_reports_each_action_once_after_cancel(plain, first, then, command):
     said = []
     assert command.request("walk(3)", "rosoclingo", 1.0, said.append, plain) == 2
     cancelling = "cancelling walk(3) (Ctrl-C again: do not wait)"
@@ -81,7 +81,7 @@ MISSING = "no interface 'walk' for _action_lib(walk,3,1): no node subscribes to 
         ([], "waits for _action_lib(walk,3,1)", []),
     ],
 )
-def test_request_says_nothing_is_done_without_an_interface(names, message, expected, command, monkeypatch):
+def test_request_without_interface_reports_no_action(names, message, expected, command, monkeypatch):
     interfaces = ReportedInterfaces()
     interfaces.report(names, message)
     monkeypatch.setattr(command, "interfaces_of", lambda core: interfaces)
@@ -90,7 +90,7 @@ def test_request_says_nothing_is_done_without_an_interface(names, message, expec
     assert [one for one in said if "walks" in one or "waits" in one] == expected
 
 
-def test_request_interrupted_before_there_is_a_server_sends_nothing(command, monkeypatch):
+def test_request_interrupted_before_server_exists_sends_nothing(command, monkeypatch):
     def interrupted(self, seconds):
         raise KeyboardInterrupt
 

@@ -1,4 +1,4 @@
-"""The words below the map in rviz: plan and goals, side by side below a title."""
+"""The text below the map in rviz: plan and goals in two columns below a title."""
 
 import pytest
 
@@ -14,7 +14,7 @@ def actions(words=PLAN):
     return [action_of(parse_atom(f"_action_lib({text},{cycle})")) for cycle, text in enumerate(words, 1)]
 
 
-def test_the_plan_in_words():
+def test_rviz_panel_shows_the_plan():
     assert plan_text(actions(), 3).splitlines() == [
         "cycle 3: plan",
         "1. move_base office2  done",
@@ -26,7 +26,7 @@ def test_the_plan_in_words():
     assert plan_text([], 7) == "cycle 7: idle"
 
 
-def test_long_plans_are_shown_in_part():
+def test_rviz_panel_abbreviates_long_plans():
     plan = actions([f"pickup,{number}" for number in range(1, 13)])
     beginning = plan_text(plan, 1).splitlines()
     assert (len(beginning), beginning[1], beginning[-1]) == (9, "1. pickup 1  now", "... 5 more")
@@ -36,7 +36,7 @@ def test_long_plans_are_shown_in_part():
     assert (len(end), end[1], end[-1]) == (9, "5. pickup 5  done", "12. pickup 12  now")
 
 
-def test_the_goals_in_words_first_those_that_are_open():
+def test_rviz_panel_lists_open_goals_first():
     goals = [
         ("g(1)", 3, "g(1) is met"),
         ("g(2)", 1, "g(2) is accepted"),
@@ -58,7 +58,7 @@ def test_the_goals_in_words_first_those_that_are_open():
 
 @pytest.mark.parametrize("length", [1, 30, 5000])
 @pytest.mark.parametrize("count", [1, LINES - 1, LINES, LINES + 1, 100])
-def test_any_goals_take_as_many_lines_as_there_are(count, length):
+def test_rviz_panel_goals_use_the_available_lines(count, length):
     goals = [(f"g({'x' * length},{number})", 4, "because " * length) for number in range(count)]
     heading, *lines = goals_text(goals).splitlines()
     assert heading == f"goals: 0 open, {count} ended"
@@ -69,14 +69,14 @@ def test_any_goals_take_as_many_lines_as_there_are(count, length):
         assert lines[-1] == f"... {count - told} more"
 
 
-def test_a_status_that_is_none_is_left_out():
+def test_rviz_panel_ignores_an_invalid_status():
     assert goals_text([("g(1)", 99, ""), ("two\nlines", 1, "")]).splitlines() == [
         "goals: 1 open, 0 ended",
         "two lines: active",
     ]
 
 
-def test_words_hang_from_their_upper_edges_side_by_side_below_the_title():
+def test_rviz_panel_aligns_columns_at_top_below_title():
     panel = Panel((8.0, -5.0, 0.3), "map", 2.0)
     (title,), plan, goals = panel.title("office"), panel.plan("a\nplan"), panel.goals("goals")
     shapes = [larger(one, 2.0) for one in (title, plan, goals)]
@@ -87,20 +87,20 @@ def test_words_hang_from_their_upper_edges_side_by_side_below_the_title():
     assert panel.title("") == []
 
 
-def test_a_long_title_is_smaller():
+def test_rviz_panel_shrinks_a_long_title():
     (short,), (long,) = (Panel((0.0, 0.0, 0.0), "map").title(text) for text in ("office", "office " * 30))
     assert long.scale[2] < short.scale[2]
     assert text_width(long.text, long.scale[2]) == pytest.approx(WIDTH)
 
 
-def test_a_larger_text_keeps_its_upper_edge():
+def test_rviz_panel_larger_text_keeps_its_upper_edge():
     text = text_shape("plan", "map", "two\nlines", (1.0, 2.0, 0.3), size=0.5)
     grown = larger(text, 3.0)
     assert grown.scale == (1.5, 1.5, 1.5)
     assert grown.position[1] + LINE_HEIGHT * 1.5 == pytest.approx(2.0 + LINE_HEIGHT * 0.5)
 
 
-def test_a_plate_is_below_its_text_and_as_wide():
+def test_rviz_panel_plate_is_as_wide_as_its_text():
     text = text_shape("labels", "map", "office1", (1.0, 2.0, 0.4))._replace(plate=PAPER)
     for one in (text, larger(text, 3.0)):
         plate, above = plated(one)

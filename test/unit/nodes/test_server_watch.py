@@ -7,7 +7,7 @@ from rosoclingo.nodes.server_watch import Beginning
 
 
 class Clock:
-    """Wall time and ROS time, as the test has them."""
+    """Wall time and ROS time, set by the test."""
 
     def __init__(self, monkeypatch):
         self.wall, self.ros = 100.0, 0.0
@@ -20,7 +20,7 @@ def clock(monkeypatch):
     return Clock(monkeypatch)
 
 
-def test_time_that_has_not_begun_is_said_once_after_a_while(clock):
+def test_server_watch_reports_missing_clock_once_after_delay(clock):
     beginning = Beginning()
     assert not beginning.line()
     clock.wall += server_watch.BEGINNING
@@ -28,7 +28,7 @@ def test_time_that_has_not_begun_is_said_once_after_a_while(clock):
     assert not beginning.line()
 
 
-def test_nothing_is_said_of_time_that_runs(clock):
+def test_server_watch_is_silent_while_time_runs(clock):
     clock.ros, beginning = 1.0, Beginning()
     clock.wall += server_watch.BEGINNING
     assert not beginning.line()

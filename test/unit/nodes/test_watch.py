@@ -1,4 +1,4 @@
-"""The command ``watch``: which core it is about, and the account of a bag."""
+"""The command ``watch``: its choice of a core, and the account of a bag."""
 
 import pytest
 
@@ -15,21 +15,21 @@ PLAN = "rosoclingo/TaskPlan"
         (["/a/rosoclingo", "/b/rosoclingo"], "/b/rosoclingo", "/b/rosoclingo"),
     ],
 )
-def test_the_core_to_watch(messages, cores, usual, expected):
+def test_watch_finds_the_core(messages, cores, usual, expected):
     from rosoclingo.nodes.watch import chosen_core
 
     published = [[f"{core}/task_plan", PLAN] for core in cores] + [["/x/task_plan", "other/Plan"]]
     assert chosen_core(published, usual) == expected
 
 
-def test_several_cores_have_to_be_told_apart(messages):
+def test_watch_asks_for_a_choice_between_cores(messages):
     from rosoclingo.nodes.watch import chosen_core
 
     with pytest.raises(RecordingError, match=r"/a/brain, /b/brain by --core"):
         chosen_core([["/b/brain/task_plan", PLAN], ["/a/brain/task_plan", PLAN]], "/rosoclingo")
 
 
-def test_the_account_of_a_bag(messages, tmp_path):
+def test_watch_prints_the_account_of_a_bag(messages, tmp_path):
     import rosbag
     import rospy
     from actionlib_msgs.msg import GoalID

@@ -1,4 +1,4 @@
-"""Beliefs about the present, extracted from answers of small programs and of the shipped ones."""
+"""Beliefs about the present, extracted from answers: of small programs, and of the shipped ones."""
 
 import pytest
 from clingo import Number, String, parse_term

@@ -140,7 +140,7 @@ def test_search_continues_if_nothing_else_needs_planning():
 
 
 def stream(limit, plan_time=None):
-    """Return the ends of a series of errands: the far one ends last, and a new one follows each completed one."""
+    """Return the ends of a series of errands whose far one ends last; each completed one is replaced."""
     settings = CoreSettings(horizon_limit=40, overtaking_limit=limit)
     driver = BusyDriver(settings=settings, most=99, plan_time=plan_time)
     driver.core.add_goal("far", "do(far,0)")

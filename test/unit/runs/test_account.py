@@ -35,7 +35,7 @@ def run(account):
     account.plan(12.1, 2, 9, ["_action_lib(move_base,office2,1)", "_action_lib(pickup,1,2)"])
 
 
-def test_a_line_for_each_event(account, lines):
+def test_account_has_a_line_for_each_event(account, lines):
     run(account)
     assert kinds(lines) == ["plan", "request", "update", "plan", "action", "goal", "return", "update", "plan"]
     assert lines[0].split()[:4] == ["0.0", "s", "cycle", "1"]
@@ -46,7 +46,7 @@ def test_a_line_for_each_event(account, lines):
 
 
 @pytest.mark.parametrize("first", ["goal", "fact", "action", "cancel"])
-def test_account_counts_seconds_from_what_was_asked_or_done_first(first, account, lines):
+def test_account_counts_seconds_from_first_request_or_action(first, account, lines):
     account.plan(10.0, 1, 9, [])
     if first == "fact":
         account.returned(12.5, "sensor", ["_seen(ball)"])
@@ -61,7 +61,7 @@ def test_account_counts_seconds_from_what_was_asked_or_done_first(first, account
     assert float(lines[-1].split()[0]) == account.summary.seconds
 
 
-def test_topics_that_overtake_each_other_are_put_in_order(account, lines):
+def test_account_orders_events_across_topics(account, lines):
     account.plan(0.0, 1, 9, [])
     account.dispatched(1.0, ["_action_lib(go,x,1)"])
     account.plan(1.0, 1, 9, ["_action_lib(go,x,1)"])
@@ -72,7 +72,7 @@ def test_topics_that_overtake_each_other_are_put_in_order(account, lines):
     assert times == sorted(times)
 
 
-def test_an_update_waits_for_what_it_tells_of_however_that_was_written(account, lines):
+def test_account_update_waits_for_events_that_it_reports(account, lines):
     account.update(1.0, "#step 2.\n_request(g(a,1),3).\n_return(go,x,1).\n#end step.\n")
     account.goal(1.0, "a", "g( a, 1 )")
     account.returned(1.0, "go", ["_return(go, x, 1)."])
@@ -81,7 +81,7 @@ def test_an_update_waits_for_what_it_tells_of_however_that_was_written(account, 
     assert lines[-1].endswith("request  ((")
 
 
-def test_a_plan_without_actions_waits_for_its_update_but_for_the_first(account, lines):
+def test_account_empty_plan_waits_for_update_except_first(account, lines):
     account.plan(0.0, 1, 9, [])
     account.plan(0.1, 1, 9, [])
     account.update(0.2, "#step 1.\n_seen(ball).\n#end step.\n")
@@ -90,7 +90,7 @@ def test_a_plan_without_actions_waits_for_its_update_but_for_the_first(account, 
     assert kinds(lines) == ["plan", "plan", "update", "update", "plan"]
 
 
-def test_nothing_is_held_back_for_ever(account, lines):
+def test_account_holds_no_event_back_for_ever(account, lines):
     account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
     assert lines == []
     account.problem(PATIENCE, 1, "soon")
@@ -103,12 +103,12 @@ def test_nothing_is_held_back_for_ever(account, lines):
     assert kinds(lines)[3:] == ["action"], "once"
 
 
-def test_texts_that_are_no_atoms_are_shown_as_they_are(account, lines):
+def test_account_shows_texts_that_are_no_atoms(account, lines):
     account.plan(0.0, 1, 9, [])
     account.returned(0.0, "camera", ["_seen(ball)", "((("])
     account.update(0.0, "garbage")
     account.plan(0.0, 1, 9, ["((("])
-    account.dispatched(0.0, ["((("])  # is no action
+    account.dispatched(0.0, ["((("])  # is not an action
     account.finish()
     assert "_seen(ball) from camera" in lines[1]
     assert "((( from camera" in lines[2]
@@ -117,12 +117,12 @@ def test_texts_that_are_no_atoms_are_shown_as_they_are(account, lines):
     assert lines[5:] == []
 
 
-def test_an_update_may_withdraw_what_it_has_told(account, lines):
+def test_account_update_can_withdraw_earlier_facts(account, lines):
     account.update(0.0, "#step 3.\n#withdraw _seen(ball).\n_seen(cup).\n#end step.\n")
     assert lines[0].endswith("update   #step 3. #withdraw _seen(ball). _seen(cup). #end step.")
 
 
-def test_status_changes_are_told_once_with_the_reason_of_a_bad_end(account, lines):
+def test_account_reports_status_changes_once_with_reason(account, lines):
     account.goal(0.0, "a", "g(1)")
     for _ in range(3):
         account.status(0.0, "a", 0, "")
@@ -131,7 +131,7 @@ def test_status_changes_are_told_once_with_the_reason_of_a_bad_end(account, line
     assert [line.split(None, 5)[-1] for line in lines[1:]] == ["g(1): rejected (is unknown)"]
 
 
-def test_cancels_name_their_goal(account, lines):
+def test_account_cancels_name_their_goal(account, lines):
     account.goal(0.0, "a", "g(1)")
     account.cancel(0.0, "a")
     account.cancel(0.0, "")
@@ -139,7 +139,7 @@ def test_cancels_name_their_goal(account, lines):
     assert lines[2].endswith("every goal")
 
 
-def test_summary(account):
+def test_account_has_a_summary(account):
     run(account)
     account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
     account.packages(12.1, [("3", "office2"), ("2", ""), ("5", "office3"), ("4", "office1"), ("1", "office2")])
@@ -157,11 +157,11 @@ def test_summary(account):
     assert account.summary.seconds == pytest.approx(1.1)
 
 
-def test_summary_of_a_run_in_which_nothing_happened(account):
+def test_account_summary_of_a_run_without_events(account):
     assert account.summary.lines() == ["actions: none"]
 
 
-def test_differences(account):
+def test_account_lists_differences(account):
     run(account)
     account.packages(12.1, [("1", "office2")])
     assert account.summary.differences({}) == []
@@ -170,7 +170,7 @@ def test_differences(account):
     assert [difference.split(":")[0] for difference in found] == ["goals", "packages", "actions"]
 
 
-def test_differences_leave_out_an_earlier_goal_whose_end_comes_late():
+def test_account_differences_skip_earlier_goal_that_ends_late():
     account = Account(lambda line: None)
     account.goals(0.0, [GoalReport("old", "g(1)", 1, "")])
     account.goal(1.0, "new", "g(2)")
@@ -180,7 +180,7 @@ def test_differences_leave_out_an_earlier_goal_whose_end_comes_late():
     assert account.summary.differences(expect) != []
 
 
-def test_an_action_that_is_ended_early_is_no_further_action():
+def test_account_counts_an_ended_action_once():
     lines = []
     account = Account(lines.append)
     account.dispatched(1.0, ["_action_lib(go,x,1)"])
@@ -190,7 +190,7 @@ def test_an_action_that_is_ended_early_is_no_further_action():
     assert any(line.split()[-3:] == ["preempt", "go", "x"] for line in lines)
 
 
-def test_an_action_that_is_sent_again_is_the_same_but_in_another_run(account, lines):
+def test_account_counts_resent_action_again_only_in_another_run(account, lines):
     for run in ("first", "first", "second"):
         account.begin(run)
         account.dispatched(1.0, ["_action_lib(go,x,1)"])
@@ -199,7 +199,7 @@ def test_an_action_that_is_sent_again_is_the_same_but_in_another_run(account, li
     assert [line.split()[-2:] for line in lines if " action " in line] == [["go", "x"]] * 2
 
 
-def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
+def test_account_can_begin_during_a_run(account, lines):
     told = [
         GoalReport("a", "g(1)", 3, "g(1) is met"),
         GoalReport("b", "g(2)", 1, "g(2) is accepted", 4900.0),
@@ -227,7 +227,7 @@ def test_an_account_that_begins_in_the_midst_of_a_run(account, lines):
     assert account.summary.lines()[-1] == "actions: go y"
 
 
-def test_what_waits_is_told_as_time_passes(account, lines):
+def test_account_reports_pending_events_as_time_passes(account, lines):
     account.update(0.0, "#step 5.\n_return(go,x,4).\n#end step.\n")
     account.clock(PATIENCE)
     assert lines == []
@@ -235,7 +235,7 @@ def test_what_waits_is_told_as_time_passes(account, lines):
     assert kinds(lines) == ["update"]
 
 
-def test_the_state_is_told_where_that_is_wanted(lines):
+def test_account_reports_the_state_on_request(lines):
     account = Account(lines.append, with_state=True)
     account.plan(0.0, 1, 9, [])
     account.beliefs(0.0, 1, ["_status(1,accepted,now)", "at(a,now)", "lit(now)"])
@@ -248,7 +248,7 @@ def test_the_state_is_told_where_that_is_wanted(lines):
     assert len(lines) == 3
 
 
-def test_actions_are_told_in_the_program_s_words(account, lines):
+def test_account_describes_actions_in_words_of_program(account, lines):
     account.sentences = Sentences({"go": "goes to {}"})
     run(account)
     account.dispatched(12.2, ["_action_lib(go,x,2)", "_action_lib(wave,y,2)", "_cancel(go,x,2)"])
@@ -256,7 +256,7 @@ def test_actions_are_told_in_the_program_s_words(account, lines):
     assert [line.split(None, 5)[-1] for line in lines[-3:]] == ["goes to x", "wave y", "goes to x"]
 
 
-def test_a_summary_of_many_actions_names_the_latest(account):
+def test_account_summary_of_many_actions_names_latest(account):
     account.dispatched(0.0, [f"_action_lib(go,{number},{number})" for number in range(1, 101)])
     last = account.summary.lines()[-1]
     assert last.startswith("actions: 100, the last 40 of them go 61, go 62")

@@ -1,4 +1,4 @@
-"""Where robot and things are by what a program shows."""
+"""Locations of robot and things, as the program shows them."""
 
 import pytest
 
@@ -23,12 +23,12 @@ DRAWN = Drawings({"me": (DrawingKind.ROBOT, ""), "on": (DrawingKind.THING, ""), 
         ([], "", {}),
     ],
 )
-def test_places_by_the_usual_names(atoms, robot, things):
+def test_places_are_read_by_the_usual_names(atoms, robot, things):
     found = believed_places(atoms, Drawings(), LABELS)
     carried = dict.fromkeys("234", "carried") if "holding(3)" in atoms else {}
     assert found == (robot, {**things, **carried})
 
 
-def test_places_by_what_the_program_declares():
+def test_places_are_read_as_the_program_declares():
     atoms = ["me(hall,now)", "on(cup,kitchen,now)", "has(mug,now)", "at(x,y,now)", "me(attic)"]
     assert believed_places(atoms, DRAWN, LABELS) == ("hall", {"cup": "kitchen", "mug": "carried"})

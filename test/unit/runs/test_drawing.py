@@ -1,4 +1,4 @@
-"""What a program wants to have drawn on the map."""
+"""The drawings that a program requests on the map."""
 
 import pytest
 from shipped import shipped
@@ -42,18 +42,18 @@ def declared():
         ("me(c,now)", Drawing(DrawingKind.ROBOT, ("c",), "")),
     ],
 )
-def test_an_atom_is_drawn_as_it_is_declared(declared, atom, drawn):
+def test_drawing_of_an_atom_follows_its_declaration(declared, atom, drawn):
     assert declared.of([atom], LABELS) == [PATH, drawn]
 
 
 @pytest.mark.parametrize(
     "atom", ["gate(a,now)", "me(now)", "me(elsewhere,now)", "other(a,b)", "gate(a,b", "-gate(a,b)", ""]
 )
-def test_what_has_too_few_labels_or_is_none_is_left_out(declared, atom):
+def test_drawing_with_missing_or_unknown_labels_is_skipped(declared, atom):
     assert declared.of([atom], LABELS) == [PATH]
 
 
-def test_each_thing_is_drawn_once_and_other_labels_are_heeded(declared):
+def test_drawing_of_each_thing_is_unique_and_uses_labels(declared):
     assert declared.of(["stands(cup,a,now)", "stands(cup,now,a)"], LABELS)[1:] == [
         Drawing(DrawingKind.THING, ("a",), "cup")
     ]
@@ -69,7 +69,7 @@ def test_each_thing_is_drawn_once_and_other_labels_are_heeded(declared):
         ("_draws(x,way,text)", 'the text has to be a string, write "text"'),
     ],
 )
-def test_a_declaration_that_is_none_is_told(fact, fault):
+def test_drawing_declaration_that_is_malformed_is_reported(fact, fault):
     program = RunProgram("run", (ProgramFile("a.lp", f"{fact}. x(a,b). _draws(y,mark). y(a).", False),), {}, "")
     found = drawings_of(program)
     assert found.faults == (f"{fact} draws nothing: {fault}",)
@@ -77,12 +77,12 @@ def test_a_declaration_that_is_none_is_told(fact, fault):
 
 
 @pytest.mark.parametrize("rule", ["_draws(x,way) :- y", '_draws("x(",way,"")', "_draws((x;y),way)"])
-def test_what_is_no_fact_declares_nothing(rule):
+def test_drawing_declaration_must_be_a_fact(rule):
     program = RunProgram("run", (ProgramFile("a.lp", f"{rule}. x(a,b). y.", False),), {}, "")
     assert (drawings_of(program).of([], LABELS), drawings_of(program).faults) == ([], ())
 
 
-def test_a_program_that_cannot_be_read_has_nothing_drawn():
+def test_drawing_ignores_a_program_that_cannot_be_read():
     program = RunProgram("run", (ProgramFile("broken.lp", "_draws(x,way). x(a,b). ((", False),), {}, "")
     assert drawings_of(program).of(["x(a,b)"], LABELS) == []
 
@@ -116,7 +116,7 @@ def test_a_program_that_cannot_be_read_has_nothing_drawn():
         ),
     ],
 )
-def test_the_shipped_programs(files, labels, ways, state, drawn):
+def test_drawing_of_the_shipped_programs(files, labels, ways, state, drawn):
     found = drawings_of(RunProgram.of("run", shipped(*files), {})).of(state, set(labels))
     assert [one.kind for one in found[:ways]] == [DrawingKind.WAY] * ways
     assert found[ways:] == drawn

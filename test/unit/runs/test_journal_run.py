@@ -1,4 +1,4 @@
-"""A core's journal as a recorded run: what it has is what was told and decided, and is solved again."""
+"""A core's journal as a recorded run: it has the published messages and decisions, and is solved again."""
 
 import pytest
 from core_driver import FORGETFUL
@@ -15,13 +15,13 @@ from rosoclingo.runs.replay import AGREEING, CycleVerdict, Replay
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A journal that goes back to the start, and what was told."""
+    """A journal that goes back to the start, and the messages of its core."""
     return play(tmp_path_factory.mktemp("whole"), shipped("mailbot.lp", "office.lp"), GOALS)
 
 
 @pytest.fixture(scope="module")
 def late(tmp_path_factory):
-    """A journal that was begun anew on the way, when steps that are over had become a state; and what was told."""
+    """A journal that was rewritten during the run, after a compaction; and the messages of its core."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(folder, "RECORDS", 100)
         goals = [(str(number), f"do({number})") for number in range(1, 60)]
@@ -38,7 +38,7 @@ def dispatched(told):
 
 
 @pytest.mark.slow
-def test_it_has_what_was_told_and_what_went_out(whole):
+def test_journal_run_has_the_published_messages_and_actions(whole):
     file, told = whole
     run = journal_run(file)
     assert run.program.run == "run"
@@ -48,7 +48,7 @@ def test_it_has_what_was_told_and_what_went_out(whole):
 
 
 @pytest.mark.slow
-def test_it_is_solved_again(whole):
+def test_journal_run_is_solved_again(whole):
     run = journal_run(whole[0])
     reports = list(Replay(run, run.program.load(), run.program.plan_time).reports())
     assert [one.cycle for one in reports] == [one.cycle for one in run.cycles]
@@ -56,7 +56,7 @@ def test_it_is_solved_again(whole):
 
 
 @pytest.mark.slow
-def test_another_decision_is_told(whole):
+def test_journal_run_reports_a_different_decision(whole):
     run = journal_run(whole[0])
     cycle = next(one for one in run.cycles if one.dispatched)
     cycle.dispatched = ["_action_lib(pickup,9,1)"]
@@ -65,7 +65,7 @@ def test_another_decision_is_told(whole):
 
 
 @pytest.mark.slow
-def test_one_that_was_begun_anew_goes_on_from_the_state(late):
+def test_journal_run_continues_from_a_stored_state(late):
     file, told = late
     run = journal_run(file)
     first, sent = run.cycles[0].cycle, dispatched(told)
@@ -78,17 +78,17 @@ def test_one_that_was_begun_anew_goes_on_from_the_state(late):
 
 
 @pytest.mark.slow
-def test_of_a_state_there_is_no_stream(late):
+def test_journal_run_from_stored_state_has_no_stream(late):
     with pytest.raises(RecordingError, match=r"the updates before cycle \d+ are compacted to a checkpoint"):
         _ = journal_run(late[0]).stream
 
 
-def test_one_changed_character_is_refused_at_its_record(whole, tmp_path):
+def test_journal_run_refuses_a_changed_character_at_its_record(whole, tmp_path):
     change = "UPDATE record SET change = change || ' ' WHERE number = 2"
     with pytest.raises(RecordingError, match=r"record 2 is corrupt"):
         journal_run(changed(whole[0], tmp_path / "changed", change))
 
 
-def test_nothing_was_done_yet(whole, tmp_path):
+def test_journal_run_can_be_empty(whole, tmp_path):
     with pytest.raises(RecordingError, match="there is nothing to replay yet"):
         journal_run(changed(whole[0], tmp_path / "begun", "DELETE FROM record WHERE number > 1"))

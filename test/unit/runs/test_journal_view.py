@@ -1,4 +1,4 @@
-"""A core's journal as a page shows it: the goals, cycles, actions and times of the run, and what it lacks."""
+"""A core's journal on a page: goals, cycles, actions and times of the run, and the missing parts."""
 
 import shutil
 import sqlite3
@@ -25,13 +25,13 @@ def records(view, name):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A journal that goes back to the start, and what was told."""
+    """A journal that goes back to the start, and the messages of its core."""
     path = tmp_path_factory.mktemp("whole")
     return play(path, shipped("mailbot.lp", "office.lp"), GOALS, kept={"labels": LABELS})
 
 
 @pytest.mark.slow
-def test_goals_have_their_times_states_and_reasons(whole):
+def test_journal_view_goals_have_times_states_and_reasons(whole):
     goals = {goal["id"]: goal for goal in records(journal_view(whole[0]), "goals")}
     assert [(key, goal["request"], goal["sent"]) for key, goal in goals.items()] == [
         (key, text, LASTS * number) for number, (key, text) in enumerate(GOALS)
@@ -43,7 +43,7 @@ def test_goals_have_their_times_states_and_reasons(whole):
 
 
 @pytest.mark.slow
-def test_cycles_have_the_updates_and_plans_that_were_told(whole):
+def test_journal_view_cycles_have_published_updates_and_plans(whole):
     file, told = whole
     cycles = {one["cycle"]: one for one in records(journal_view(file), "cycles")}
     sent = {event.cycle: event.stream for event in told if isinstance(event, UpdateSent)}
@@ -57,7 +57,7 @@ def test_cycles_have_the_updates_and_plans_that_were_told(whole):
 
 
 @pytest.mark.slow
-def test_actions_begin_and_end_as_they_did(whole):
+def test_journal_view_actions_have_their_begin_and_end(whole):
     file, told = whole
     view = journal_view(file)
     actions = records(view, "actions")
@@ -70,7 +70,7 @@ def test_actions_begin_and_end_as_they_did(whole):
     assert [one["value"] for one in actions if one["failed"]] == ["blocked"]
 
 
-def test_the_log_tells_it_in_words(whole):
+def test_journal_view_log_describes_the_run(whole):
     lines = [(one["kind"], one["text"]) for one in records(journal_view(whole[0]), "log")]
     assert lines[0] == ("request", GOALS[0][1])
     assert [kind for kind, _ in lines].count("request") == 3
@@ -80,7 +80,7 @@ def test_the_log_tells_it_in_words(whole):
 
 
 @pytest.mark.slow
-def test_it_says_what_the_program_believed_and_where_labels_are(whole):
+def test_journal_view_has_beliefs_and_label_positions(whole):
     view = journal_view(whole[0])
     assert view.about["labels"] == {"office1": [1.0, 2.0, 0.0], "office2": [5.0, 2.0, 1.5]}
     terms = view.changes()["terms"]
@@ -90,7 +90,7 @@ def test_it_says_what_the_program_believed_and_where_labels_are(whole):
     assert "robot_at(office3,now)" in places
 
 
-def test_it_says_what_is_lacking(whole):
+def test_journal_view_names_missing_parts(whole):
     view = journal_view(whole[0], {"title": "A journal"})
     assert (view.about["title"], view.about["lacks"]) == ("A journal", LACKS)
     assert view.changes()["poses"] == []
@@ -98,7 +98,7 @@ def test_it_says_what_is_lacking(whole):
 
 
 @pytest.mark.slow
-def test_a_goal_that_waits_for_its_turn(tmp_path):
+def test_journal_view_shows_a_queued_goal(tmp_path):
     program, settings = shipped("mailbot.lp", "office.lp"), CoreSettings(goals_at_once=1)
     file, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
     _, waiting = records(journal_view(file), "goals")
@@ -106,7 +106,7 @@ def test_a_goal_that_waits_for_its_turn(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_journal_without_times_counts_records(tmp_path):
+def test_journal_view_without_times_counts_records(tmp_path):
     file, _ = play(tmp_path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None, timed=False)
     view = journal_view(file)
     assert view.about["lacks"].endswith(TIMELESS)
@@ -115,7 +115,7 @@ def test_a_journal_without_times_counts_records(tmp_path):
 
 
 @pytest.mark.slow
-def test_one_that_was_begun_anew_begins_with_what_is_open(tmp_path, monkeypatch):
+def test_journal_view_of_rewritten_journal_begins_with_open_goals(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "RECORDS", 100)
     goals = [(str(number), f"do({number})") for number in range(1, 60)]
     file, told = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
@@ -130,7 +130,7 @@ def test_one_that_was_begun_anew_begins_with_what_is_open(tmp_path, monkeypatch)
 
 
 @pytest.mark.slow
-def test_time_that_went_back_goes_on(whole, tmp_path):
+def test_journal_view_time_continues_after_going_back(whole, tmp_path):
     file = tmp_path / "moved"
     shutil.copy(whole[0], file)
     late = [one["begun"] for one in records(journal_view(file), "actions")]
@@ -143,6 +143,6 @@ def test_time_that_went_back_goes_on(whole, tmp_path):
     assert len(found) == len(late)
 
 
-def test_a_core_that_has_done_nothing_has_a_report_too(whole, tmp_path):
+def test_journal_view_of_idle_core_has_a_report(whole, tmp_path):
     view = journal_view(changed(whole[0], tmp_path / "begun", "DELETE FROM record WHERE number > 1"))
     assert records(view, "goals") == records(view, "cycles") == []

@@ -19,7 +19,7 @@ def picture(found):
     return np.array(image.open(io.BytesIO(data)).convert("RGBA"))
 
 
-def test_the_picture_is_cropped_to_what_is_known():
+def test_map_image_is_cropped_to_known_cells():
     cells = np.full((20, 30), -1, np.int8)
     cells[5:8, 10:14] = 0
     cells[5, 10] = 100
@@ -31,24 +31,24 @@ def test_the_picture_is_cropped_to_what_is_known():
     assert (pixels[:2, :, 3] == 0).all(), "the floor is seen through"
 
 
-def test_a_turned_map_has_its_corner_turned():
+def test_map_image_of_a_turned_map_turns_its_corner():
     cells = np.full((10, 10), -1, np.int8)
     cells[2:4, 5:6] = 0
     found = map_image(cells, 1.0, (0.0, 0.0, math.pi / 2))
     assert found["corner"] == pytest.approx([-2.0, 5.0])
 
 
-def test_between_free_and_occupied_is_unknown():
+def test_map_image_between_free_and_occupied_is_unknown():
     pixels = picture(map_image(np.array([[0, 25, 50, 65, 100]], np.int8), 1.0, (0.0, 0.0, 0.0)))
     assert [int(value) for value in pixels[0, :, 3]] == [0, 0, 72, 255, 255]
 
 
-def test_a_map_of_nothing_known_is_shown_whole():
+def test_map_image_of_unknown_map_is_complete():
     assert map_image(np.full((3, 4), -1, np.int8), 1.0, (0.0, 0.0, 0.0))["width"] == 4.0
 
 
 @pytest.mark.slow
-def test_a_large_map_is_small_and_keeps_its_thin_walls():
+def test_map_image_of_large_map_keeps_thin_walls():
     cells = np.zeros((3, 3 * LONGEST + 1), np.int8)
     cells[:, 4000] = 100
     found = map_image(cells, 0.05, (0.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Orders: which goals people may choose, and what is none."""
+"""Orders: the goals that people can choose, and malformed declarations."""
 
 import pytest
 import yaml
@@ -30,7 +30,7 @@ def forms(text=DELIVER):
     return found
 
 
-def test_what_is_shown():
+def test_orders_show_the_declared_form():
     deliver, clean = (form.shown(LABELS, PACKAGES) for form in forms())
     assert deliver == {
         "title": "Deliver a package",
@@ -46,7 +46,7 @@ def test_what_is_shown():
     assert clean["fields"] == [{"name": "how", "options": [["wet", "wet"], ["dry", "dry"], ["3", "3"]]}]
 
 
-def test_goals_that_may_be_chosen_where_nothing_is_known_of_the_world():
+def test_orders_offer_goals_without_knowledge_of_the_world():
     deliver, clean = forms()
     found = list(deliver.samples(["a", "b"], ["box"]))
     assert found[0] == "goal(a,b,1)", "what comes first is likely"
@@ -54,7 +54,7 @@ def test_goals_that_may_be_chosen_where_nothing_is_known_of_the_world():
     assert list(clean.samples([], [])) == ["clean(wet)", "clean(dry)", "clean(3)"]
 
 
-def test_a_goal():
+def test_orders_become_goals():
     deliver, clean = forms()
     assert deliver.fill({"package": "1", "to": "office1"}, LABELS, PACKAGES) == "goal(office2,office1,1)"
     assert clean.fill({"how": "3"}, LABELS, PACKAGES) == "clean(3)"
@@ -72,7 +72,7 @@ def test_a_goal():
         {"package": "1", "to": "office1),cancel(1"},
     ],
 )
-def test_what_there_is_not_cannot_be_chosen(chosen):
+def test_orders_refuse_unknown_choices(chosen):
     with pytest.raises(OrderError, match="choose one of the options"):
         forms()[0].fill(chosen, LABELS, PACKAGES)
 
@@ -84,7 +84,7 @@ PATROL = """
 """
 
 
-def test_order_places_differ():
+def test_orders_require_different_places():
     deliver, _ = forms()
     with pytest.raises(OrderError, match="to: office2 is already 'from', choose another place"):
         deliver.fill({"package": "1", "to": "office2"}, LABELS, PACKAGES)
@@ -96,7 +96,7 @@ def test_order_places_differ():
     assert patrol.fill({"a": "office1", "b": "office2", "c": "office1"}, LABELS, PACKAGES).startswith("patrol")
 
 
-def test_order_of_two_packages_at_one_place():
+def test_orders_of_two_packages_at_one_place():
     text = """
 - title: Both
   goal: "both({a},{b},{at_a},{at_b},{to})"
@@ -107,7 +107,7 @@ def test_order_of_two_packages_at_one_place():
     assert forms(text)[0].fill(chosen, LABELS, places) == "both(1,2,office2,office2,office1)"
 
 
-def test_from_elsewhere_no_place_can_be_given():
+def test_orders_from_unknown_location_offer_no_place():
     found = forms()[0].fill({"package": "1", "to": "office1", "from": "office1"}, LABELS, PACKAGES)
     assert found == "goal(office2,office1,1)"
 
@@ -126,9 +126,9 @@ def test_from_elsewhere_no_place_can_be_given():
         ("- {title: A, goal: 'g({a})', choices: {a: [x]}, choose: 1}", "choose"),
     ],
 )
-def test_faults_of_a_declaration(text, told):
+def test_orders_declaration_faults_are_reported(text, told):
     assert told in "\n".join(read(text)[1])
 
 
-def test_none_are_declared():
+def test_orders_can_be_undeclared():
     assert read("")[0] == ()

@@ -5,7 +5,7 @@ import pytest
 from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
 
 
-def test_a_frame_is_found_through_those_between():
+def test_frame_is_found_through_intermediate_frames():
     frames = PlanarFrames()
     frames.place("map", "odom", Pose(1.0, 0.0, math.pi / 2))
     frames.place("/odom", "/base_footprint", Pose(2.0, 0.0, 0.0))
@@ -14,7 +14,7 @@ def test_a_frame_is_found_through_those_between():
     assert frames.find("odom", "base_footprint") == (2.0, 0.0, 0.0)
 
 
-def test_what_is_not_connected_or_in_a_circle_is_not_found():
+def test_frame_that_is_unconnected_or_cyclic_is_not_found():
     frames = PlanarFrames()
     assert frames.find("map", "base_link") is None
     frames.place("a", "b", Pose(0.0, 0.0, 0.0))
@@ -22,5 +22,5 @@ def test_what_is_not_connected_or_in_a_circle_is_not_found():
     assert frames.find("map", "a") is None
 
 
-def test_a_heading():
+def test_frame_heading_is_computed():
     assert yaw_of(0.0, 0.0, math.sin(0.4), math.cos(0.4)) == pytest.approx(0.8)

@@ -1,4 +1,4 @@
-"""What a recording holds, put together: whatever overtakes what, and whatever is lacking."""
+"""The content of a recording, assembled despite messages out of order and missing topics."""
 
 import pytest
 
@@ -20,7 +20,7 @@ def cycles(collector):
     return [[(one.cycle, len(one.updates), len(one.plans)) for one in run.cycles] for run in collector.runs()]
 
 
-def test_topics_overtake_each_other():
+def test_recorded_run_accepts_topics_out_of_order():
     collector = RunCollector()
     collector.plan(0.0, 1, 1, [])
     collector.dispatched(0.0, [GO.format(1)])
@@ -41,32 +41,32 @@ def test_topics_overtake_each_other():
     assert run.stream.count("#end step.") == 2
 
 
-def test_what_goes_out_twice_or_is_no_action():
+def test_recorded_run_ignores_repeated_and_invalid_actions():
     collector = RunCollector()
     collector.update(0.0, update(1))
     collector.dispatched(0.0, ['_run("x")', GO.format(1), "_cancel(go,1,1)", "no term ("])
-    collector.dispatched(0.0, [GO.format(1)])  # to one who comes late
+    collector.dispatched(0.0, [GO.format(1)])  # sent to a late subscriber
     assert collector.runs()[0].cycles[0].dispatched == [GO.format(1)]
 
 
-def test_a_core_that_is_started_again_begins_another_run():
+def test_recorded_run_of_restarted_core_is_another_run():
     collector = RunCollector()
     collector.program(0.0, program("first"))
     collector.update(0.0, update(1))
     collector.plan(0.0, 1, 3, [GO.format(1)])
-    collector.plan(0.0, 1, 1, [])  # the next one's as it begins, which overtakes its program
+    collector.plan(0.0, 1, 1, [])  # the next core's start message, which arrives before its program
     collector.program(0.0, program("second"))
     collector.program(0.0, program("second"))
     collector.update(0.0, update(1))
     collector.update(0.0, update(2))
-    collector.update(0.0, update(1))  # a third one, whose program was not heard
+    collector.update(0.0, update(1))  # a third core, whose program was not received
     runs = collector.runs()
     assert [run.program and run.program.run for run in runs] == ["first", "second", None]
     assert [[one.cycle for one in run.cycles] for run in runs] == [[1], [1, 2], [1]]
     assert [len(one.plans) for one in runs[0].cycles] == [1]
 
 
-def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
+def test_recorded_run_program_restart_replays_cycles_in_few_steps():
     collector = RunCollector()
     for step in range(1, 130):
         collector.update(0.0, update(step))
@@ -87,7 +87,7 @@ def test_a_program_that_begins_anew_goes_through_the_cycles_in_a_few_steps():
         ([], "no update of a core"),
     ],
 )
-def test_what_is_lacking_is_told(steps, text):
+def test_recorded_run_reports_missing_topics(steps, text):
     collector = RunCollector()
     collector.program(0.0, program("first"))
     for step in steps:
@@ -96,6 +96,6 @@ def test_what_is_lacking_is_told(steps, text):
         collector.runs()
 
 
-def test_an_update_that_is_none_is_told():
+def test_recorded_run_reports_an_invalid_update():
     with pytest.raises(RecordingError, match="an update is damaged: 1:5"):
         RunCollector().update(0.0, "step")

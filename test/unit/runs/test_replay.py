@@ -1,4 +1,4 @@
-"""A recorded run solved again: what agrees, what differs with a reason, and what is found out."""
+"""A recorded run solved again: agreement, differences with a reason, and errors."""
 
 import re
 from dataclasses import replace
@@ -14,7 +14,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import CycleVerdict, Replay, summary
 
-#: Goal do(Id): press one of two buttons, as often as one likes, in whatever cycles.
+#: Goal do(Id): press one of two buttons, any number of times, in any cycles.
 BUTTONS = """
 #program cumulative(t).
 #external _request/2.
@@ -55,13 +55,13 @@ def other(action):
 
 
 def first(run, program, **options):
-    """What becomes of the first cycle."""
+    """Return the verdict of the first cycle."""
     return next(Replay(run, program, **options).reports())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", PLANS)
-def test_a_run_agrees_with_itself(way):
+def test_replay_of_a_run_agrees_with_itself(way):
     driver = played(way, "goal(office3,office2,1)", "goal(office4,office1,2)", "goal(office2,office4,3)")
     run = recorded(driver.journal)
     reports = list(Replay(run, driver.program, None if way == "shortest" else 1.0).reports())
@@ -72,7 +72,7 @@ def test_a_run_agrees_with_itself(way):
     assert summary(reports)[-1] == "no unexplained difference"
 
 
-def test_another_plan_as_short_is_no_difference():
+def test_replay_accepts_another_plan_of_equal_length():
     program, run, action = pressed()
     run.cycles[0].plans = [RecordedPlan(1, (other(action),))]
     run.cycles[0].dispatched = [other(action)]
@@ -83,7 +83,7 @@ def test_another_plan_as_short_is_no_difference():
 
 
 @pytest.mark.parametrize(("plan_time", "explained"), [(1.0, True), (None, False)])
-def test_a_longer_plan_is_told(plan_time, explained):
+def test_replay_reports_a_longer_plan(plan_time, explained):
     program, run, action = pressed()
     later = action.replace(",1)", ",3)")
     run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(3, (later,))], None
@@ -101,7 +101,7 @@ def test_a_longer_plan_is_told(plan_time, explained):
         (["_action_lib(press,left,1)", "_action_lib(press,left,2)"], "none has _action_lib(press,left,2) after"),
     ],
 )
-def test_what_is_no_plan_is_an_error(actions, why):
+def test_replay_refuses_an_invalid_plan(actions, why):
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(2, tuple(actions))], None
     report = first(run, program)
@@ -109,7 +109,7 @@ def test_what_is_no_plan_is_an_error(actions, why):
     assert why in report.line()
 
 
-def test_a_plan_that_leaves_something_undone_is_an_error():
+def test_replay_refuses_a_plan_that_is_incomplete():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office2,office3,1)")
     run = recorded(driver.journal)
     (plan,) = run.cycles[0].plans[1:]
@@ -119,7 +119,7 @@ def test_a_plan_that_leaves_something_undone_is_an_error():
     assert "it is incomplete" in report.why
 
 
-def test_other_actions_than_planned_are_an_error():
+def test_replay_refuses_actions_that_were_not_planned():
     program, run, action = pressed()
     run.cycles[0].dispatched = [other(action)]
     report = first(run, program)
@@ -138,7 +138,7 @@ def test_other_actions_than_planned_are_an_error():
         (["the robot sings"], False),
     ],
 )
-def test_no_plan_though_there_is_one(problems, explained):
+def test_replay_reports_a_missed_plan(problems, explained):
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [RecordedPlan(1, ())], None, problems
     report = first(run, program)
@@ -146,7 +146,7 @@ def test_no_plan_though_there_is_one(problems, explained):
     assert not explained or problems[-1] in report.line()
 
 
-def test_a_search_that_was_left_has_no_plan_even_where_the_log_does_not_say_so_again():
+def test_replay_accepts_missing_plan_after_a_stopped_search():
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [], None, []
     report = first(run, program)
@@ -154,7 +154,7 @@ def test_a_search_that_was_left_has_no_plan_even_where_the_log_does_not_say_so_a
     assert "the search was ended" in report.line()
 
 
-def test_an_update_that_is_refused_ends_it():
+def test_replay_ends_at_a_refused_update():
     collector = RunCollector()
     for step in range(1, 7):
         collector.update(0.0, f"#step {step} : 0. #end step.")
@@ -168,14 +168,14 @@ def test_an_update_that_is_refused_ends_it():
     assert summary(reports)[-1] == "1 unexplained: cycles 5"
 
 
-def test_a_search_that_takes_too_long_is_ended():
+def test_replay_stops_a_search_that_takes_too_long():
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched = [], None
     assert first(run, program, search_time=1e-9).verdict is CycleVerdict.NONE
 
 
 @pytest.mark.slow
-def test_the_program_that_was_kept_is_the_same_program(tmp_path):
+def test_replay_uses_the_recorded_program(tmp_path):
     program = shipped("mailbot.lp", "office.lp")
     kept = RunProgram.parse(RunProgram.of("run", program, {"plan": "soon", "plan_time": 2.5}).text())
     assert kept.load().fingerprint == program.fingerprint == kept.fingerprint
@@ -187,7 +187,7 @@ def test_the_program_that_was_kept_is_the_same_program(tmp_path):
     assert (tmp_path / "delivery" / "rules.lp").is_file()
 
 
-def test_the_text_of_a_program_that_was_changed_is_refused():
+def test_replay_refuses_a_changed_program_text():
     kept = RunProgram.of("run", ReactiveProgram.from_text("a."), {})
     with pytest.raises(RecordingError, match="was changed after the run"):
         replace(kept, files=(kept.files[0]._replace(text="b."),)).load()
@@ -202,7 +202,7 @@ def test_the_text_of_a_program_that_was_changed_is_refused():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("goals", [("goal(office3,office2,1)", "goal(office4,office1,2)")])
-def test_the_stream_gives_the_same_answers_by_the_command(goals, tmp_path, capsys):
+def test_replay_stream_gives_same_answers_by_command(goals, tmp_path, capsys):
     driver = played("shortest", *goals)
     run = recorded(driver.journal)
     words = RunProgram.of("run", driver.program, {}).write(tmp_path)

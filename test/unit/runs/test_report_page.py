@@ -48,7 +48,7 @@ def move(page, time):
     page.run("{" + script.format(time) + "}")
 
 
-def test_the_page_is_one_file_with_all_scripts():
+def test_report_page_is_one_file_with_all_scripts():
     text = report_page(delivery().changes(), WEB)
     assert {path.name for path in WEB.iterdir()} >= {*SCRIPTS, "page.css", "report.html"}
     assert not re.search(r"<!-- (policy|style|run|script) -->", text)
@@ -57,7 +57,7 @@ def test_the_page_is_one_file_with_all_scripts():
     assert json.loads(run)["goals"][0][1]["request"] == GOAL
 
 
-def test_the_end_is_shown_first(opened):
+def test_report_page_shows_the_end_first(opened):
     page = opened(delivery())
     assert page.text("h1") == "A delivery"
     assert page.text("#clock") == "32.5 s · cycle 6"
@@ -67,7 +67,7 @@ def test_the_end_is_shown_first(opened):
     assert page.run("document.querySelector('.floor').getBoundingClientRect().width") > 300
 
 
-def test_the_slider_shows_a_moment(opened):
+def test_report_page_slider_shows_a_moment(opened):
     page = opened(delivery())
     move(page, 10.5)
     assert page.text("#clock") == "10.5 s · cycle 2"
@@ -82,7 +82,7 @@ def test_the_slider_shows_a_moment(opened):
     assert page.texts("#goals tbody td")[0] == "pending"
 
 
-def test_page_draws_a_preempted_action_as_ended_early(opened):
+def test_report_page_draws_preempted_action_as_ended_early(opened):
     view = delivery()
     view.plan(140.0, 6, 8, ["_action_lib(move_base,office1,6)"], (0.01, 0.01))
     view.dispatched(140.0, ["_action_lib(move_base,office1,6)"])
@@ -96,7 +96,7 @@ def test_page_draws_a_preempted_action_as_ended_early(opened):
     assert "ended early" in page.text(".keys")
 
 
-def test_a_failed_action_is_seen(opened):
+def test_report_page_marks_a_failed_action(opened):
     page = opened(delivery())
     move(page, 21.0)
     assert "✕ move_base office1: blocked" in page.texts("#cycle li")
@@ -107,13 +107,13 @@ def test_a_failed_action_is_seen(opened):
 
 
 def floor(*facts):
-    """A program that has things drawn on the map, as the core tells it."""
+    """Return a program with drawings on the map, as published by the core."""
     text = "\n".join(("_draws(door,way). _draws(shut,blocked). _draws(on,thing). _draws(me,robot).", *facts))
     labels = {"hall": [1.0, 1.0, 0.0], "study": [5.0, 1.0, 0.0]}
     return RunProgram("r", (ProgramFile("floor.lp", text, False),), {}, "", {"labels": labels}).text()
 
 
-def test_what_the_program_wants_to_have_drawn(opened):
+def test_report_page_shows_drawings_of_the_program(opened):
     view = RunView()
     view.program(0.0, floor("door(hall,study).", '_draws(dirt,mark,"dirt: {}").'))
     view.goal(0.0, "a", "g(1)")
@@ -133,7 +133,7 @@ def test_what_the_program_wants_to_have_drawn(opened):
     assert page.run(left) > before + 100
 
 
-def test_what_is_seen_counts_more_than_what_is_believed(opened):
+def test_report_page_prefers_observations_to_beliefs(opened):
     view = delivery()
     view.program(0.0, floor())
     view.beliefs(132.4, 6, ["on(9,study,now)", "me(hall,now)"])
@@ -141,7 +141,7 @@ def test_what_is_seen_counts_more_than_what_is_believed(opened):
     assert opened(view).text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
 
 
-def test_the_figures(opened):
+def test_report_page_shows_the_figures(opened):
     page = opened(delivery())
     found = dict(zip(page.texts("figcaption strong"), page.texts("figcaption span")))
     assert found["Goals by their end"] == "1 goal"
@@ -151,7 +151,7 @@ def test_the_figures(opened):
     assert found["Metres driven"] == "4.0 m"
 
 
-def test_the_keyboard_does(opened):
+def test_report_page_is_usable_by_keyboard(opened):
     page = opened(delivery())
     page.press("Home", "#slider")
     assert page.text("#clock") == "0.0 s · cycle 1"
@@ -163,7 +163,7 @@ def test_the_keyboard_does(opened):
     assert page.text("#clock") == "32.5 s · cycle 6"
 
 
-def test_a_click_on_the_timeline_goes_there_and_play_goes_on(opened):
+def test_report_page_timeline_click_jumps_and_play_continues(opened):
     page = opened(delivery())
     page.click(".timeline")
     here = page.run("player.time")
@@ -174,13 +174,13 @@ def test_a_click_on_the_timeline_goes_there_and_play_goes_on(opened):
     assert page.text("#play") == "Play"
 
 
-def test_an_address_names_a_moment(page, tmp_path):
+def test_report_page_address_names_a_moment(page, tmp_path):
     page.open(write(tmp_path, delivery()).as_uri() + "#t=12.5")
     assert page.text("#clock").startswith("12.5 s")
 
 
 @pytest.mark.parametrize("verdict", [[], ["goals: expected <b>"]])
-def test_the_verdict(opened, verdict):
+def test_report_page_shows_the_verdict(opened, verdict):
     view = delivery()
     view.describe(verdict=verdict)
     text = opened(view).text("#verdict")
@@ -188,7 +188,7 @@ def test_the_verdict(opened, verdict):
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_hostile_texts_are_text(opened, text):
+def test_report_page_escapes_hostile_texts(opened, text):
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
     quoted = text.replace("\\", "\\\\").replace('"', '\\"')
     view.program(0.0, floor(f'_draws(sign,mark,"{quoted}").'))
@@ -213,7 +213,7 @@ def test_hostile_texts_are_text(opened, text):
     assert page.texts("h1") == [text]
 
 
-def test_nothing_at_all_is_shown_too(opened):
+def test_report_page_shows_an_empty_run(opened):
     page = opened(RunView())
     assert page.text("#map .caption") == "Where the robot is was not recorded."
     assert page.text("#cycle") == "No cycle has begun yet."
@@ -221,7 +221,7 @@ def test_nothing_at_all_is_shown_too(opened):
 
 
 @pytest.mark.parametrize("width", [360, 1280])
-def test_nothing_is_wider_than_the_window(opened, page, width):
+def test_report_page_is_no_wider_than_the_window(opened, page, width):
     view = delivery()
     view.goal(140.0, "b", f"goal({'x' * 300},1)")
     page.size(width, 740)
@@ -230,7 +230,7 @@ def test_nothing_is_wider_than_the_window(opened, page, width):
     page.size(1280, 900)
 
 
-def test_two_hundred_goals_are_a_small_file_that_is_drawn_soon(opened, tmp_path):
+def test_report_page_of_many_goals_is_small_and_fast(opened, tmp_path):
     view = long_run()
     assert write(tmp_path, view).stat().st_size < 5_000_000
     page = opened(view)

@@ -1,4 +1,4 @@
-"""What pages show of a run: put together from what topics tell."""
+"""The view of a run for pages, assembled from messages of topics."""
 
 import json
 import math
@@ -27,14 +27,14 @@ def names(changes, numbers):
     return [f"{word['interface']} {word['parameter']}" for word in words]
 
 
-def test_it_is_json_and_begins_with_the_first_request(told):
+def test_view_is_json_and_begins_with_first_request(told):
     assert json.loads(json.dumps(told, allow_nan=False))["seconds"] == 32.5
     (goal,) = records(told, "goals")
     assert (goal["request"], goal["sent"], goal["ended"]) == (GOAL, 0.0, 32.5)
     assert goal["states"] == [[0.0, "pending", ""], [1.5, "active", "is accepted"], [32.5, "succeeded", "is met"]]
 
 
-def test_a_cycle_has_its_update_and_plans_with_times(told):
+def test_view_cycle_has_update_and_plans_with_times(told):
     cycles = records(told, "cycles")
     assert [one["cycle"] for one in cycles] == [1, 2, 3, 4, 5, 6]
     assert cycles[0]["updates"] == [f"#step 1.\n_request({GOAL},2).\n#end step."]
@@ -44,7 +44,7 @@ def test_a_cycle_has_its_update_and_plans_with_times(told):
     assert names(told, plan["actions"]) == ["move_base office2", "pickup 1", "move_base office1", "deliver 1"]
 
 
-def test_an_action_has_its_return(told):
+def test_view_action_has_its_return(told):
     actions = records(told, "actions")
     assert [(one["begun"], one["ended"], one["value"], one["failed"]) for one in actions] == [
         (1.0, 10.0, "office2", False),
@@ -55,20 +55,20 @@ def test_an_action_has_its_return(told):
     ]
 
 
-def test_the_log_is_that_of_the_account(told):
+def test_view_log_equals_the_account(told):
     log = records(told, "log")
     assert [one["kind"] for one in log[:4]] == ["plan", "request", "update", "plan"]
     assert log[-1] == {"time": 32.5, "cycle": 6, "kind": "goal", "text": f"{GOAL}: succeeded"}
     assert [one["time"] for one in log] == sorted(one["time"] for one in log)
 
 
-def test_packages_and_poses_are_kept_when_they_change(told):
+def test_view_keeps_packages_and_poses_when_they_change(told):
     assert [one["time"] for one in records(told, "packages")] == [0.0, 12.0, 32.0]
     assert told["poses"][0] == [-10.0, 1.0, 1.0, 0.0, 0.0]
     assert told["poses"][-1] == [9.0, 5.0, 1.0, 0.0, 4.0]
 
 
-def test_only_what_is_new_is_told():
+def test_view_sends_only_changes():
     view = delivery()
     first = view.changes()
     view.goal(140.0, "b", "goal(office1,office2,2)")
@@ -83,7 +83,7 @@ def test_only_what_is_new_is_told():
     assert (number, goal["states"][-1]) == (1, [41.0, "active", ""])
 
 
-def test_what_a_goal_waits_for_is_kept():
+def test_view_keeps_the_reason_of_a_queued_goal():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.feedback(1.0, "a", "active")
@@ -93,7 +93,7 @@ def test_what_a_goal_waits_for_is_kept():
     assert goal["states"] == [[0.0, "pending", ""], [2.0, "waiting", "there is too much to do"]]
 
 
-def test_a_goal_waits_though_its_status_is_pending_until_the_core_begins_with_it():
+def test_view_pending_goal_waits_until_core_begins():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.feedback(1.0, "a", "waiting: there is too much to do")
@@ -110,7 +110,7 @@ def test_a_goal_waits_though_its_status_is_pending_until_the_core_begins_with_it
     ]
 
 
-def test_goals_that_were_sent_before_are_told_at_once():
+def test_view_reports_earlier_goals_at_once():
     view = RunView()
     told = [
         GoalReport("old", "g(0)", 3, "is met", 10.0),
@@ -137,7 +137,7 @@ def test_goals_that_were_sent_before_are_told_at_once():
     assert not any("g(0)" in line for line in lines)
 
 
-def test_both_topics_tell_of_a_goal_once():
+def test_view_reports_goal_of_both_topics_once():
     view = RunView()
     for time in (10.0, 11.0):
         view.goals(time, [GoalReport("a", "g(1)", 1, "g(1) is accepted", 9.5)])
@@ -150,7 +150,7 @@ def test_both_topics_tell_of_a_goal_once():
     assert [word for _, word, _ in goal["states"]] == ["pending", "active", "canceling", "canceled"]
 
 
-def test_what_a_view_has_let_go_of_does_not_come_again():
+def test_view_does_not_bring_back_dropped_entries():
     view = RunView()
     view.goals(9.0, [])
     view.goals(10.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 1, "", 9.5)])
@@ -160,7 +160,7 @@ def test_what_a_view_has_let_go_of_does_not_come_again():
     assert [(goal["id"], goal["ended"]) for goal in records(fresh.changes(), "goals")] == [("b", 1.5)]
 
 
-def test_a_status_that_is_none_and_a_goal_that_nobody_sent_are_passed_over():
+def test_view_ignores_invalid_status_and_unsent_goal():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.status(1.0, "a", 99, "odd")
@@ -171,7 +171,7 @@ def test_a_status_that_is_none_and_a_goal_that_nobody_sent_are_passed_over():
     assert goal["states"][1:] == [[2.0, "rejected", "is refused"]]
 
 
-def test_of_two_actions_of_an_interface_in_a_cycle_each_has_its_own_return():
+def test_view_matches_returns_with_concurrent_actions():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.dispatched(1.0, ["_action_lib(go,a,1)", "_action_lib(go,b,1)"])
@@ -213,7 +213,7 @@ def test_view_gives_a_preempted_return_to_the_cancelled_action():
     assert (first["ended"], second["ended"], second["preempted"]) == (None, 2.0, True)
 
 
-def test_a_return_may_overtake_its_action():
+def test_view_accepts_a_return_before_its_action():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.returned(1.0, "go", ["_return(go,a,1)", "_return(go,late,0)"])
@@ -233,7 +233,7 @@ def drawn(view):
 
 
 def floor(labels=None, run="r"):
-    """A program as the core tells it, which has a way, and marks and a blocked way drawn."""
+    """Return a program as the core publishes it, with drawings of a way, marks and a blocked way."""
     text = '_draws(path,way). _draws(shut,blocked,"shut"). _draws(dirty,mark). path(a,b). _says(go,"goes to {}").'
     labels = labels or {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.0]}
     return RunProgram(run, (ProgramFile("floor.lp", text, False),), {}, "", {"labels": labels}).text()
@@ -242,7 +242,7 @@ def floor(labels=None, run="r"):
 WAY, SHUT = ("way", ["a", "b"], ""), ("blocked", ["a", "b"], "shut")
 
 
-def test_what_the_program_wants_to_have_drawn_is_kept_when_it_changes():
+def test_view_keeps_drawings_when_they_change():
     view = RunView()
     view.program(0.0, floor())
     view.goal(10.0, "a", "g(1)")
@@ -251,7 +251,7 @@ def test_what_the_program_wants_to_have_drawn_is_kept_when_it_changes():
     assert drawn(view) == [(0.0, [WAY]), (2.0, [WAY, SHUT]), (4.0, [WAY])]
 
 
-def test_beliefs_may_come_before_the_program():
+def test_view_accepts_beliefs_before_the_program():
     view = RunView()
     view.goal(10.0, "a", "g(1)")
     view.beliefs(11.0, 1, ["shut(a,b,now)"])
@@ -261,7 +261,7 @@ def test_beliefs_may_come_before_the_program():
     assert drawn(view.renewed()) == [(1.0, [WAY, SHUT])]
 
 
-def test_the_log_tells_of_declarations_that_are_none_once():
+def test_view_logs_malformed_declarations_once():
     view = RunView()
     program = RunProgram("r", (ProgramFile("floor.lp", "_draws(path,roads).", False),), {}, "").text()
     view.program(5.0, program)
@@ -272,7 +272,7 @@ def test_the_log_tells_of_declarations_that_are_none_once():
     assert lines == [("note", "_draws(path,roads) draws nothing"), ("request", "g(1)")]
 
 
-def test_a_core_that_is_started_again_begins_with_cycle_1():
+def test_view_of_restarted_core_begins_with_cycle_1():
     view = RunView()
     view.begin("one")
     view.update(0.0, "#step 1.\n#end step.\n")
@@ -285,7 +285,7 @@ def test_a_core_that_is_started_again_begins_with_cycle_1():
     assert found["about"]["run"] == 2
 
 
-def test_goals_of_a_core_that_is_gone_are_lost_unless_they_are_heard_of_again():
+def test_view_goals_of_vanished_core_are_lost_unless_reported():
     view = RunView()
     view.begin("one")
     for key in "ab":
@@ -298,7 +298,7 @@ def test_goals_of_a_core_that_is_gone_are_lost_unless_they_are_heard_of_again():
     assert (first["ended"], second["ended"]) == (None, 1.0)
 
 
-def test_a_view_that_goes_on_has_what_is_open_and_nothing_else():
+def test_view_that_continues_has_only_open_goals():
     view = delivery()
     view.begin("one")
     view.goal(140.0, "b", "g(b)")
@@ -315,7 +315,7 @@ def test_a_view_that_goes_on_has_what_is_open_and_nothing_else():
     assert goal["ended"] == 11.0
 
 
-def test_a_view_is_full_at_some_time(monkeypatch):
+def test_view_has_a_limited_size(monkeypatch):
     monkeypatch.setattr(run_view, "MOST", 200)
     view = RunView()
     for number in range(1000):
@@ -327,7 +327,7 @@ def test_a_view_is_full_at_some_time(monkeypatch):
     assert not view.renewed().full
 
 
-def test_labels_come_with_the_program():
+def test_view_labels_come_with_the_program():
     view = RunView()
     program = RunProgram("r", (), {}, "", {"labels": {"kitchen": [1.0, 2.0, 0.5]}})
     view.program(0.0, program.text())
@@ -339,7 +339,7 @@ def test_labels_come_with_the_program():
     assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
 
 
-def test_an_update_that_is_none_is_shown_as_it_is():
+def test_view_shows_an_invalid_update_unchanged():
     view = RunView()
     view.update(0.0, "#step 3.\n#end step.\n")
     view.update(1.0, "no update <b>")
@@ -347,7 +347,7 @@ def test_an_update_that_is_none_is_shown_as_it_is():
     assert cycle["updates"][1] == "no update <b>"
 
 
-def test_a_text_of_a_megabyte_is_cut():
+def test_view_shortens_a_text_of_a_megabyte():
     view = RunView()
     view.goal(0.0, "a", "g(" + "x" * 1_000_000 + ")")
     view.status(1.0, "a", 5, "y" * 1_000_000)
@@ -356,7 +356,7 @@ def test_a_text_of_a_megabyte_is_cut():
     assert len(json.dumps(view.changes())) < 100_000
 
 
-def test_numbers_that_are_none_do_not_reach_the_page():
+def test_view_replaces_numbers_that_are_not_finite():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.pose(1.0, math.nan, 0.0, 0.0)
@@ -369,7 +369,7 @@ def test_numbers_that_are_none_do_not_reach_the_page():
     assert records(found, "paths") == [{"time": 1.0, "points": [[1.0, 2.0]]}]
 
 
-def test_ways_to_one_place_are_kept_now_and_then_only():
+def test_view_keeps_paths_to_one_place_occasionally():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     for tick in range(100):
@@ -378,7 +378,7 @@ def test_ways_to_one_place_are_kept_now_and_then_only():
     assert [one["time"] for one in records(view.changes(), "paths")] == [0.0, 5.0, 10.0]
 
 
-def test_beliefs_are_kept_when_they_change():
+def test_view_keeps_beliefs_when_they_change():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     for cycle, atoms in ((1, ["at(a)"]), (2, ["at(a)"]), (3, ["at(b)", "at(a)"])):
@@ -391,7 +391,7 @@ def test_beliefs_are_kept_when_they_change():
 # ---- tables ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_table_tells_what_has_changed_since():
+def test_table_lists_changes_since_a_version():
     revision = Revision()
     table = Table(revision)
     for letter in "abc":
@@ -404,7 +404,7 @@ def test_a_table_tells_what_has_changed_since():
     assert len(table.since(0)) == len(table) == 4
 
 
-def test_a_long_way_has_few_poses_and_its_length():
+def test_long_path_has_few_poses_and_its_length():
     track = Track()
     for tick in range(5 * POSES):
         track.add(float(tick), 0.1 * tick, 0.0, 0.0)
@@ -413,14 +413,14 @@ def test_a_long_way_has_few_poses_and_its_length():
     assert track.thinned > 0
 
 
-def test_a_robot_that_stands_has_driven_nothing():
+def test_robot_at_rest_has_driven_no_distance():
     track = Track()
     for tick in range(1000):
         track.add(float(tick), 0.01 * (tick % 3), 0.0, 0.0)
     assert (track.metres, len(track.poses)) == (0.0, 1)
 
 
-def test_a_way_keeps_its_corners():
+def test_path_keeps_its_corners():
     way = [(0.1 * one, 0.0) for one in range(11)] + [(1.0, 0.1 * one) for one in range(1, 11)]
     assert simplified(way) == [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
     assert simplified([]) == []

@@ -9,14 +9,14 @@ SHIPPED = sorted((Path(__file__).resolve().parents[3] / "config" / "scenarios").
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_shipped_scenarios_can_be_read(path):
+def test_scenario_files_that_are_shipped_can_be_read(path):
     scenario = Scenario.from_file(path)
     assert scenario.title
     requests = [event for event in scenario.events if event.verb == "request"]
     assert len(scenario.expect["goals"]) == len(requests)
 
 
-def test_everything_a_scenario_may_hold():
+def test_scenario_reads_every_permitted_key():
     scenario = Scenario.from_text("""
 title: All
 packages: {1: office3}
@@ -51,7 +51,7 @@ expect: {goals: [canceled], packages: {1: office3}, robot: office2, actions: ["_
     assert [str(event) for event in scenario.events][:2] == ["at 1.5 s request g(1)", "in cycle 2 cancel 1"]
 
 
-def test_when_events_are_due():
+def test_scenario_events_have_due_times():
     timed, cycled = Scenario.from_text("events: [{time: 2, cancel: 1}, {cycle: 3, delay: 1, cancel: 1}]").events
     assert not timed.due(1.9, {})
     assert timed.due(2.0, {})
@@ -86,18 +86,18 @@ def test_when_events_are_due():
         ("events: []\ntimeout: long", "timeout: must be a number of seconds from 0 on, not 'long'"),
     ],
 )
-def test_faults_name_their_place(text, fault):
+def test_scenario_faults_name_their_place(text, fault):
     with pytest.raises(ScenarioError) as error:
         Scenario.from_text(text)
     assert fault in str(error.value)
 
 
-def test_missing_file_is_named():
+def test_scenario_file_that_is_missing_is_named():
     with pytest.raises(ScenarioError, match="nowhere"):
         Scenario.from_file(Path("/nowhere.yaml"))
 
 
-def test_what_need_not_be_said():
+def test_scenario_optional_keys_have_defaults():
     scenario = Scenario.from_text('events: [{cycle: 1, request: "g(1)"}]\nexpect: {robot: office2}')
     (event,) = scenario.events
     assert (event.cycle, event.time) == (1, 0.0), "as soon as the plan of cycle 1 is out"
@@ -105,7 +105,7 @@ def test_what_need_not_be_said():
     assert scenario.expect == {"robot": "office2"}, "of packages nothing is expected"
 
 
-def test_all_faults_at_once(tmp_path):
+def test_scenario_reports_all_faults_at_once(tmp_path):
     path = tmp_path / "own.yaml"
     path.write_text("events: [{time: 1, requst: g(1)}, {cycle: 0, cancel: 1}]\nexpect: {goals: [won]}\nlunch: house")
     with pytest.raises(ScenarioError) as error:

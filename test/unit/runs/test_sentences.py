@@ -1,4 +1,4 @@
-"""Actions in a program's own words."""
+"""Actions in the words of a program."""
 
 import pytest
 from shipped import shipped
@@ -23,7 +23,7 @@ def words(text, *actions):
     return [sentences_of(program).of(action_of(parse_atom(one))) for one in actions]
 
 
-def test_facts_of_a_program_say_what_actions_do():
+def test_sentences_of_actions_come_from_program_facts():
     assert words(WORDS, "_action_lib(drive,tap,1)", '_action_lib(wait,"3",1)', '_action_lib("tidy up",f(x),1)') == [
         "drives to tap",
         "waits 3 minutes, 3 at the most",
@@ -32,17 +32,17 @@ def test_facts_of_a_program_say_what_actions_do():
 
 
 @pytest.mark.parametrize("interface", ["plain", "one", "odd", "unheard"])
-def test_all_others_are_said_plainly(interface):
+def test_sentences_of_other_actions_are_plain(interface):
     assert words(WORDS, f"_action_lib({interface},tap,1)") == [f"{interface} tap"]
 
 
-def test_what_cannot_be_read_says_nothing():
+def test_sentences_ignore_unreadable_facts():
     program = RunProgram("run", (ProgramFile("broken.lp", '_says(go,"goes to {}"). ((', False),), {}, "")
     assert sentences_of(program).of(action_of(parse_atom("_action_lib(go,x,1)"))) == "go x"
 
 
 @pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")])
-def test_the_shipped_rules_of_delivery(files):
+def test_sentences_of_the_shipped_delivery_rules(files):
     sentences = sentences_of(RunProgram.of("run", shipped(*files), {}))
     said = [sentences.of(action_of(parse_atom(f"_action_lib({one},1)"))) for one in ("move_base,tap", "pickup,cup")]
     assert said == ["drives to tap", "picks up cup"]
@@ -58,7 +58,7 @@ def test_the_shipped_rules_of_delivery(files):
         ("waiting: at most 8 goals are planned for at a time", "waiting: at most 8 goals are planned for at a time"),
     ],
 )
-def test_what_is_done_now(state, expected):
+def test_sentences_describe_actions_under_way(state, expected):
     sentences = Sentences({"go": "goes to {}"})
     plan = ["_action_lib(go,x,3)", "_action_lib(wave,y,3)", "_action_lib(go,z,4)", "((", "_seen(3)"]
     assert sentences.now(3, state, plan) == expected

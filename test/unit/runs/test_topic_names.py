@@ -14,7 +14,7 @@ from rosoclingo.runs.topic_names import full_name
         ("brain", "brain/task_plan", "rosoclingo/status", "out_rosoclingo"),
     ],
 )
-def test_a_core_s_topics(core, plan, status, outlet):
+def test_topic_names_of_a_core(core, plan, status, outlet):
     names = [full_name(topic, core) for topic in ("~task_plan", "rosoclingo/status", "out_rosoclingo")]
     assert names == [plan, status, outlet]
     assert full_name("/tf", core) == "/tf"

@@ -1,4 +1,4 @@
-"""``check --orders``: what people may order is looked at beside the program, and tried by --plan and --verify."""
+"""``check --orders``: orders are compared with the program, and tried by --plan and --verify."""
 
 import json
 import re
@@ -31,7 +31,7 @@ def ask(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_what_people_may_order_is_tried(ask):
+def test_order_file_goals_are_tried(ask):
     _, told = ask(ORDERS, "--plan", "--verify", "1")
     assert "goals: visit(hall) visit(den)\n" in told, "and no other"
     assert re.findall(r"^(\S+): a plan up to step", told, re.MULTILINE) == ["visit(hall)"]
@@ -47,7 +47,7 @@ def test_what_people_may_order_is_tried(ask):
         ("- ]", "configuration", 1, "no YAML"),
     ],
 )
-def test_orders_that_nobody_can_use(ask, orders, kind, line, words):
+def test_order_file_reports_useless_orders(ask, orders, kind, line, words):
     code, told = ask(orders, "--json")
     found = [one for one in json.loads(told)["findings"] if one["file"].endswith(".yaml")]
     assert (code, {(one["kind"], one["line"]) for one in found}) == (1, {(kind, line)})

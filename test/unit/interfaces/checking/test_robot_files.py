@@ -1,4 +1,4 @@
-"""``check --labels --interfaces``: nothing is said of what is right, and each seeded fault is found at its line."""
+"""``check --labels --interfaces``: right files give no finding, and each seeded fault is found at its line."""
 
 import json
 import re
@@ -20,14 +20,14 @@ CONFIG = lint_programs.ROOT / "config"
 
 @pytest.fixture(autouse=True)
 def workspace(monkeypatch):
-    """The messages that the build has made; unit tests take the package from its sources, where they are not."""
+    """The built messages, where unit tests import the package from its sources, without messages."""
     pytest.importorskip("genpy")
     monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
     pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
 
 
 def texts(name):
-    """The files of a system by their names: its program's, labels.yaml and interfaces.yaml."""
+    """Return the files of a system by name: its program's, labels.yaml and interfaces.yaml."""
     files = {one.name: one.text for one in lint_programs.program(name)}
     if name == "garden":
         labels, interfaces = (
@@ -45,12 +45,12 @@ def texts(name):
 
 
 def told(folder, files, capsys, *options):
-    """The findings of the files, written into a folder."""
+    """Write the files into a folder and return their findings."""
     programs = [name for name in files if name.endswith(".lp")]
     for name, text in files.items():
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
-    # what includes the others comes first, and is enough
+    # the file that includes the others comes first, and is enough
     named = [one for one in programs if "/" not in one and one != "delivery.lp"]
     places = options or [
         word
@@ -67,19 +67,19 @@ def told(folder, files, capsys, *options):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
-def test_nothing_is_said_of_systems_that_are_right(name, tmp_path, capsys):
+def test_robot_files_of_correct_systems_have_no_finding(name, tmp_path, capsys):
     assert told(tmp_path, texts(name), capsys) == []
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
-def test_nothing_is_said_of_their_labels_alone(name, tmp_path, capsys):
+def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
     files = texts(name)
     assert told(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
 
 
-#: System, file, what stands in it, what is put there instead (the finding stands where @ is), kind, words of it.
+#: System, file, its text, the replacement (@ marks the place of the finding), kind, words of the message.
 SEEDS = [
     ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "is office2 meant?"),
     ("mailbot", "labels.yaml", "office3:", "@ofice3:", "idle-label", "is office3 meant?"),
@@ -143,7 +143,7 @@ SEEDS = [
         "unheard-fact",
         "is _blocked/3 meant?",
     ),
-    # what tf2 refuses, and headings in degrees
+    # rejected by tf2, and headings in degrees
     (
         "mailbot",
         "labels.yaml",
@@ -162,7 +162,7 @@ SEEDS = [
         "label-value",
         "goals are sent with map",
     ),
-    # names like reasons
+    # names that resemble reasons
     ("garden", "garden.lp", "plant(palm).", "plant(@rejected).", "like-reason", "rejected is a parameter of water"),
     (
         "garden",
@@ -175,7 +175,7 @@ SEEDS = [
     ("garden", "labels.yaml", "palm:", "@preempted:", "like-reason", "named like a reason"),
     ("garden", "garden.lp", "plant(palm).", "plant(@clogged).", "like-reason", "_return(water,clogged,C)"),
     ("mailbot", "office.lp", "office(office4).", "office(@unreachable).", "like-reason", "a parameter of move_base"),
-    # what is drawn
+    # drawings
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is no kind"),
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "is corridor meant?"),
     ("house", "house.lp", "_draws(door,way)", "@_draws(D,way) :- door(D,E)", "idle-drawing", "from ground facts"),
@@ -185,7 +185,7 @@ SEEDS = [
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
-def test_a_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
+def test_robot_files_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)
     files[file], (line, _) = lint_programs.seeded(files[file], old, new)
     found = told(tmp_path, files, capsys)
@@ -226,7 +226,7 @@ bad(t) :- _action_lib(A,P,t), _return(A,V,t), V != P.
         "#program cumulative(t). { _action_lib(move_base,R,t) } :- todo(move_base,R), want(R,t).",
     ],
 )
-def test_places_of_one_action_are_not_those_of_another(relation, tmp_path, capsys):
+def test_robot_files_separate_places_of_different_actions(relation, tmp_path, capsys):
     labels = {"labels.yaml": "kitchen: [1, 2]\nhall: [3, 4]\n"}
     program = {"dock.lp": DOCK.replace("RELATION", relation)}
     interfaces = {
@@ -242,7 +242,7 @@ def test_places_of_one_action_are_not_those_of_another(relation, tmp_path, capsy
     assert "no label hall" in found[0]["message"]
 
 
-def test_each_file_is_counted_once(tmp_path, capsys):
+def test_robot_files_count_each_file_once(tmp_path, capsys):
     files = texts("garden")
     told(tmp_path, files, capsys)
     named = [str(tmp_path / one) for one in ("garden.lp", "labels.yaml", "interfaces.yaml")]
@@ -253,7 +253,7 @@ def test_each_file_is_counted_once(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["files"] == named
 
 
-def test_what_is_silenced_in_yaml(tmp_path, capsys):
+def test_robot_files_findings_can_be_silenced_in_yaml(tmp_path, capsys):
     files = texts("garden")
     files["labels.yaml"] += (
         "porch: [1.0, 1.0]   # check: ok idle-label (for later)\n# check: ok idle-label\nroof: [1.0, 2.0]\n"
@@ -261,21 +261,21 @@ def test_what_is_silenced_in_yaml(tmp_path, capsys):
     assert told(tmp_path, files, capsys) == []
 
 
-def test_files_that_cannot_be_read(tmp_path, capsys):
+def test_robot_files_that_are_unreadable_are_reported(tmp_path, capsys):
     (tmp_path / "p.lp").write_text("#cumulative t.\n#volatile t.\n")
     code = check_command.main([str(tmp_path / "p.lp"), "--labels", str(tmp_path / "none.yaml")], RobotFiles())
     assert code == 2
     assert "none.yaml: can't be read" in capsys.readouterr().err
 
 
-def test_labels_and_interfaces_of_a_program_with_syntax_errors(tmp_path, capsys):
+def test_robot_files_are_checked_despite_syntax_errors(tmp_path, capsys):
     files = texts("garden")
     files["garden.lp"] = files["garden.lp"].replace("at(home,0).", "at(home,0)")
     files["labels.yaml"] = files["labels.yaml"].replace("[2.5, 2.5]", "2.5")
     assert sorted(one["kind"] for one in told(tmp_path, files, capsys)) == ["configuration", "syntax"]
 
 
-def test_without_ros_all_but_types_is_looked_at(tmp_path, capsys, monkeypatch):
+def test_robot_files_without_ros_are_checked_except_types(tmp_path, capsys, monkeypatch):
     for name in [one for one in sys.modules if re.match(r"genpy|rosoclingo\.interfaces\.type_faults", one)]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "genpy", None)
@@ -310,7 +310,7 @@ YAML = st.recursive(
 
 @pytest.mark.slow
 @given(YAML, YAML, st.text(max_size=30))
-def test_whatever_the_files_hold(tmp_path_factory, labels, interfaces, text):
+def test_robot_files_of_any_content_are_handled(tmp_path_factory, labels, interfaces, text):
     folder = tmp_path_factory.mktemp("files")
     (folder / "p.lp").write_text("#cumulative t.\n{ _action_lib(a,x,t) }.\n#volatile t.\n")
     for held in (json.dumps(labels), text):

@@ -1,4 +1,4 @@
-"""YAML files as people leave them: keys twice, words that YAML takes for values, lines and lists without end."""
+"""Unusual YAML files: duplicate keys, words that YAML reads as values, and endless lines and lists."""
 
 import pytest
 
@@ -22,7 +22,7 @@ def read(folder, text):
         ("hall: &a {x: 1}\nkitchen: {<<: *a, x: 2}\n", []),
     ],
 )
-def test_keys_that_stand_there_twice_are_told(tmp_path, text, places):
+def test_yaml_places_report_duplicate_keys(tmp_path, text, places):
     found = read(tmp_path, text)
     assert found.faults == []
     assert len(found.doubles) == len(places)
@@ -31,20 +31,20 @@ def test_keys_that_stand_there_twice_are_told(tmp_path, text, places):
         assert words in one.message
 
 
-def test_faults_stand_at_the_key_that_counts(tmp_path):
+def test_yaml_places_fault_points_to_effective_key(tmp_path):
     found = read(tmp_path, "hall: [1, 2]\nyes: [1, 2]\nhall: [x]\n")
     assert found.fault("hall: must be numbers", "configuration").line == 3
     assert found.fault("True: the name is no ASP term", "configuration").line == 2
 
 
-def test_aliases_of_aliases_take_no_time(tmp_path):
+def test_yaml_places_nested_aliases_take_no_time(tmp_path):
     rows = ["a0: &a0 [x, x]", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 25))]
     found = read(tmp_path, "\n".join(rows) + "\n")
     assert found.fault("a24: must be a pose", "configuration").line == 25
 
 
 @pytest.mark.parametrize("column", [1, 150, 450, 999])
-def test_of_a_long_line_a_part_is_shown(column):
+def test_yaml_places_show_part_of_a_long_line(column):
     line = "x" * (column - 1) + "!" + "x" * (1000 - column)
     first, second = _shown(Fault("a.lp", 1, column, "odd"), [line]).splitlines()
     assert first[second.index("^")] == "!"

@@ -1,4 +1,4 @@
-"""The compiled loops against brute force."""
+"""The compiled loops, compared with brute force."""
 
 import math
 
@@ -18,7 +18,7 @@ NOTHING = np.empty((0, 4)), np.empty((0, 3))
 
 
 @given(GRIDS, st.floats(1.0, 30.0))
-def test_clearance_is_the_distance_to_the_nearest_occupied_square(occupied, reach):
+def test_compiled_clearance_is_distance_to_nearest_occupied_square(occupied, reach):
     clearance = clearance_of(occupied, reach)
     for row in range(occupied.shape[0]):
         for column in range(occupied.shape[1]):
@@ -30,7 +30,7 @@ def test_clearance_is_the_distance_to_the_nearest_occupied_square(occupied, reac
 
 
 @given(GRIDS, st.data())
-def test_a_window_brings_clearance_up_to_date(occupied, data):
+def test_compiled_window_updates_the_clearance(occupied, data):
     reach = 4.0
     clearance = clearance_of(occupied, reach)
     row = data.draw(st.integers(0, occupied.shape[0] - 1))
@@ -43,7 +43,7 @@ def test_a_window_brings_clearance_up_to_date(occupied, data):
 
 
 @given(GRIDS, st.floats(-3.0, 23.0), st.floats(-3.0, 23.0), st.floats(-7.0, 7.0), st.floats(0.5, 40.0))
-def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach):
+def test_compiled_rays_end_at_first_occupied_step(occupied, x, y, angle, reach):
     out = np.empty(1)
     cast_rays(occupied, *NOTHING, x, y, np.array([angle]), reach, out)
     assert 0.0 <= out[0] <= reach
@@ -54,7 +54,7 @@ def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach)
     hit = np.zeros(len(places), dtype=bool)
     hit[inside] = occupied[rows[inside], columns[inside]] > 0
     first = places[hit.argmax()] if hit.any() else reach
-    # Small steps may leap over a corner that the ray cuts by less than a step.
+    # Small steps can skip a corner that the ray cuts by less than a step.
     assert out[0] <= first + 1e-6
     end_x, end_y = x + (out[0] + 1e-6) * math.cos(angle), y + (out[0] + 1e-6) * math.sin(angle)
     assert abs(out[0] - first) < 0.005 or distance(occupied, end_x, end_y) < 1e-4
@@ -65,7 +65,7 @@ def test_rays_end_where_small_steps_meet_something(occupied, x, y, angle, reach)
     st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(0.1, 3)), max_size=3),
     st.floats(-3.2, 3.2),
 )
-def test_rays_end_at_doors_and_discs(segments, discs, angle):
+def test_compiled_rays_end_at_doors_and_discs(segments, discs, angle):
     out = np.empty(1)
     things = np.array(segments, dtype=float).reshape(-1, 4), np.array(discs).reshape(-1, 3)
     cast_rays(np.zeros((1, 1), dtype=np.uint8), *things, 0.0, 0.0, np.array([angle]), 12.0, out)
@@ -73,7 +73,7 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
     best = 12.0
     for x, y, radius in discs:
         roots = np.roots([1.0, -2.0 * (x * dx + y * dy), x * x + y * y - radius * radius])
-        assume(abs(abs(x * dy - y * dx) - radius) > 1e-3)  # whether a ray hits what it touches is a matter of rounding
+        assume(abs(abs(x * dy - y * dx) - radius) > 1e-3)  # rounding decides about a ray that touches the disc
         real = [root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0]
         if math.hypot(x, y) <= radius:
             best = 0.0
@@ -82,30 +82,30 @@ def test_rays_end_at_doors_and_discs(segments, discs, angle):
     for x0, y0, x1, y1 in segments:
         matrix = np.array([[dx, x0 - x1], [dy, y0 - y1]])
         slant = abs(dx * (y0 - y1) - dy * (x0 - x1))
-        assume(slant == 0.0 or slant > 1e-6)  # the same of one that all but runs along a door
+        assume(slant == 0.0 or slant > 1e-6)  # the same applies to a ray that runs almost along a door
         if slant:
             t, u = np.linalg.solve(matrix, [x0, y0])
-            assume(min(abs(t), abs(u), abs(1.0 - u)) > 1e-6)  # the same of one that begins or ends where a door does
+            assume(min(abs(t), abs(u), abs(1.0 - u)) > 1e-6)  # or a ray that ends at the door, or at its end
             if t >= 0 and 0 <= u <= 1:
                 best = min(best, t)
     assert abs(out[0] - best) < 1e-3
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.2, 4.0))
-def test_a_disc_hits_what_is_nearer_than_its_radius(occupied, x, y, radius):
+def test_compiled_disc_hits_objects_within_its_radius(occupied, x, y, radius):
     away = distance(occupied, x, y)
     if abs(away - radius) > 1e-9:
         assert (body_hits(occupied, *NOTHING, np.empty((0, 2)), radius, x, y, 0.0) != CLEAR) == (away < radius)
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))
-def test_the_distance_of_a_point_from_what_is_occupied(occupied, x, y, reach):
+def test_compiled_distance_of_a_point_from_occupied_cells(occupied, x, y, reach):
     assert abs(square_distance(occupied, x, y, reach) - min(reach, distance(occupied, x, y))) < 1e-9
 
 
 @given(GRIDS, st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.7, -2.2]))
-def test_costs_are_those_of_costmap_2d(occupied, seed, yaw):
-    """Against their definition cell by cell, turned and beyond the grid too."""
+def test_compiled_costs_are_those_of_costmap_2d(occupied, seed, yaw):
+    """Compared with their definition cell by cell, also rotated and beyond the grid."""
     random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)
     closed = random.random(occupied.shape) < 0.2
     x, y = random.uniform(-3.0, 8.0, 2)

@@ -1,4 +1,4 @@
-"""Navigation drives simulated robots: everything reached that can be, nothing touched, and an end with a reason."""
+"""Navigation drives simulated robots: reachable goals are reached without contact, others end with a reason."""
 
 import math
 from pathlib import Path
@@ -31,13 +31,13 @@ from rosoclingo.robot.simulation import DoorSpec, ObstacleSpec, Simulation, load
 
 ROOT = Path(__file__).resolve().parents[4]
 START = Pose2D(1.0, 1.0)
-WALL = (2.9, 0.0, 3.1, 4.0)  # between two halves of a room, with a way round it
+WALL = (2.9, 0.0, 3.1, 4.0)  # between two halves of a room, with a detour
 REACHED = NavigationOutcome.REACHED
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_the_labels_of_the_office():
+def test_driving_reaches_the_labels_of_the_office():
     world = Simulation(load_world(ROOT / "worlds" / "office_world.yaml"))
     labels = yaml.safe_load((ROOT / "config" / "office_labels.yaml").read_text())
     drive = Drive(world)
@@ -51,7 +51,7 @@ def test_the_labels_of_the_office():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *(pytest.param(one, marks=pytest.mark.once) for one in range(1, 4))])
-def test_tours_of_random_goals_among_unmapped_obstacles(seed):
+def test_driving_tours_random_goals_among_unmapped_obstacles(seed):
     random = np.random.default_rng(seed)
     walls = [
         (x, y, x + random.uniform(0.2, 2.0), y + random.uniform(0.2, 2.0)) for x, y in random.uniform(1, 9, (6, 2))
@@ -69,7 +69,7 @@ def test_tours_of_random_goals_among_unmapped_obstacles(seed):
     drive = Drive(simulation(grid, start, obstacles=tuple(obstacles)))
     rows, columns = np.indices(grid.shape)
     x, y = (columns + 0.5) * grid.resolution, (rows + 0.5) * grid.resolution
-    # With a little to spare: what noise makes bigger must still be passable.
+    # The gap has some margin: it must stay passable when noise enlarges the obstacles.
     taken = np.any([np.hypot(x - o.at[0], y - o.at[1]) <= o.radius + 0.08 for o in obstacles], axis=0)
     known = Costmap(OccupancyGrid(np.where(taken, 100, grid.cells).astype(np.int8), grid.resolution))
     for _ in range(5):
@@ -91,7 +91,7 @@ def test_tours_of_random_goals_among_unmapped_obstacles(seed):
         (WALL, Pose2D(50.0, 1.0), "off the map"),
     ],
 )
-def test_a_goal_that_the_map_makes_impossible_ends_at_once(wall, goal, reason):
+def test_driving_to_goal_impossible_by_map_ends_at_once(wall, goal, reason):
     drive = Drive(simulation(room(walls=[wall]), START))
     result = drive.to(goal)
     assert result.outcome is NavigationOutcome.NO_PLAN
@@ -100,7 +100,7 @@ def test_a_goal_that_the_map_makes_impossible_ends_at_once(wall, goal, reason):
 
 
 @pytest.mark.slow
-def test_a_goal_that_something_unmapped_stands_on():
+def test_driving_to_goal_under_unmapped_obstacle_ends():
     crate = ObstacleSpec("crate", (5.0, 1.0), radius=0.3)
     drive = Drive(simulation(room(), START, obstacles=(crate,)))
     result = drive.to(Pose2D(4.8, 1.0))
@@ -114,13 +114,13 @@ def test_a_goal_that_something_unmapped_stands_on():
 
 
 def door_drive(*more):
-    """Two halves with a door between them at the bottom and, for some tests, a way round at the top."""
+    """Two halves with a door between them at the bottom and, for some tests, a detour at the top."""
     door = DoorSpec("door", (3.0, 0.0), (3.0, 2.0), open=True)
     return Drive(simulation(room(walls=[(2.9, 2.0, 3.1, 5.0), *more]), START, doors=(door,)))
 
 
 @pytest.mark.slow
-def test_a_door_that_closes_on_the_way_is_gone_round():
+def test_driving_takes_detour_when_a_door_closes():
     drive = door_drive()
 
     def close(drive):
@@ -135,7 +135,7 @@ def test_a_door_that_closes_on_the_way_is_gone_round():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("opens", [False, True])
-def test_a_closed_door_ends_with_the_reason_unless_it_opens_again(opens):
+def test_driving_ends_at_closed_door_unless_it_opens(opens):
     drive = door_drive((2.9, 4.9, 3.1, 6.0))
     drive.world.set_door("door", False)
 
@@ -150,8 +150,8 @@ def test_a_closed_door_ends_with_the_reason_unless_it_opens_again(opens):
 
 
 @pytest.mark.slow
-def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
-    """A door is closed whenever the robot comes near, and open again when it has turned away."""
+def test_driving_leaves_alternating_door_for_another_way():
+    """A door is closed whenever the robot approaches, and open again when it has turned away."""
     door = DoorSpec("door", (3.0, 0.0), (3.0, 1.5), open=True)
     drive = Drive(simulation(room(6.0, 10.0, 0.1, [(2.9, 1.5, 3.1, 9.0)]), Pose2D(1.0, 0.7), doors=(door,)))
 
@@ -160,14 +160,14 @@ def test_a_way_that_is_open_and_closed_in_turns_is_left_for_another():
         near = np.hypot(x - 3.0, y - 0.7) < 1.5
         if drive.world.doors["door"].open == near:
             drive.world.set_door("door", not near)
-            drive.costmap.forget(x, y)  # as if all of it had been seen
+            drive.costmap.forget(x, y)  # as if the laser had seen all of it
             drive.navigator.obstacles_changed()
 
     assert drive.to(Pose2D(5.0, 0.7), 400.0, blink).outcome is REACHED
     assert drive.collisions == []
 
 
-def test_a_robot_that_is_carried_away_drives_on_from_there():
+def test_driving_continues_after_robot_is_moved():
     drive = Drive(simulation(room(walls=[WALL]), START))
 
     def carry(drive):
@@ -184,18 +184,18 @@ def test_a_robot_that_is_carried_away_drives_on_from_there():
 
 
 def gap(low, high, top=6.0):
-    """A wall across a room with a gap in it."""
+    """Return a wall across a room with a gap in it."""
     return [(2.9, 0.0, 3.1, low), (2.9, high, 3.1, top)]
 
 
 def places(random, count, low, high):
-    """Goals to and fro between the halves of a room."""
+    """Return goals to and fro between the halves of a room."""
     return [Pose2D((5.0, 1.0)[i % 2], random.uniform(low, high), random.uniform(-3.0, 3.0)) for i in range(count)]
 
 
-ASKEW = [*gap(1.5, 2.0, 4.0), (1.5, 1.1, 2.2, 1.4)]  # a gap whose way in is askew
-OTHERS = [*gap(1.0, 1.3, 4.0), (2.9, 4.7, 3.1, 6.0)]  # the circle within the robot fits through the near one
-CORNER = [*gap(1.0, 1.5, 4.6), (3.55, 0.0, 3.65, 2.6), (2.9, 5.1, 3.1, 6.0)]  # behind the near gap, too tight for LONG
+ASKEW = [*gap(1.5, 2.0, 4.0), (1.5, 1.1, 2.2, 1.4)]  # a gap with an oblique entrance
+OTHERS = [*gap(1.0, 1.3, 4.0), (2.9, 4.7, 3.1, 6.0)]  # the inscribed circle of the robot fits through the near gap
+CORNER = [*gap(1.0, 1.5, 4.6), (3.55, 0.0, 3.65, 2.6), (2.9, 5.1, 3.1, 6.0)]  # behind the near gap, too narrow for LONG
 TIGHT = {
     "a rectangle and wide doors": ((8.0, 8.0, 0.05, [(3.9, 0.0, 4.1, 3.4), (3.9, 4.6, 4.1, 8.0)]), Pose2D(1.5, 1.5),
         {"footprint": LONG}, [Pose2D(6.5, 6.5, 0.0), Pose2D(1.5, 6.5, 1.5), Pose2D(6.0, 2.0, -1.5)]),
@@ -214,7 +214,7 @@ TIGHT = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TIGHT)
-def test_tight_places(name):
+def test_driving_passes_tight_places(name):
     place, start, body, goals = TIGHT[name]
     drive = Drive(simulation(room(*place), start, **body))
     for goal in goals:
@@ -226,10 +226,10 @@ def test_tight_places(name):
 @pytest.mark.once
 @pytest.mark.parametrize(
     ("resolution", "wide", "radius"),
-    [(0.1, 0.4, 0.18), (0.05, 0.4, 0.18), (0.05, 0.45, 0.2)],  # of the first the middle is between two cells
+    [(0.1, 0.4, 0.18), (0.05, 0.4, 0.18), (0.05, 0.45, 0.2)],  # the middle of the first gap lies between two cells
 )
 @pytest.mark.parametrize("late", [0, 1])
-def test_gaps_with_two_centimetres_to_spare(resolution, wide, radius, late):
+def test_driving_passes_gaps_with_two_centimetres_margin(resolution, wide, radius, late):
     grid = room(6.0, 4.0, resolution, [*gap(1.5, 1.5 + wide, 4.0), (1.5, 1.1, 2.2, 1.4)])
     drive = Drive(simulation(grid, Pose2D(1.0, 3.0, 2.0), radius=radius), late=late)
     for goal in places(np.random.default_rng(round(1000 * wide)), 4, 0.5, 3.5):
@@ -241,8 +241,8 @@ def test_gaps_with_two_centimetres_to_spare(resolution, wide, radius, late):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("seed", range(3))
-def test_a_tight_door_is_not_touched(seed):
-    """Four and a half centimetres on either side, entered from anywhere, to and fro."""
+def test_driving_touches_no_tight_door(seed):
+    """Four and a half centimetres on either side, entered from any direction, to and fro."""
     random = np.random.default_rng(seed)
     low = 2.0 + 0.05 * random.integers(0, 20)
     drive = Drive(simulation(room(6.0, 5.0, walls=gap(low, low + 0.45, 5.0)), START))
@@ -256,7 +256,7 @@ def test_a_tight_door_is_not_touched(seed):
 @pytest.mark.parametrize("space", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize("yaw", [0.0, np.pi])
 @pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])
-def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side, yaw, space):
+def test_driving_footprint_leaves_a_wall_alongside(footprint, side, yaw, space):
     """There it cannot turn: a corner would touch the wall."""
     drive = Drive(simulation(room(), Pose2D(3.0, 0.1 + side + space, yaw), footprint=footprint))
     assert drive.to(Pose2D(1.0, 4.0, 0.0), 120.0).outcome is REACHED
@@ -265,7 +265,7 @@ def test_a_footprint_gets_away_from_a_wall_along_which_it_stands(footprint, side
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("yaw", [np.pi, 0.5 * np.pi, -0.5 * np.pi])
-def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_goal(yaw):
+def test_driving_approaches_goal_if_final_turn_is_blocked(yaw):
     """The goal is 0.3 m behind a gap of 0.5 m; a tolerance of 0.1 m before it, corners of the robot touch the gap's."""
     walls = [(2.5, 0.0, 2.7, 1.75), (2.5, 2.25, 2.7, 4.0)]
     drive = Drive(simulation(room(6.0, 4.0, 0.05, walls), Pose2D(1.0, 2.0, 0.0), footprint=LONG))
@@ -275,8 +275,8 @@ def test_where_the_last_turn_is_not_possible_yet_the_robot_comes_nearer_to_the_g
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("footprint", [(), LONG])
-def test_past_a_patch_that_the_map_does_not_know(footprint):
-    """The way keeps off it, as the planner of move_base does; the robot's sides may be over it."""
+def test_driving_passes_a_patch_unknown_to_the_map(footprint):
+    """The path avoids the patch, as the planner of move_base does; the robot's sides can be over it."""
     grid = room(6.0, 6.0)
     rows, columns = np.indices(grid.shape)
     grid.cells[np.hypot(rows - 60, columns - 60) < 30] = -1
@@ -290,13 +290,14 @@ def test_past_a_patch_that_the_map_does_not_know(footprint):
     ("command", "before", "stops"),
     [((-0.15, -0.4), 0.15, True), ((0.1, 0.2), -0.03, True), ((0.0, 0.4), 0.1, False), ((0.15, 0.4), 0.1, False)],
 )
-def test_a_robot_that_turns_round_stops_first(command, before, stops):
-    """Else a turn would begin while the robot still drives the other way, into what it was to get away from."""
+def test_driving_stops_before_a_turn(command, before, stops):
+    """Otherwise a turn would begin while the robot still drives the other way, towards the obstacle that it avoids."""
     found = VelocityCommand(FollowOutcome.DRIVING, Velocity(*command)).stopping_first(Velocity(before, 0.0))
     assert found == VelocityCommand(FollowOutcome.DRIVING, STOP if stops else Velocity(*command))
 
 
-# ---- without a way on, and calls without a simulation ---------------------------------------------------------------
+# ---- without a way on, and calls without a simulation
+# ---------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -308,7 +309,7 @@ def test_a_robot_that_turns_round_stops_first(command, before, stops):
          "moved less than 0.5 m"),
     ],
 )  # fmt: skip
-def test_a_robot_that_cannot_move_gives_up(limits, turn, outcome, words):
+def test_driving_ends_for_robot_that_cannot_move(limits, turn, outcome, words):
     drive = Drive(simulation(room(), START, max_speed=0.0, max_turn=turn), NavigatorLimits(**limits))
     result = drive.to(Pose2D(5.0, 1.0), limit=300.0)
     assert result.outcome is outcome
@@ -333,12 +334,12 @@ class Fixed:
         return self.navigator.blind(now, NavigationOutcome.LASER_LOST, "no scan")
 
 
-def test_a_tick_without_a_goal_is_an_error():
+def test_navigator_tick_without_goal_is_an_error():
     with pytest.raises(NavigationError):
         Fixed().tick(0.0)
 
 
-def test_blindness_stops_the_robot_and_ends_the_goal_after_patience():
+def test_navigator_stops_blind_robot_and_loses_patience():
     fixed = Fixed(controller_patience=3.0).start()
     assert fixed.tick(0.1).velocity != Velocity()
     for now in (1.0, 2.0, 4.0):
@@ -347,14 +348,14 @@ def test_blindness_stops_the_robot_and_ends_the_goal_after_patience():
     assert fixed.navigator.state is NavigatorState.IDLE
 
 
-def test_sight_again_renews_patience():
+def test_navigator_regains_patience_with_new_scans():
     fixed = Fixed(controller_patience=3.0).start()
     fixed.blind(1.0)
     fixed.tick(3.0)
     assert fixed.blind(5.0).result is None
 
 
-def test_time_that_goes_back_costs_no_patience():
+def test_navigator_loses_no_patience_when_time_jumps_back():
     fixed, logged = Fixed().start(100.0), []
     fixed.tick(100.1)
     fixed.navigator.on_log = logged.append
@@ -363,7 +364,7 @@ def test_time_that_goes_back_costs_no_patience():
     assert "Time went back" in logged[0]
 
 
-def test_cancelling_and_a_new_goal():
+def test_navigator_handles_cancel_and_new_goal():
     fixed = Fixed()
     fixed.navigator.cancel()
     fixed.start().tick(0.1)

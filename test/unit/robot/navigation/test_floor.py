@@ -1,4 +1,4 @@
-"""The floor of a map as facts: distances, neighbours, labels where nobody can be."""
+"""The floor of a map as facts: distances, neighbours, and labels at places where the robot cannot stand."""
 
 import subprocess
 import sys
@@ -28,7 +28,7 @@ def table(**places):
 
 @pytest.fixture(scope="module")
 def hall():
-    """12 m x 6 m, open, but for a wall at x = 6 m with a door of 1 m at its middle, and a closet at the right end."""
+    """12 m x 6 m, open, with a wall at x = 6 m with a door of 1 m at its middle, and a closet at the right end."""
     import numpy as np
 
     cells = np.zeros((120, 240), dtype=np.int8)
@@ -39,7 +39,7 @@ def hall():
     return Costmap(OccupancyGrid(cells, 0.05), CostmapLimits())
 
 
-def test_the_shipped_office_is_the_row_that_its_program_says():
+def test_floor_of_shipped_office_matches_its_program():
     labels = LabelTable.from_mapping(yaml.safe_load(OFFICE[1].read_text()))
     floor = floor_of(Costmap(load_map(OFFICE[0]), CostmapLimits()), labels)
     program = ReactiveProgram.from_files([ROOT / "encodings" / "office.lp"])
@@ -50,7 +50,7 @@ def test_the_shipped_office_is_the_row_that_its_program_says():
     assert floor.distances["office1", "office4"] == pytest.approx(12.0, rel=0.03)
 
 
-def test_who_is_on_the_way_stands_between(hall):
+def test_floor_label_on_the_way_stands_between(hall):
     floor = floor_of(hall, table(left=(2.0, 3.0), door=(6.0, 3.0), right=(9.0, 3.0)))
     assert floor.connections == (("door", "left"), ("door", "right"))
     assert floor.distances["left", "right"] == pytest.approx(7.0, rel=0.02)
@@ -61,7 +61,7 @@ def test_who_is_on_the_way_stands_between(hall):
     ).connections
 
 
-def test_a_way_goes_round_walls(hall):
+def test_floor_distance_goes_round_walls(hall):
     places = table(above=(5.5, 5.0), beyond=(6.5, 5.0))
     shortest = floor_of(Costmap(hall.grid, CostmapLimits(inflation_radius=0.0)), places).distances["above", "beyond"]
     assert 3.3 < shortest < 4.5, "by the door, and not the metre through the wall"
@@ -70,24 +70,24 @@ def test_a_way_goes_round_walls(hall):
 
 @pytest.mark.parametrize("measure", ["robot_radius", "inflation_radius", "cost_scaling_factor"])
 @pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
-def test_measures_are_numbers_from_0_on(measure, value):
+def test_floor_numbers_distances_from_0(measure, value):
     with pytest.raises(FloorError, match=f"{measure} is .*must be a number from 0 on"):
         floor_program(*map(str, OFFICE), CostmapLimits()._replace(**{measure: value}))
 
 
-def test_navfn_finds_no_way_to_where_the_robot_cannot_stand(hall):
+def test_floor_finds_no_way_to_occupied_places(hall):
     start, near, far = Pose2D(2.0, 3.0, 0.0), Pose2D(2.0, 0.5, 0.0), Pose2D(6.02, 1.0, 0.0)
     assert navfn_lengths(hall, start, [near, far]) == [pytest.approx(2.5, rel=0.02), None]
     assert navfn_lengths(hall, far, [start, near]) == [None, None]
 
 
-def test_what_cannot_be_reached_has_no_distance(hall):
+def test_floor_unreachable_label_has_no_distance(hall):
     floor = floor_of(hall, table(closet=(11.5, 3.0), left=(2.0, 3.0), right=(9.0, 3.0)))
     assert list(floor.distances) == [("left", "right")]
     assert floor.places == ("closet", "left", "right")
 
 
-def test_all_labels_where_nobody_can_be_are_told(hall):
+def test_floor_reports_all_labels_inside_obstacles(hall):
     with pytest.raises(FloorError) as caught:
         floor_of(hall, table(wall=(6.0, 1.0), off=(50.0, 3.0), left=(2.0, 3.0), narrow=(0.1, 3.0)))
     faults = str(caught.value).splitlines()
@@ -97,7 +97,7 @@ def test_all_labels_where_nobody_can_be_are_told(hall):
 
 
 @given(st.dictionaries(st.sampled_from("abcdef"), st.floats(0.5, 5.5), min_size=2))
-def test_those_in_a_row_are_connected_one_by_one(hall, heights):
+def test_floor_labels_in_a_row_are_connected_singly(hall, heights):
     labels = table(**{name: (2.0, y) for name, y in heights.items()})
     floor = floor_of(hall, labels)
     order = sorted(heights, key=lambda name: heights[name])
@@ -107,7 +107,7 @@ def test_those_in_a_row_are_connected_one_by_one(hall, heights):
     assert reached == set(order), "nobody is cut off"
 
 
-def test_facts():
+def test_floor_becomes_facts():
     floor = Floor(("a", "b", "c"), {("a", "b"): 1.26, ("b", "c"): 0.01}, (("a", "b"),))
     assert floor.facts() == (
         "place(a). place(b). place(c).\n\n"
@@ -117,7 +117,7 @@ def test_facts():
     )
 
 
-def test_facts_that_a_program_need_not_look_at_are_marked():
+def test_floor_marks_facts_that_programs_can_ignore():
     floor = Floor(("a", "b"), {("a", "b"): 1.0}, (("a", "b"),), "a").facts()
     program = f"{floor}lit(P) :- place(P).\n#show lit/1.\n#program cumulative(t).\n#program volatile(t).\n"
     _, found = lint_sources([Source("floor.lp", program)])
@@ -125,13 +125,13 @@ def test_facts_that_a_program_need_not_look_at_are_marked():
     assert findings(found, [("floor.lp", program)]) == []
 
 
-def test_where_the_robot_is_at_first():
+def test_floor_names_start_of_the_robot():
     assert Floor(("a",), {}, (), "a").facts().endswith("\nstart(a).\n")
 
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_the_command(tmp_path):
+def test_floor_command_prints_facts(tmp_path):
     script = [sys.executable, str(ROOT / "scripts" / "places")]
     environment = {"PYTHONPATH": str(ROOT / "src"), "PATH": "/usr/bin:/bin", "NUMBA_DISABLE_JIT": "1"}
     bad = tmp_path / "labels.yaml"

@@ -1,4 +1,4 @@
-"""Maps: what map_server reads is read, anything else is refused with the file and the key."""
+"""Maps: any map that map_server reads is read, all others are refused with the file and the key."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def write(folder, levels, text=INFO, name="map.pgm", mode=None):
     return folder / "map.yaml"
 
 
-def test_trinary(tmp_path):
+def test_grid_reads_trinary_mode(tmp_path):
     grid = load_map(write(tmp_path, [[0, 255, 205], [254, 100, 89]]))
     assert grid.cells.tolist() == [[0, -1, 100], [100, 0, -1]]
     assert grid.cells.dtype == np.int8
@@ -41,10 +41,10 @@ GREYS = [[0, 205, 254]]
         ([[0, 255]], "L", "negate: 1\n", [0, 100]),
         ([[255, 0, 150]], "L", "mode: scale\n", [0, 100, int(1 + 98 * (105 / 255 - 0.196) / (0.65 - 0.196))]),
         ([[0, 100, 101, 255]], "L", "mode: raw\n", [0, 100, -1, -1]),
-        # 0.3 of darkness is unknown, whatever the colour; a mean is not rounded.
+        # a darkness of 0.3 is unknown, in any colour; the mean is not rounded
         (COLOURS, "RGB", "", [-1, 100, 0, -1]),
         (COLOURS, "RGB", "occupied_thresh: 0.6496\n", [-1, 100, 0, 100]),
-        # Opacity is one more colour in trinary mode, as in map_server.
+        # In trinary mode opacity is one more colour, as in map_server.
         (OPACITY, "RGBA", "", [100, 0, -1]),
         (OPACITY, "RGBA", "mode: scale\n", [100, 1, 0]),
         (OPACITY, "RGBA", "mode: raw\n", [0, -1, -1]),
@@ -53,7 +53,7 @@ GREYS = [[0, 205, 254]]
         (GREYS, "1", "", [100, 0, 0]),
     ],
 )
-def test_images_of_all_kinds(tmp_path, pixels, mode, text, cells):
+def test_grid_reads_images_of_all_kinds(tmp_path, pixels, mode, text, cells):
     image = Image.fromarray(np.array(pixels, dtype=np.uint8))
     image = image.convert(mode, dither=0) if mode in "P1" else image
     image.save(str(tmp_path / "map.png"))
@@ -64,8 +64,8 @@ def test_images_of_all_kinds(tmp_path, pixels, mode, text, cells):
 
 
 @pytest.mark.parametrize("kind", ["png", "pgm"])
-def test_sixteen_bits(tmp_path, kind):
-    """Black, the usual grey of what is unknown, white; the image's lower bits count for nothing."""
+def test_grid_reads_sixteen_bits(tmp_path, kind):
+    """Black, the usual grey of unknown cells, white; the image's lower bits do not count."""
     levels = np.array([[0, 205 * 257, 65535, 205 * 256]], dtype=np.uint16)
     if kind == "png":
         Image.fromarray(levels).save(str(tmp_path / "map.png"))
@@ -75,15 +75,15 @@ def test_sixteen_bits(tmp_path, kind):
     assert load_map(tmp_path / "map.yaml").cells.tolist() == [[100, -1, 0, -1]]
 
 
-def test_numbers_as_map_server_reads_them(tmp_path):
+def test_grid_reads_numbers_as_map_server_does(tmp_path):
     grid = load_map(write(tmp_path, [[0, 255]], INFO.replace("resolution: 0.1", "resolution: 5e-2")))
     assert grid.resolution == 0.05
 
 
 @given(st.binary(max_size=60), st.sampled_from(["pgm", "png"]), st.integers(0, 200), st.booleans())
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
-def test_a_broken_image_is_refused_whatever_its_fault(tmp_path, junk, kind, place, cut):
-    """Bytes are overwritten and, of some, the rest is cut off: a map, or an error that names both files."""
+def test_grid_refuses_any_broken_image(tmp_path, junk, kind, place, cut):
+    """With overwritten or truncated bytes the result is a map, or an error that names both files."""
     write(tmp_path, np.arange(64).reshape(8, 8), INFO.replace("map.pgm", f"map.{kind}"), f"map.{kind}")
     data = (tmp_path / f"map.{kind}").read_bytes()
     data = data[:place] + junk + (b"" if cut else data[place + len(junk) :])
@@ -97,7 +97,7 @@ def test_a_broken_image_is_refused_whatever_its_fault(tmp_path, junk, kind, plac
     assert "map.yaml" in words
 
 
-def test_an_image_too_large_to_be_a_map(tmp_path):
+def test_grid_refuses_an_image_too_large(tmp_path):
     path = write(tmp_path, [[0]])
     (tmp_path / "map.pgm").write_bytes(b"P5 100000 100000 255 ")
     with pytest.raises(MapError, match="pixels"):
@@ -134,13 +134,13 @@ def test_an_image_too_large_to_be_a_map(tmp_path):
         (INFO.replace("map.pgm", "a" * 300), "image"),
     ],
 )
-def test_a_bad_map_names_its_fault(tmp_path, text, words):
+def test_grid_refusal_names_fault_of_bad_map(tmp_path, text, words):
     with pytest.raises(MapError, match=words) as caught:
         load_map(write(tmp_path, [[0]], text))
     assert "map.yaml" in str(caught.value)
 
 
-def test_a_missing_file_and_a_broken_image(tmp_path):
+def test_grid_refuses_missing_file_and_broken_image(tmp_path):
     with pytest.raises(MapError, match="cannot be read"):
         load_map(tmp_path / "nowhere.yaml")
     path = write(tmp_path, [[0]])
@@ -150,18 +150,18 @@ def test_a_missing_file_and_a_broken_image(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a\0b", "a" * 300, "."])
-def test_a_name_that_is_no_file(name):
+def test_grid_refuses_a_name_that_is_no_file(name):
     with pytest.raises(MapError, match="cannot be read"):
         load_map(name)
 
 
-def test_beyond():
+def test_grid_points_beyond_it_are_outside():
     grid = OccupancyGrid(np.zeros((4, 6), dtype=np.int8), 0.5, -1.0, 1.0)
     assert grid.beyond(-1.0, 3.0) == ""
     assert grid.beyond(-1.1, 3.0) == "(-1.1, 3) is off the map, which covers x -1 .. 2, y 1 .. 3"
 
 
-def test_cells_and_points():
+def test_grid_converts_between_cells_and_points():
     grid = OccupancyGrid(np.zeros((4, 6), dtype=np.int8), 0.5, -1.0, 1.0)
     assert grid.cell(-0.9, 1.1) == (0, 0)
     assert grid.cell(-1.1, 2.9) == (3, -1)

@@ -1,4 +1,4 @@
-"""Where compiled code is kept."""
+"""The folder of compiled code."""
 
 import os
 import subprocess
@@ -18,8 +18,8 @@ def sources(tmp_path):
     return tmp_path
 
 
-def test_a_change_of_any_compiled_file_leads_to_another_folder(sources):
-    """Its functions may have been compiled into those of other files."""
+def test_jit_folder_changes_with_any_compiled_file(sources):
+    """Functions of one file can be compiled into those of other files."""
     before = cache_folder(sources)
     (sources / "b" / "other.py").write_text("x = 2\n")
     assert cache_folder(sources) == before
@@ -27,7 +27,7 @@ def test_a_change_of_any_compiled_file_leads_to_another_folder(sources):
     assert cache_folder(sources) != before
 
 
-def test_numbas_own_folder_is_used_else_the_users(monkeypatch, sources, tmp_path):
+def test_jit_uses_folder_of_numba_or_user(monkeypatch, sources, tmp_path):
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "numba"))
     assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "numba")
     assert jit(one)() == 1
@@ -37,14 +37,14 @@ def test_numbas_own_folder_is_used_else_the_users(monkeypatch, sources, tmp_path
     assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "rosoclingo" / "numba")
 
 
-def test_the_packages_own_loops_are_kept_there():
+def test_jit_stores_loops_of_the_package_there():
     from rosoclingo.robot.navigation.compiled.clearance import square_distance
 
     assert square_distance.stats.cache_path.startswith(FOLDER)
 
 
 @pytest.mark.slow
-def test_a_folder_that_cannot_be_written_costs_time_only(tmp_path):
+def test_jit_unwritable_folder_costs_only_time(tmp_path):
     (tmp_path / "file").write_text("")
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "file" / "folder")}
     code = (

@@ -1,4 +1,4 @@
-"""The planner's march over a map: where the robot can be, what ways cost, and the way down, against brute force."""
+"""The planner's march over a map: free cells, path costs, and descent, compared with brute force."""
 
 import math
 
@@ -17,7 +17,7 @@ GO_ON = np.zeros(1, dtype=bool)
 
 
 @given(GRIDS, RADII)
-def test_open_is_a_cell_with_a_point_of_its_raster_that_is_clear(occupied, radius):
+def test_march_open_cell_has_a_clear_raster_point(occupied, radius):
     found = open_cells(occupied, radius)
     for (row, column), is_open in np.ndenumerate(found):
         points = [(column + i / 2, row + j / 2) for i in range(3) for j in range(3)]
@@ -27,7 +27,7 @@ def test_open_is_a_cell_with_a_point_of_its_raster_that_is_clear(occupied, radiu
 
 
 @given(GRIDS, RADII, st.data())
-def test_a_window_brings_open_cells_up_to_date(occupied, radius, data):
+def test_march_window_updates_open_cells(occupied, radius, data):
     out = open_cells(occupied, radius)
     row = data.draw(st.integers(0, occupied.shape[0] - 1))
     column = data.draw(st.integers(0, occupied.shape[1] - 1))
@@ -44,8 +44,8 @@ def costs_on(occupied):
 
 
 @given(GRIDS, st.data())
-def test_a_way_leads_down_wherever_cells_are_joined(occupied, data):
-    """Through cells side by side, over none that is occupied but by half a cell, and ends at both ends."""
+def test_march_path_descends_wherever_cells_are_joined(occupied, data):
+    """It leads through adjacent cells and both ends, and crosses occupied cells by at most half a cell."""
     free = np.argwhere(occupied == 0)
     assume(len(free) >= 2)
     start, goal = (tuple(map(int, free[data.draw(st.integers(0, len(free) - 1))])) for _ in range(2))
@@ -63,7 +63,7 @@ def test_a_way_leads_down_wherever_cells_are_joined(occupied, data):
         assert found[math.floor(row + 0.5), math.floor(column + 0.5)] < np.inf
 
 
-def test_what_a_way_costs_is_its_length_on_an_empty_grid():
+def test_march_cost_is_path_length_on_empty_grid():
     found = march(np.ones((41, 41), dtype=np.float32), 20, 20, -1, -1, GO_ON)
     rows, columns = np.indices(found.shape)
     away = np.hypot(rows - 20, columns - 20)
@@ -74,7 +74,7 @@ def test_what_a_way_costs_is_its_length_on_an_empty_grid():
     assert np.hypot(*np.diff(way, axis=0).T).sum() == pytest.approx(math.hypot(16.7, 16.1), rel=0.02)
 
 
-def test_dear_cells_are_gone_round_where_that_is_cheaper():
+def test_march_avoids_expensive_cells_if_cheaper():
     costs = np.ones((40, 40), dtype=np.float32)
     costs[5:35, 18:22] = 9.0
     way = descend(march(costs, 20, 35, 20, 5, GO_ON), 20.0, 5.0, 20.0, 35.0)
@@ -83,7 +83,7 @@ def test_dear_cells_are_gone_round_where_that_is_cheaper():
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.5, 5.0), st.floats(0.01, 0.5))
-def test_points_left_of_a_way_are_near_enough_to_all(seed, spacing, tolerance):
+def test_march_simplified_path_stays_near_original(seed, spacing, tolerance):
     random = np.random.default_rng(seed)
     turns = np.cumsum(random.normal(0.0, 0.4, 60))
     points = np.cumsum(0.5 * np.stack([np.cos(turns), np.sin(turns)], axis=1), axis=0)
@@ -98,7 +98,7 @@ def test_points_left_of_a_way_are_near_enough_to_all(seed, spacing, tolerance):
 
 
 @given(GRIDS, st.integers(0, 2**32 - 1), st.floats(0.5, 3.0))
-def test_points_are_moved_off_things_by_half_a_cell_at_most(occupied, seed, enough):
+def test_march_moves_points_away_by_half_a_cell(occupied, seed, enough):
     points = np.random.default_rng(seed).uniform(0.0, 20.0, (12, 2))
     moved = points.copy()
     ease(moved, occupied, enough)
@@ -110,7 +110,7 @@ def test_points_are_moved_off_things_by_half_a_cell_at_most(occupied, seed, enou
 
 @pytest.mark.parametrize("width", [4, 6])
 @pytest.mark.parametrize("turned", [False, True])
-def test_a_gap_is_passed_if_it_is_wide_enough_between_two_cells(width, turned):
+def test_march_passes_gap_wide_enough_between_two_cells(width, turned):
     occupied = np.zeros((30, 31), dtype=np.uint8)
     occupied[12:15] = 1
     occupied[:, 20 : 20 + width] = 0

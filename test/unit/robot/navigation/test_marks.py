@@ -1,4 +1,4 @@
-"""What scans mark on a costmap and what they clear."""
+"""How scans mark and clear cells of a costmap."""
 
 import math
 
@@ -15,7 +15,7 @@ from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec
 
 
 class Row:
-    """Rows of cells along which scans look, of some rays that end at ``lengths``; those of 7 hit nothing."""
+    """Rows of cells along which scans look, of some rays that end at ``lengths``; rays of length 7 hit nothing."""
 
     def __init__(self):
         self.counts, self.marks, self.mapped = (np.zeros((5, 9), dtype=np.uint8) for _ in range(3))
@@ -31,7 +31,7 @@ class Row:
         return window
 
 
-def test_a_cell_is_marked_by_the_second_scan_and_cleared_by_the_sixth():
+def test_marks_need_two_scans_and_six_to_clear():
     row = Row()
     assert row.scan(5.0) == (0, 0, 0, 0)
     assert row.scan(5.0) == (2, 3, 5, 6)
@@ -42,7 +42,7 @@ def test_a_cell_is_marked_by_the_second_scan_and_cleared_by_the_sixth():
     assert not row.marks.any()
 
 
-def test_a_few_rays_of_a_scan_mark_nothing_and_clear_nothing():
+def test_marks_ignore_a_few_rays_of_a_scan():
     row = Row()
     row.scan(5.0, *[7.0] * 4, times=50)
     assert not row.marks.any()
@@ -53,7 +53,7 @@ def test_a_few_rays_of_a_scan_mark_nothing_and_clear_nothing():
     assert not row.marks.any()
 
 
-def test_scans_that_seldom_show_something_are_noise():
+def test_marks_treat_rare_hits_as_noise():
     row = Row()
     for _ in range(50):
         row.scan(5.0)
@@ -61,7 +61,7 @@ def test_scans_that_seldom_show_something_are_noise():
     assert not row.marks.any()
 
 
-def test_hits_on_the_map_and_next_to_it_are_left_out():
+def test_marks_skip_hits_on_or_near_the_map():
     row = Row()
     row.mapped[2, 5] = 1
     row.scan(4.6, times=20)
@@ -74,8 +74,8 @@ def test_hits_on_the_map_and_next_to_it_are_left_out():
 
 
 @given(GRIDS, st.integers(0, 2**32 - 1))
-def test_hits_apart_are_those_near_and_away_from_what_is_known(occupied, seed):
-    """Against the same by numpy, with rays that leave the grid too; those without such a neighbour are left out."""
+def test_marks_isolated_hits_are_near_and_away_from_map(occupied, seed):
+    """Compared with numpy, also for rays that leave the grid; hits without such a neighbour are left out."""
     random, clearance = np.random.default_rng(seed), clearance_of(occupied, 8.0)
     x, y = random.uniform(0.0, occupied.shape[::-1])
     angles, ranges, hits = random.uniform(-4, 4, 60), random.uniform(0, 20, 60), random.random(60) < 0.9
@@ -88,7 +88,7 @@ def test_hits_apart_are_those_near_and_away_from_what_is_known(occupied, seed):
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01, 0.03])
-def test_noise_marks_few_cells_before_walls_and_things(noise):
+def test_marks_of_noise_are_few_before_obstacles(noise):
     walls = [(1.0, 4.0, 2.0, 4.3), (4.0, 1.0, 4.4, 3.0)]
     thing = ObstacleSpec("disc", (3.0, 4.5), radius=0.2)
     laser = LaserSpec(range=6.0, noise=noise, beams=1081)
@@ -109,15 +109,15 @@ def look_at(costmap, smear=0.0, times=20, distance=2.0):
     return any(seen)
 
 
-def test_far_hits_of_a_robot_that_turns_do_not_count():
+def test_marks_ignore_far_hits_of_turning_robot():
     costmap = Costmap(room(), CostmapLimits())
-    assert not look_at(costmap, smear=0.1)  # within 0.2 m it may be anywhere
+    assert not look_at(costmap, smear=0.1)  # within 0.2 m it can be anywhere
     assert not costmap.has_marks
     assert look_at(costmap, smear=0.02)
     assert costmap.has_marks
 
 
-def test_a_robot_that_turns_does_not_clear_what_can_be_beside():
+def test_marks_of_turning_robot_are_not_cleared_alongside():
     costmap = Costmap(room(), CostmapLimits())
     look_at(costmap)
     marked = costmap.marks.copy()

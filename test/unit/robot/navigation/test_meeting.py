@@ -1,4 +1,4 @@
-"""What moves is in no costmap in time: robots brake for what the laser sees just now, and get past each other."""
+"""Moving obstacles reach the costmap too late: robots brake by the present scan, and pass each other."""
 
 import math
 from pathlib import Path
@@ -29,20 +29,20 @@ SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
     ("velocity", "point", "expected"),
     [
         ((0.6, 0.0), (2.0, 0.0), (0.6, 0.0)),  # far ahead
-        ((0.6, 0.0), (0.0, 0.5), (0.6, 0.0)),  # beside
+        ((0.6, 0.0), (0.0, 0.5), (0.6, 0.0)),  # to the side
         ((0.6, 0.0), (-0.4, 0.0), (0.6, 0.0)),  # behind
         ((0.6, 0.0), (0.7, 0.0), (0.36, 0.0)),  # slower is far enough
-        ((0.6, 0.5), (0.3, 0.0), (0.0, 0.5)),  # it may turn
+        ((0.6, 0.5), (0.3, 0.0), (0.0, 0.5)),  # it is free to turn
         ((-0.6, 0.0), (-0.3, 0.0), (0.0, 0.0)),
-        ((0.6, 0.0), (-0.1, 0.0), (0.6, 0.0)),  # away from what is too near already
+        ((0.6, 0.0), (-0.1, 0.0), (0.6, 0.0)),  # away from obstacles that are too near already
         ((0.0, 1.0), (0.1, 0.0), (0.0, 1.0)),
     ],
 )
-def test_braking_of_a_disc(velocity, point, expected):
+def test_meeting_disc_brakes(velocity, point, expected):
     assert brake(Velocity(*velocity), HERE, np.array([point]), 0.2) == pytest.approx(expected)
 
 
-def test_other_footprints_turn_only_where_no_corner_comes_near():
+def test_meeting_footprint_turns_only_with_free_corners():
     assert brake(Velocity(0.6, 0.5), HERE, np.array([(0.3, 0.0)]), 0.2, SQUARE) == Velocity(0.0, 0.5)
     assert brake(Velocity(0.6, 0.5), HERE, np.array([(0.22, -0.15)]), 0.2, SQUARE) == Velocity()
     assert brake(Velocity(0.6, 0.5), HERE, np.empty((0, 2)), 0.2, SQUARE) == Velocity(0.6, 0.5)
@@ -54,25 +54,25 @@ BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
 @pytest.mark.parametrize(
     ("rate", "point", "stops"),
     [
-        (1.0, (0.35, 0.15), True),  # a front corner is to pass there
+        (1.0, (0.35, 0.15), True),  # a front corner would pass there
         (-1.0, (0.35, 0.15), False),  # turns away from it
         (-1.0, (0.35, -0.15), True),
-        (1.0, (0.0, 0.3), False),  # too far to the side for as long as is looked ahead
+        (1.0, (0.0, 0.3), False),  # too far to the side within the lookahead
         (1.0, (0.35, 0.3), False),  # beyond the corner
         (1.0, (-0.17, -0.14), True),  # a rear corner
-        (1.0, (0.3, 0.0), False),  # the robot is over it already
+        (1.0, (0.3, 0.0), False),  # the robot stands on it already
         (1.0, (0.35, 0.11), True),  # next to it
         (-1.0, (0.35, 0.11), False),
     ],
 )
 @pytest.mark.parametrize("yaw", [0.0, 2.0, -3.0])
-def test_a_footprint_that_turns_on_the_spot_sweeps_over_nothing(rate, point, stops, yaw):
+def test_meeting_footprint_sweeps_nothing_when_turning_on_spot(rate, point, stops, yaw):
     pose = Pose2D(1.0, -2.0, yaw)
     at = np.array([pose.compose(Pose2D(*point))[:2]])
     assert brake(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
 
 
-def test_a_footprint_that_backs_away_from_a_point_does_not_swing_a_corner_over_it():
+def test_meeting_footprint_backs_away_without_swinging_a_corner():
     behind = np.array([(-0.17, -0.14)])
     assert brake(Velocity(-0.05, 1.0), HERE, behind, 0.1, BAR) == Velocity()
     ahead = np.array([(0.35, 0.15)])
@@ -80,10 +80,10 @@ def test_a_footprint_that_backs_away_from_a_point_does_not_swing_a_corner_over_i
     assert brake(Velocity(-0.1, 0.0), HERE, ahead, 0.1, BAR) == Velocity(-0.1, 0.0)
 
 
-def test_unmarked_is_what_neither_map_nor_marks_explain():
+def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():
     costmap = Costmap(room())
     angles = np.array([-0.01, 0.0, 0.01, 0.5 * math.pi, math.pi])
-    ranges = np.array([1.0, 1.0, 1.0, 4.0, 0.9])  # something ahead, far away, the wall (noise included)
+    ranges = np.array([1.0, 1.0, 1.0, 4.0, 0.9])  # a point ahead, a far one, the wall (noise included)
     costmap.observe(Pose2D(1.0, 3.0), angles, ranges, 8.0)
     assert costmap.unmarked == pytest.approx(np.array([[2.0, 3.0]]))
     for _ in range(8):
@@ -91,8 +91,8 @@ def test_unmarked_is_what_neither_map_nor_marks_explain():
     assert not len(costmap.unmarked)
 
 
-class Late:
-    """A navigator whose control comes every third step only, and reaches the robot two steps late."""
+class DelayedNavigator:
+    """A navigator that computes only in every third step, and whose commands arrive two steps late."""
 
     def __init__(self, world, name, goal):
         self.world, self.robot, self.result = world, world.robots[name], None
@@ -116,14 +116,17 @@ class Late:
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("left", "right"), [(0.0, 0.0), (0.1, -0.1), (-0.3, -0.2)])
-def test_two_robots_pass_each_other_though_their_control_is_late(left, right):
+def test_meeting_robots_pass_each_other_despite_late_control(left, right):
     laser = LaserSpec(beams=135, noise=0.01)
     robots = (
         RobotSpec("anna", Pose2D(2.0, left), lasers=(laser,)),
         RobotSpec("bert", Pose2D(13.0, right, math.pi), lasers=(laser,)),
     )
     world = Simulation(WorldSpec(load_map(OFFICE), robots), watchdog=0.5)
-    drivers = [Late(world, "anna", Pose2D(13.0, 0.0)), Late(world, "bert", Pose2D(2.0, 0.0, math.pi))]
+    drivers = [
+        DelayedNavigator(world, "anna", Pose2D(13.0, 0.0)),
+        DelayedNavigator(world, "bert", Pose2D(2.0, 0.0, math.pi)),
+    ]
     collisions = []
     for number in range(1200):
         for driver in drivers:

@@ -1,4 +1,4 @@
-"""What the documented parameters of move_base do: with each one changed something else happens."""
+"""The documented parameters of move_base: changing any of them changes the behaviour."""
 
 import math
 
@@ -30,7 +30,7 @@ START, GOAL = Pose2D(1.0, 1.0), Pose2D(5.0, 1.0)
 
 
 class Counting(GlobalPlanner):
-    """A plugin that always answers the same, and counts how often it was asked."""
+    """A plugin with a fixed answer, which counts its calls."""
 
     def __init__(self, outcome=PlanOutcome.FOUND):
         super().__init__()
@@ -43,7 +43,7 @@ class Counting(GlobalPlanner):
 
 
 class Stubborn(LocalPlanner):
-    """A plugin that always answers the same."""
+    """A plugin with a fixed answer."""
 
     def __init__(self, outcome):
         super().__init__()
@@ -60,7 +60,7 @@ class Stubborn(LocalPlanner):
 
 
 class Shouting(ClearCostmap):
-    """A recovery that keeps when it was started."""
+    """A recovery that records when it was started."""
 
     def __init__(self):
         super().__init__("shout", {})
@@ -71,7 +71,7 @@ class Shouting(ClearCostmap):
 
 
 def run(planner, follower, seconds, changing=False, recoveries=(), **limits):
-    """Tick ten times a second; return the time (s) and the result of the end, (None, None) without one."""
+    """Tick ten times a second; return time (s) and result of the end, (None, None) without one."""
     navigator = Navigator(Costmap(room()), planner, follower, list(recoveries), NavigatorLimits(**limits))
     navigator.set_goal(0.0, GOAL)
     for i in range(1, round(10 * seconds) + 1):
@@ -93,15 +93,15 @@ DRIVING, BLOCKED = Stubborn(FollowOutcome.DRIVING), Stubborn(FollowOutcome.BLOCK
         (False, DRIVING, {"planner_patience": 2.0}, 2.0, NavigationOutcome.NO_PLAN),
         (True, BLOCKED, {"controller_patience": 1.0}, 1.0, NavigationOutcome.NO_CONTROL),
         (True, BLOCKED, {"controller_patience": 3.0}, 3.0, NavigationOutcome.NO_CONTROL),
-        (True, DRIVING, {"progress_timeout": 3.0}, 7.0, NavigationOutcome.NO_PROGRESS),  # the rest of the way is 4 m
+        (True, DRIVING, {"progress_timeout": 3.0}, 7.0, NavigationOutcome.NO_PROGRESS),  # the rest of the path is 4 m
         (True, DRIVING, {"progress_timeout": 8.0}, 12.0, NavigationOutcome.NO_PROGRESS),
         (True, DRIVING, {"progress_timeout": 0.0}, None, None),
         (True, DRIVING, {"oscillation_timeout": 2.0}, 2.0, NavigationOutcome.OSCILLATING),
         (True, DRIVING, {"oscillation_timeout": 5.0}, 5.0, NavigationOutcome.OSCILLATING),
     ],
 )
-def test_patience(finds, follower, limits, least, outcome):
-    """A goal ends that long (s) after it began."""
+def test_parameter_patience_limits_duration_of_a_goal(finds, follower, limits, least, outcome):
+    """A goal ends this long (s) after its start."""
     planner = Counting(PlanOutcome.FOUND if finds else PlanOutcome.BLOCKED)
     end, result = run(planner, follower, 60, **limits)
     assert end is least is None or least < end < least + 0.5
@@ -109,21 +109,21 @@ def test_patience(finds, follower, limits, least, outcome):
 
 
 @pytest.mark.parametrize("retries", [0, 3])
-def test_max_planning_retries(retries):
+def test_parameter_max_planning_retries_ends_goal(retries):
     planner = Counting(PlanOutcome.BLOCKED)
     run(planner, DRIVING, 60, max_planning_retries=retries, planner_patience=50.0)
     assert len(planner.asked) == retries + 1
 
 
 @pytest.mark.parametrize(("frequency", "least", "most"), [(0.0, 1, 1), (1.0, 9, 11), (2.0, 18, 21)])
-def test_planner_frequency(frequency, least, most):
+def test_parameter_planner_frequency_sets_replanning(frequency, least, most):
     planner = Counting()
     assert run(planner, DRIVING, 10, True, planner_frequency=frequency) == (None, None)
     assert least <= len(planner.asked) <= most
 
 
 @pytest.mark.parametrize("enabled", [True, False])
-def test_recovery_comes_when_patience_is_over_and_then_patience_begins_again(enabled):
+def test_parameter_recovery_follows_patience_and_renews_it(enabled):
     shout = Shouting()
     limits = {"planner_patience": 1.0, "recoveries": [shout, shout], "recovery_behavior_enabled": enabled}
     end, _ = run(Counting(PlanOutcome.BLOCKED), DRIVING, 60, **limits)
@@ -134,7 +134,7 @@ def test_recovery_comes_when_patience_is_over_and_then_patience_begins_again(ena
 
 
 @pytest.mark.parametrize(("distance", "ends"), [(0.3, False), (0.7, True)])
-def test_oscillation_distance(distance, ends):
+def test_parameter_oscillation_distance_resets_the_timeout(distance, ends):
     """To and fro by half a metre."""
     limits = NavigatorLimits(oscillation_timeout=3.0, oscillation_distance=distance, progress_timeout=0.0)
     navigator = Navigator(Costmap(room()), Counting(), DRIVING, [], limits)
@@ -152,7 +152,7 @@ def path(costmap=None, goal=GOAL, start=START, **parameters):
     return GridPlanner(parameters).plan(costmap or Costmap(room()), start, goal)
 
 
-def test_default_tolerance():
+def test_parameter_default_tolerance_moves_the_goal():
     walled = Costmap(room(walls=[(4.8, 0.8, 5.2, 1.2)]))
     assert path(walled).outcome is PlanOutcome.GOAL_IN_OBSTACLE
     plan = path(walled, default_tolerance=0.6)
@@ -160,20 +160,20 @@ def test_default_tolerance():
     assert 0.3 < math.hypot(*(plan.points[-1] - GOAL[:2])) <= 0.6
 
 
-def test_escape_distance():
+def test_parameter_escape_distance_limits_the_manoeuvre():
     beside = Pose2D(1.0, 0.2)  # the wall ends at 0.1 m, the radius is 0.18 m
     assert path(start=beside, escape_distance=0.5).outcome is PlanOutcome.FOUND
     assert path(start=beside, escape_distance=0.0).outcome is PlanOutcome.START_BLOCKED
 
 
 @pytest.mark.parametrize("spacing", [0.1, 0.4])
-def test_spacing(spacing):
+def test_parameter_spacing_sets_distance_of_poses(spacing):
     gaps = np.hypot(*np.diff(path(spacing=spacing).points, axis=0).T)
     assert spacing * 0.8 < gaps.max() <= spacing + 1e-9
 
 
-def test_comfort():
-    """Round a corner: nearer to it where comfort costs nothing, and where little room is comfort enough."""
+def test_parameter_comfort_widens_corners():
+    """Round a corner: closer to it if comfort costs nothing, and if a small clearance is comfortable."""
     corner = room(walls=[(2.0, 0.0, 4.0, 3.0)])
 
     def clear(**parameters):
@@ -187,7 +187,7 @@ def test_comfort():
 
 
 def observed(ranges, times=6, yaw=0.0, costmap=None, **limits):
-    """A costmap that has seen beams straight ahead, from (1, 1), end at some ranges, one after the other."""
+    """A costmap after beams straight ahead from (1, 1) that end at some ranges, one after the other."""
     costmap = costmap or Costmap(room(), CostmapLimits(**limits))
     for distance in ranges:
         for _ in range(times):
@@ -204,26 +204,26 @@ def observed(ranges, times=6, yaw=0.0, costmap=None, **limits):
         (4.82, {"static_tolerance": 0.0}, True),
     ],
 )
-def test_what_marks(distance, limits, marked):
+def test_parameter_obstacle_range_limits_marking(distance, limits, marked):
     assert observed([distance], **limits).has_marks is marked
 
 
 @pytest.mark.parametrize(("limit", "left"), [(3.0, False), (1.5, True)])
-def test_raytrace_range(limit, left):
-    """What is hit is marked where it is, further off than that, too; what is looked through is cleared so far only."""
+def test_parameter_raytrace_range_limits_clearing(limit, left):
+    """Hits are marked beyond the range, too; beams clear only within the range."""
     costmap = observed([2.0], 30, raytrace_range=limit)
     assert np.argwhere(costmap.marks).tolist() == [[20, 60]]
     assert bool(observed([7.9], 30, costmap=costmap).marks[20, 60]) is left
 
 
 @pytest.mark.parametrize(("threshold", "outcome"), [(100, PlanOutcome.FOUND), (65, PlanOutcome.NO_PATH)])
-def test_lethal_cost_threshold(threshold, outcome):
+def test_parameter_lethal_cost_threshold_blocks_cells(threshold, outcome):
     grid = room()
     grid.cells[:, 60] = np.maximum(grid.cells[:, 60], 70)
     assert path(Costmap(grid, CostmapLimits(lethal_threshold=threshold))).outcome is outcome
 
 
-def test_costs_of_inflation():
+def test_parameter_inflation_sets_costs():
     cells = np.zeros((21, 21), dtype=np.int8)
     cells[10, 10] = 100
     limits = {"robot_radius": 0.1, "inflation_radius": 0.4}
@@ -238,7 +238,7 @@ def test_costs_of_inflation():
     assert soft[17] > 0 == soft[19]  # 0.325 m and 0.425 m away
 
 
-def test_reset_distance():
+def test_parameter_reset_distance_limits_cleared_area():
     far = observed([2.0])
     ClearCostmap("reset", {"reset_distance": 5.0}).step(0.0, START, far, RolloutFollower())
     assert far.has_marks
@@ -246,7 +246,7 @@ def test_reset_distance():
     assert not far.has_marks
 
 
-def test_turning():
+def test_parameter_turning_adds_a_recovery():
     turn = RotateRecovery("turn", {"max_vel_theta": 0.5, "patience": 3.0})
     turn.start(0.0, START)
     costmap = Costmap(room())
@@ -256,7 +256,7 @@ def test_turning():
 
 
 def drive(goal=GOAL, **parameters):
-    """Drive there; return the speeds (n, 2), and how far from the goal (m, rad) the robot ends."""
+    """Drive there; return the speeds (n, 2), and the robot's final distance from the goal (m, rad)."""
     driver = Drive(simulation(room(), START, max_turn=9.0, acceleration=9.0, turn_acceleration=90.0))
     driver.navigator.follower = RolloutFollower(parameters)
     speeds = []
@@ -274,7 +274,7 @@ def drive(goal=GOAL, **parameters):
         ("max_vel_theta", 1, 1.5, Pose2D(1.0, 3.0, 3.0)),
     ],
 )
-def test_speeds(key, axis, most, goal):
+def test_parameter_speeds_are_limits(key, axis, most, goal):
     fastest = np.abs(drive(goal, **{key: most})[0][:, axis]).max()
     assert most * (1.0 - 0.2 * axis) - 1e-9 <= fastest <= most + 1e-9
 
@@ -282,14 +282,14 @@ def test_speeds(key, axis, most, goal):
 @pytest.mark.parametrize(
     ("key", "axis", "most"), [("acc_lim_x", 0, 0.5), ("acc_lim_x", 0, 1.5), ("acc_lim_theta", 1, 2.0)]
 )
-def test_accelerations(key, axis, most):
-    """Of speeding up: it brakes as hard as it has to."""
+def test_parameter_accelerations_limit_speed_gain(key, axis, most):
+    """They do not limit braking."""
     speeds = np.abs(drive(Pose2D(4.0, 3.0, 3.0), **{key: most})[0][:, axis])
     assert most * 0.08 < np.diff(speeds).max() <= most * 0.1 + 1e-6
 
 
 @pytest.mark.slow
-def test_goal_tolerances():
+def test_parameter_goal_tolerances_end_the_drive():
     assert drive(xy_goal_tolerance=0.05)[1] <= 0.05
     assert 0.1 < drive(xy_goal_tolerance=0.5)[1] <= 0.5
     assert drive(Pose2D(5.0, 1.0, 2.0), yaw_goal_tolerance=0.05)[2] <= 0.05

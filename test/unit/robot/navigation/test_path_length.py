@@ -1,4 +1,4 @@
-"""Paths of the grid planner against the shortest ones: by a search with many more directions, on random maps."""
+"""Paths of the grid planner compared with shortest ones, from a search with many more directions, on random maps."""
 
 import heapq
 import math
@@ -10,13 +10,13 @@ from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, Occ
 from rosoclingo.robot.navigation.costmap import SPARE
 
 RADIUS = 0.18
-LEAST = RADIUS + SPARE  # what a way keeps free
-# Steps to all cells up to 4 away that are not in line with a nearer one: 48 directions, at most 0.7 % too long.
+LEAST = RADIUS + SPARE  # clearance of a path
+# Steps to all cells up to 4 away that are not collinear with a nearer one: 48 directions, at most 0.7 % too long.
 DIRECTIONS = [(r, c) for r in range(-4, 5) for c in range(-4, 5) if math.gcd(r, c) == 1]
 
 
 def clutter(seed, size=90):
-    """Boxes, walls with gaps, single cells: a map with many ways round, 0.1 m a cell."""
+    """Boxes, walls with gaps, single cells: a map with many detours, 0.1 m a cell."""
     random = np.random.default_rng(seed)
     cells = np.zeros((size, size), dtype=np.int8)
     cells[:1] = cells[-1:] = 100
@@ -34,7 +34,7 @@ def clutter(seed, size=90):
 
 
 def distances(grid):
-    """The exact distance (cells) of each point of a raster of half cells from what is occupied."""
+    """The exact distance (cells) of each point of a raster of half cells from the nearest occupied cell."""
     rows, columns = np.nonzero(grid.cells)
     height, width = grid.shape
     away = np.full((2 * height + 1, 2 * width + 1), np.inf)
@@ -50,9 +50,9 @@ def distances(grid):
 
 
 def shortest(grid, start, goal):
-    """The length (m) of the shortest way between two cells' middles that keeps LEAST; infinity without one.
+    """Return the length (m) of the shortest path between two cells' middles with clearance LEAST, or infinity.
 
-    It leads over a raster of half cells: where a gap is narrowest, and free, one of its points is too.
+    It leads over a raster of half cells, so that one of its points is in the narrowest part of each free gap.
     """
     good = distances(grid) >= LEAST / grid.resolution
     first, last = ((2 * row + 1, 2 * column + 1) for row, column in (start, goal))
@@ -76,7 +76,7 @@ def shortest(grid, start, goal):
 
 
 def line_is_good(good, here, direction):
-    """Whether the points of the raster next to a line, looked at every half a step of it, are good."""
+    """Return whether the raster points next to a line are good, examined every half step along it."""
     count = max(abs(direction[0]), abs(direction[1]))
     return all(
         good[round(here[0] + direction[0] * i / count), round(here[1] + direction[1] * i / count)]
@@ -86,8 +86,8 @@ def line_is_good(good, here, direction):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *(pytest.param(one, marks=pytest.mark.once) for one in range(1, 6))])
-def test_a_path_is_within_a_tenth_of_the_shortest(seed):
-    """It keeps more free than that where it can, and half a cell less where it must."""
+def test_path_is_within_a_tenth_of_the_shortest(seed):
+    """It has more clearance where possible, and half a cell less where necessary."""
     grid = clutter(seed)
     costmap = Costmap(grid, CostmapLimits(robot_radius=RADIUS))
     free = np.argwhere(costmap.clearance > 2.2)
@@ -101,4 +101,4 @@ def test_a_path_is_within_a_tenth_of_the_shortest(seed):
             assert best == math.inf
         elif best > 3.0:
             assert plan.length <= 1.1 * best
-            assert plan.length >= 0.97 * best  # else it would cut corners, or the reference be too long
+            assert plan.length >= 0.97 * best  # otherwise it would cut corners, or the reference would be too long

@@ -1,4 +1,4 @@
-"""The clock by which patience is measured."""
+"""The clock that measures patience."""
 
 import pytest
 
@@ -17,7 +17,7 @@ def wall():
     return Wall()
 
 
-def test_it_goes_with_ros_time_at_usual_speeds(wall):
+def test_patience_clock_follows_ros_time_at_usual_speeds(wall):
     clock = PatienceClock(wall)
     clock.update(50.0)
     start = clock.now
@@ -26,7 +26,7 @@ def test_it_goes_with_ros_time_at_usual_speeds(wall):
         assert clock.update(50.0 + 0.1 * i) == pytest.approx(start + 0.1 * i)
 
 
-def test_it_is_slower_than_a_simulation_that_rushes(wall):
+def test_patience_clock_is_slower_than_fast_simulation(wall):
     clock = PatienceClock(wall)
     clock.update(50.0)
     start = clock.now
@@ -36,7 +36,7 @@ def test_it_is_slower_than_a_simulation_that_rushes(wall):
     assert clock.update(75.0) == pytest.approx(start + 12.0)
 
 
-def test_it_goes_back_when_time_does(wall):
+def test_patience_clock_goes_back_with_ros_time(wall):
     clock = PatienceClock(wall)
     clock.update(50.0)
     before = clock.now

@@ -1,4 +1,4 @@
-"""Plans that take long: the robot is driven on meanwhile, or stands, and what is not wanted any more is given up."""
+"""Slow planning: the robot continues or stands meanwhile, and requests that nobody needs are cancelled."""
 
 import math
 
@@ -23,7 +23,7 @@ START, GOAL = Pose2D(1.0, 1.0), Pose2D(5.0, 1.0)
 
 
 class LatePlanning(Planning):
-    """Answers what was planned at once after so many looks."""
+    """Delivers the immediate plan after a number of polls."""
 
     def __init__(self, planner, late):
         super().__init__(planner)
@@ -49,7 +49,7 @@ def late_drive(late, things=()):
 
 
 @pytest.mark.once
-def test_the_robot_stands_until_there_is_a_way_and_drives_on_while_another_is_looked_for():
+def test_late_plan_robot_waits_first_and_drives_during_replanning():
     drive = late_drive(30, (ObstacleSpec("box", (3.05, 2.6), 0.1),))
     planning, speeds = drive.navigator.planning, []
     drive.navigator.set_goal(0.0, GOAL)
@@ -69,8 +69,8 @@ def test_the_robot_stands_until_there_is_a_way_and_drives_on_while_another_is_lo
 
 
 @pytest.mark.slow
-def test_a_late_plan_is_followed_from_where_the_robot_is():
-    """Else it would go back to where it was when the plan was asked for."""
+def test_late_plan_is_followed_from_present_position():
+    """Otherwise the robot would return to where it was when it asked for the plan."""
     prompt, late = late_drive(0), late_drive(25)
     took = []
     for drive in (prompt, late):
@@ -88,7 +88,7 @@ def test_a_late_plan_is_followed_from_where_the_robot_is():
 
 
 @pytest.mark.parametrize("end", ["cancel", "goal", "map", "blind"])
-def test_what_is_not_wanted_any_more_is_dropped(end):
+def test_late_plan_that_is_obsolete_is_dropped(end):
     drive = late_drive(10000)
     navigator, planning = drive.navigator, drive.navigator.planning
     navigator.set_goal(0.0, GOAL)
@@ -116,7 +116,7 @@ def test_what_is_not_wanted_any_more_is_dropped(end):
 
 
 @pytest.mark.slow
-def test_a_way_that_does_not_come_for_long_costs_no_patience():
+def test_late_plan_costs_no_patience():
     drive = late_drive(300)
     assert drive.to(GOAL).message == "Goal reached."
     assert drive.recoveries == []
@@ -127,7 +127,7 @@ def test_a_way_that_does_not_come_for_long_costs_no_patience():
     ("pose", "moved", "first"),
     [((0.0, 0.0), 0.0, (0, 0)), ((1.1, 0.1), 1.0, (1, 0)), ((2.0, 0.9), 3.0, (2, 1)), ((9.0, 9.0), 0.3, (0, 0))],
 )
-def test_what_is_left_of_a_path(pose, moved, first):
+def test_planning_returns_the_rest_of_a_path(pose, moved, first):
     points = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2)], dtype=float)
     left = cut_start(points, Pose2D(*pose), moved)
     assert tuple(left[0]) == first
@@ -135,7 +135,7 @@ def test_what_is_left_of_a_path(pose, moved, first):
     assert len(cut_start(points[:2], Pose2D(1.0, 0.0), 5.0)) == 2
 
 
-def test_a_snapshot_stays_as_the_costmap_was():
+def test_planning_snapshot_keeps_the_costmap_unchanged():
     costmap = Costmap(room(walls=WALLS))
     angles, planner = np.linspace(-math.pi, math.pi, 90), GridPlanner()
     before, way = costmap.snapshot(), planner.plan(costmap, START, GOAL).points
@@ -150,7 +150,7 @@ def test_a_snapshot_stays_as_the_costmap_was():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_planning_over_a_big_map_is_given_up_when_nobody_waits():
+def test_planning_on_a_big_map_can_be_cancelled():
     cells = np.zeros((4000, 4000), dtype=np.int8)
     cells[::60], cells[:, ::60] = 100, 100
     for at in range(30, 4000, 60):

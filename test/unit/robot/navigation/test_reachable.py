@@ -1,4 +1,4 @@
-"""Random maps: what can be reached is found and what cannot is told, by the truth of a much finer lattice."""
+"""Random maps: reachable goals are found and unreachable ones reported, checked on a much finer lattice."""
 
 import math
 
@@ -12,12 +12,12 @@ from scipy.ndimage import label
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
 
 CELL = 0.1  # m
-FINE = 10  # points of the lattice a cell
+FINE = 10  # points of the lattice per cell
 STEP = CELL / FINE
-# A way along the lattice is nowhere nearer to anything than its points are, but for half a diagonal step.
+# A path along the lattice is at most half a diagonal step closer to obstacles than its points.
 SLACK = STEP * math.sqrt(0.5)
-SPARE = 0.025  # m, on either side: a passage with less than that can count as closed
-LACK = 0.5 * CELL  # m: one that is too narrow by that can count as open, and a path can be so much nearer to things
+SPARE = 0.025  # m, on either side: a passage with less margin can count as closed
+LACK = 0.5 * CELL  # m: a passage too narrow by this can count as open, and a path can come closer by this
 
 maps = arrays(
     np.int8, st.tuples(st.integers(4, 18), st.integers(4, 18)), elements=st.sampled_from([0] * 9 + [100])
@@ -26,7 +26,7 @@ parts = st.floats(0.001, 0.999)
 
 
 class Truth:
-    """The distances (m) of a lattice's points from what is occupied."""
+    """The distances (m) of a lattice's points from the nearest occupied cell."""
 
     def __init__(self, cells):
         self.shape = cells.shape
@@ -39,7 +39,7 @@ class Truth:
             self.away = np.minimum(self.away, np.hypot(dx, dy))
 
     def joined(self, clear, start, goal):
-        """Where a way along the lattice, nowhere nearer than ``clear`` m, leads to: to a point, to any of its cell."""
+        """Return the target point, or any point of its cell, that a path with clearance ``clear`` (m) reaches."""
         parts, _ = label(self.away >= clear, structure=np.ones((3, 3)))
         there = (parts == parts[start]) & (parts > 0)
         row, column = (min(v // FINE, n - 1) * FINE for v, n in zip(goal, self.shape))
@@ -55,7 +55,7 @@ def distance(cells, x, y):
 
 @pytest.mark.slow
 @given(maps, st.floats(0.05, 0.25), st.tuples(parts, parts, parts))
-def test_what_can_be_reached_is_found_and_what_cannot_is_told(cells, radius, chosen):
+def test_reachable_goals_are_found_and_others_reported(cells, radius, chosen):
     truth = Truth(cells)
     clear = np.argwhere(truth.away >= radius + SPARE)
     if not len(clear):
@@ -67,7 +67,7 @@ def test_what_can_be_reached_is_found_and_what_cannot_is_told(cells, radius, cho
     plan = GridPlanner().plan(costmap, *ends)
     if truth.joined(radius + SLACK + SPARE, start, goal)[0]:
         assert plan.outcome is PlanOutcome.FOUND
-    # A goal that is too near to something counts as reached where the robot can stand in the goal's cell.
+    # A goal too close to an obstacle counts as reached where the robot can stand in the goal's cell.
     if not truth.joined(max(0.0, radius - LACK) - SLACK, start, goal)[1]:
         assert plan.outcome.on_map
     if plan.outcome is PlanOutcome.FOUND:
@@ -75,7 +75,7 @@ def test_what_can_be_reached_is_found_and_what_cannot_is_told(cells, radius, cho
 
 
 def check_path(cells, radius, points, ends, exact):
-    """From the start to the goal, and nowhere nearer to anything than the radius, but for half a cell."""
+    """Check that a path leads from start to goal, with the radius as clearance except for half a cell."""
     assert np.hypot(*(points[0] - ends[0][:2])) < 1e-6
     assert np.hypot(*(points[-1] - ends[1][:2])) < (1e-6 if exact else 1.5 * CELL)
     for a, b in zip(points[:-1], points[1:]):
@@ -83,7 +83,7 @@ def check_path(cells, radius, points, ends, exact):
             assert distance(cells, *(a + (b - a) * t)) >= radius - LACK - 1e-6
 
 
-def test_a_goal_in_what_the_map_does_not_know_is_told_as_such():
+def test_reachable_reports_a_goal_in_unknown_cells():
     cells = np.zeros((20, 20), dtype=np.int8)
     cells[10:] = -1
     grid, start, goal = OccupancyGrid(cells, CELL), Pose2D(0.5, 0.5), Pose2D(0.5, 1.5)

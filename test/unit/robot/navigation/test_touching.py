@@ -1,4 +1,4 @@
-"""A robot that seems to touch something, by noise or lag, gets away from it, and touches nothing else by that."""
+"""A robot that seems to touch an obstacle, by noise or lag, gets away and touches nothing else."""
 
 import math
 
@@ -17,7 +17,7 @@ BODIES = [Body(2.3), Body(0.0, ((3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (3.0, -2.
 
 
 def small_discs(body, resolution):
-    """The discs that stand for a body close to things (x, y, radius; cells)."""
+    """Return the discs that cover a body near obstacles (x, y, radius; cells)."""
     discs = body.discs(resolution)
     if not body.footprint:
         return discs[:, :3]
@@ -28,7 +28,7 @@ def small_discs(body, resolution):
 
 
 def distances(body, occupied, x, y, yaw):
-    """The distances (cells) of a body's edge, by small discs, or of the disc itself, from the squares of cells."""
+    """Return the distances (cells) of a body's edge, by small discs, or of a disc itself, from squares of cells."""
     c, s = math.cos(yaw), math.sin(yaw)
     discs = small_discs(body, 1.0)
     middles = discs[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
@@ -39,7 +39,7 @@ def distances(body, occupied, x, y, yaw):
 
 
 def edge_meets(body, occupied, x, y, yaw):
-    """Whether points of a footprint's edge, or of a disc, are in the squares of occupied cells."""
+    """Return whether points of a footprint's edge, or of a disc, are in the squares of occupied cells."""
     c, s = math.cos(yaw), math.sin(yaw)
     if body.footprint:
         corners = np.array(body.footprint)
@@ -60,13 +60,13 @@ def edge_meets(body, occupied, x, y, yaw):
     st.tuples(st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(-4.0, 4.0)),
     st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-0.5, 0.5)),
 )
-def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body, pose, step):
+def test_touching_permits_no_deeper_or_new_contact(occupied, body, pose, step):
     height, width = occupied.shape
     pose = (min(pose[0], width - 0.1), min(pose[1], height - 0.1), pose[2])
     there = tuple(a + b for a, b in zip(pose, step))
     near = nearby_obstacles(clearance_of(occupied, 9.0), occupied, body.discs(1.0), *pose)
     before, after = (distances(body, occupied, *at) for at in (pose, there))
-    inside = (before >= 1e-6) & (near.occupied[np.nonzero(occupied)] == 0)  # the edge is to pass them freely
+    inside = (before >= 1e-6) & (near.occupied[np.nonzero(occupied)] == 0)  # the edge has to pass these cells freely
     if body_clearance(near, body.discs(1.0), *there, 0.0) >= 0.0:
         assert (after >= np.minimum(before, 0.0) - 1e-6)[~inside].all()
         assert not edge_meets(body, occupied, *there)[(before >= 1e-6) & ~inside].any()
@@ -77,7 +77,7 @@ def test_what_is_allowed_goes_no_deeper_and_touches_nothing_else(occupied, body,
         assert not inside.any()
 
 
-def test_discs_cover_the_edge_of_a_footprint_and_little_more():
+def test_touching_discs_cover_footprint_edge_tightly():
     body = Body(0.0, ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.1, -0.3)))
     discs, corners = small_discs(body, 0.05) * 0.05, np.array(body.footprint)
     edge = (corners + np.linspace(0, 1, 500)[:, None, None] * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 2)
@@ -85,7 +85,7 @@ def test_discs_cover_the_edge_of_a_footprint_and_little_more():
     assert discs[:, 2].max() <= 0.0004
 
 
-def test_where_nothing_is_touched_the_body_is_tried_against_the_map_itself():
+def test_touching_without_contact_tries_body_on_map_itself():
     occupied = np.zeros((20, 20), dtype=np.uint8)
     occupied[3, 3] = 1
     near = nearby_obstacles(clearance_of(occupied), occupied, BODIES[0].discs(1.0), 12.0, 12.0, 0.0)
@@ -94,8 +94,8 @@ def test_where_nothing_is_touched_the_body_is_tried_against_the_map_itself():
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_ghost_beside_it_does_not_push_the_robot_into_a_wall(side):
-    """A passage with 20 mm on either side; in it the laser is made to see something at one of the robot's sides."""
+def test_touching_ghost_does_not_push_robot_into_wall(side):
+    """A passage with 20 mm on either side, in which the laser wrongly sees a point at the robot's side."""
     walls = [(2.0, 0.0, 4.0, 1.8), (2.0, 2.2, 4.0, 4.0)]
     drive = Drive(simulation(room(6.0, 4.0, 0.1, walls), Pose2D(1.0, 2.0)))
     seen = []
@@ -112,7 +112,7 @@ def test_a_ghost_beside_it_does_not_push_the_robot_into_a_wall(side):
     assert drive.collisions == []
 
 
-def test_ways_keep_off_what_is_barred_until_it_is_not():
+def test_touching_paths_avoid_barred_cells_until_released():
     walls = [(2.9, 0.0, 3.1, 2.0), (2.9, 2.5, 3.1, 5.0)]
     costmap, ends = Costmap(room(6.0, 6.0, 0.05, walls)), (Pose2D(1.0, 2.2), Pose2D(5.0, 2.2))
     assert GridPlanner().plan(costmap, *ends).length < 4.5

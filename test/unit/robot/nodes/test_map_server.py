@@ -10,7 +10,7 @@ pytest.importorskip("rospy")
 from rosoclingo.robot.nodes.map_server import local_path  # noqa: E402
 
 
-def test_urls():
+def test_map_server_resolves_urls():
     assert local_path("/a/b.yaml") == local_path("file:///a/b.yaml") == Path("/a/b.yaml")
     assert local_path("b.yaml") == Path("b.yaml")
     for url in ("https://example.org/b.yaml", "package://", "package://no_such_package/b.yaml"):

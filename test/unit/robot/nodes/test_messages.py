@@ -1,4 +1,4 @@
-"""Messages of poses, grids and arrays, whatever the version of numpy, whose arrays lack a method from 2.3 on."""
+"""Messages of poses, grids and arrays, with any version of numpy; from 2.3 on its arrays lack a method."""
 
 import io
 import warnings
@@ -19,7 +19,7 @@ def message():
     return grid_message(OccupancyGrid(cells, 0.1, -1.0, 2.0), "map", rospy.Time(1.0))
 
 
-def test_there_and_back():
+def test_message_survives_a_round_trip():
     grid = grid_from_message(message())
     assert grid.cells.tolist() == [[0, 100, -1], [50, 0, 0]]
     assert (grid.resolution, grid.origin_x, grid.origin_y) == (0.1, -1.0, 2.0)
@@ -47,7 +47,7 @@ def change(path, value):
         ("info.origin.orientation.z", 0.5, "rotated"),
     ],
 )
-def test_a_broken_message_is_refused(path, value, words):
+def test_message_that_is_broken_is_refused(path, value, words):
     with pytest.raises(MapError, match=words):
         grid_from_message(change(path, value))
 
@@ -55,7 +55,7 @@ def test_a_broken_message_is_refused(path, value, words):
 @pytest.mark.parametrize(
     ("kind", "field", "dtype"), [(LaserScan, "ranges", np.float32), (GridMessage, "data", np.int8)]
 )
-def test_written_and_read_without_a_method_that_is_gone(kind, field, dtype):
+def test_message_is_serialized_without_the_removed_method(kind, field, dtype):
     values = np.array([1, 2, 3], dtype=dtype)
     message, written = kind(), io.BytesIO()
     if kind is LaserScan:
@@ -67,7 +67,7 @@ def test_written_and_read_without_a_method_that_is_gone(kind, field, dtype):
     assert list(getattr(kind().deserialize(written.getvalue()), field)) == [3, 2, 1]
 
 
-def test_memory_is_shared_and_slices_are_sendable_too():
+def test_message_shares_memory_and_sends_slices():
     values = np.zeros(4, dtype=np.float32)
     sent = sendable(values)
     values[2] = 5.0

@@ -1,4 +1,4 @@
-"""Every parameter of the move_base node: read under its own name, and refused by name when it cannot be right."""
+"""Every parameter of the move_base node: read under its own name, and refused by name when it is invalid."""
 
 from pathlib import Path
 
@@ -41,7 +41,7 @@ class OwnRecovery(RecoveryBehavior):
 
 
 class Broken(GlobalPlanner):
-    """A user's planner that cannot be made."""
+    """A user's planner whose construction fails."""
 
     def __init__(self, parameters=None):
         raise KeyError("horizon")
@@ -66,7 +66,7 @@ def given(monkeypatch):
 
 
 def settings_of():
-    """What the node reads; raises ParameterError with all faults."""
+    """Return the settings that the node reads; raises ParameterError with all faults."""
     found = Parameters()
     settings = read_settings(found)
     found.check()
@@ -74,14 +74,14 @@ def settings_of():
 
 
 def made(find, *arguments):
-    """The plugins that the parameters name, made; raises ParameterError with all faults."""
+    """Return the plugins that the parameters name; raises ParameterError with all faults."""
     found = Parameters()
     make = find(found, *arguments)
     found.check()
     return make()
 
 
-def test_defaults(given):
+def test_move_base_parameters_have_defaults(given):
     given()
     settings = settings_of()
     assert settings.frames == Frames("map", "base_link", 0.5, "base_scan", 1.0)
@@ -141,7 +141,7 @@ SETTINGS = [
 
 
 @pytest.mark.parametrize(("name", "value", "read", "expected"), SETTINGS)
-def test_each_parameter_is_read(given, name, value, read, expected):
+def test_move_base_parameters_are_each_read(given, name, value, read, expected):
     given()
     assert read(settings_of()) != expected, "the value would prove nothing"
     given({name: value})
@@ -150,14 +150,14 @@ def test_each_parameter_is_read(given, name, value, read, expected):
 
 @pytest.mark.parametrize("footprint", [SQUARE, str(SQUARE), "[[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]"])
 @pytest.mark.parametrize("name", ["footprint", "global_costmap/footprint"])
-def test_the_footprint(given, name, footprint):
+def test_move_base_parameters_footprint_is_read(given, name, footprint):
     given({name: footprint})
     settings = settings_of()
     assert settings.footprint == tuple(map(tuple, SQUARE))
     assert settings.costmap.robot_radius == pytest.approx(0.2)
 
 
-def test_layers_of_other_names(given):
+def test_move_base_parameters_layers_can_have_other_names(given):
     layers = [
         {"name": "walls", "type": "costmap_2d::StaticLayer"},
         {"name": "obstacles", "type": "costmap_2d::VoxelLayer"},
@@ -178,13 +178,13 @@ def test_layers_of_other_names(given):
     assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
 
 
-def test_a_configuration_from_before_layers(given):
+def test_move_base_parameters_before_layers_are_read(given):
     given({"global_costmap": {"inflation_radius": 0.8, "observation_sources": "laser", "laser": {"topic": "/scan"}}})
     assert settings_of().costmap.inflation_radius == 0.8
     assert settings_of().frames.scan_topic == "/scan"
 
 
-def test_what_a_layer_has_is_not_read_from_the_costmap(given):
+def test_move_base_parameters_of_a_layer_override_costmap(given):
     values = {"global_costmap": {"inflation_radius": 0.8, "inflation_layer": {"inflation_radius": 0.7}}}
     given(values)
     assert settings_of().costmap.inflation_radius == 0.7
@@ -192,7 +192,7 @@ def test_what_a_layer_has_is_not_read_from_the_costmap(given):
     assert told.startswith("~global_costmap/inflation_radius")
 
 
-def test_all_faults_are_told_at_once(given):
+def test_move_base_parameters_report_all_faults_at_once(given):
     given({"controller_frequency": 0, "global_costmap/footprint": [[1, 1]], "base_global_planner": "no.Planner"})
     found = Parameters()
     read_settings(found)
@@ -221,14 +221,14 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("name", "value"), WRONG, ids=lambda part: str(part))
-def test_a_wrong_value_is_refused_by_name(given, name, value):
+def test_move_base_parameters_refuse_wrong_value_by_name(given, name, value):
     given({name: value})
     with pytest.raises(ParameterError) as caught:
         settings_of()
     assert name.split("/")[-1] in str(caught.value)
 
 
-def test_planners_by_class_path(given):
+def test_move_base_parameters_name_planners_by_class_path(given):
     given(
         base_global_planner=f"{__name__}.OwnGlobalPlanner",
         base_local_planner=f"{__name__}.OwnLocalPlanner",
@@ -245,7 +245,7 @@ def test_planners_by_class_path(given):
     assert plugins.local_planner_namespace() == "OwnLocalPlanner"
 
 
-def test_this_packages_planners_take_their_parameters(given):
+def test_move_base_parameters_reach_planners_of_this_package(given):
     given(
         GridPlanner={"comfort_weight": 1, "default_tolerance": 0.5, "allow_unknown": True},
         RolloutFollower={"max_vel_x": 0.3, "vx_samples": 5},
@@ -254,7 +254,7 @@ def test_this_packages_planners_take_their_parameters(given):
     assert made(plugins.local_planner, 0.2, ()).limits == FollowerLimits(max_vel_x=0.3, vx_samples=5)
 
 
-def test_names_of_the_navigation_stack_are_stood_in_for(given):
+def test_move_base_parameters_navigation_stack_names_are_mapped(given):
     given(
         base_global_planner="navfn/NavfnROS",
         base_local_planner="dwa_local_planner/DWAPlannerROS",
@@ -275,8 +275,8 @@ def test_names_of_the_navigation_stack_are_stood_in_for(given):
     assert plugins.global_planner_namespace() == "NavfnROS"
 
 
-def test_the_usual_turning_has_parameters_too(given):
-    """Those of move_base's own rotate_recovery are there as well."""
+def test_move_base_parameters_reach_the_usual_turning(given):
+    """The parameters of move_base's own rotate_recovery exist as well."""
     given(rotate_recovery={"patience": 1.5, "sim_granularity": 0.017})
     _, turn, _, again = made(plugins.recoveries)
     assert turn is again
@@ -286,7 +286,7 @@ def test_the_usual_turning_has_parameters_too(given):
         made(plugins.recoveries)
 
 
-def test_recoveries_without_turning(given):
+def test_move_base_parameters_recoveries_without_turning(given):
     given(clearing_rotation_allowed=False, conservative_reset_dist=2.0, aggressive_reset={"reset_distance": 1.0})
     first, second = made(plugins.recoveries)
     assert (first.parameters["reset_distance"], second.parameters["reset_distance"]) == (2.0, 1.0)
@@ -337,13 +337,13 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("make", "values", "words"), REFUSED)
-def test_a_wrong_plugin_is_refused(given, make, values, words):
+def test_move_base_parameters_refuse_a_wrong_plugin(given, make, values, words):
     given(values)
     with pytest.raises(ParameterError, match=words):
         make()
 
 
-def test_every_parameter_of_the_shipped_file_is_read(given):
+def test_move_base_parameters_of_shipped_file_are_read(given):
     values = yaml.safe_load((ROOT / "config" / "navigation.yaml").read_text())
     given(values)
     settings = settings_of()
@@ -354,7 +354,7 @@ def test_every_parameter_of_the_shipped_file_is_read(given):
     assert unread(values, parameters._READ) == []
 
 
-def test_the_documents_list_every_parameter():
+def test_move_base_parameters_are_all_documented():
     text = (ROOT / "doc" / "simulator_and_navigation.md").read_text()
     own = [*GridPlannerLimits._fields, *FollowerLimits._fields, *NavigatorLimits._fields, "patience"]
     names = {name.split("/")[-1] for name, _, _, _ in SETTINGS} | set(own)

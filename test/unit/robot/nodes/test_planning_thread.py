@@ -1,4 +1,4 @@
-"""The node's own planning: what holds up a plan holds up nothing else, and what nobody waits for is given up."""
+"""The node's planning thread: a slow plan delays nothing else, and plans that nobody awaits are cancelled."""
 
 import threading
 import time
@@ -26,7 +26,7 @@ def wait_until(condition):
 
 
 class Gated(GlobalPlanner):
-    """Plans when it is told to, or gives up; ``seen``: the goals and costmaps that it was asked for."""
+    """Plans or returns without a plan on command; ``seen``: the requested goals and costmaps."""
 
     def __init__(self):
         super().__init__()
@@ -58,7 +58,7 @@ def answer_of(planning):
     return found[-1]
 
 
-def test_the_asker_goes_on_while_it_is_planned(parts):
+def test_planning_thread_does_not_block_the_caller(parts):
     planner, costmap, planning = parts
     planning.ask(costmap, START, GOAL)
     for _ in range(5):
@@ -68,7 +68,7 @@ def test_the_asker_goes_on_while_it_is_planned(parts):
     assert planning.answer() is None
 
 
-def test_what_is_dropped_is_cancelled(parts):
+def test_planning_thread_cancels_a_dropped_request(parts):
     planner, costmap, planning = parts
     planning.ask(costmap, START, GOAL)
     wait_until(lambda: planner.seen == [GOAL])
@@ -81,7 +81,7 @@ def test_what_is_dropped_is_cancelled(parts):
     assert planning.answer() is None
 
 
-def test_what_is_dropped_before_it_begins_is_never_planned(parts):
+def test_planning_thread_never_plans_request_dropped_early(parts):
     planner, costmap, planning = parts
     other = planning.submit(costmap, START, START, 0.0)
     planning.ask(costmap, START, GOAL)
@@ -92,7 +92,7 @@ def test_what_is_dropped_before_it_begins_is_never_planned(parts):
     assert planner.seen == [START, START]
 
 
-def test_plans_are_on_the_costmap_as_it_was_when_they_were_asked_for(parts):
+def test_planning_thread_uses_costmap_at_time_of_request(parts):
     planner, costmap, planning = parts
     planning.ask(costmap, START, GOAL)
     angles = np.linspace(-3.0, 3.0, 60)
@@ -106,7 +106,7 @@ def test_plans_are_on_the_costmap_as_it_was_when_they_were_asked_for(parts):
 
 
 @pytest.mark.parametrize("fails", ["value", "exit"])
-def test_what_a_planner_raises_is_raised_where_the_plan_is_waited_for(parts, fails):
+def test_planning_thread_raises_planner_errors_to_waiting_caller(parts, fails):
     planner, costmap, planning = parts
     planner.fails = fails
     planner.gate.set()
@@ -118,7 +118,7 @@ def test_what_a_planner_raises_is_raised_where_the_plan_is_waited_for(parts, fai
     assert answer_of(planning).outcome is PlanOutcome.FOUND
 
 
-def test_a_plan_that_takes_long_is_logged(parts, monkeypatch):
+def test_planning_thread_logs_a_slow_plan(parts, monkeypatch):
     planner, costmap, planning = parts
     logged = []
     monkeypatch.setattr(planning_thread.rospy, "logwarn", lambda text, *values: logged.append(text % values))
@@ -133,7 +133,7 @@ def test_a_plan_that_takes_long_is_logged(parts, monkeypatch):
     assert "planning takes long: planning the robot's path for" in logged[0]
 
 
-# ---- commands that do not come -----------------------------------------------------------------------------------
+# ---- missing commands --------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -156,12 +156,12 @@ def twist(speed):
         (0.3, 1.0, 1.0, True),
         (0.3, 0.4, 0.45, False),  # not late yet
         (0.3, 0.1, 5.0, False),  # simulated time runs fast
-        (0.3, 60.0, 0.0, False),  # simulated time stands
+        (0.3, 60.0, 0.0, False),  # simulated time stands still
         (0.3, 60.0, -50.0, False),  # ... or went back
-        (0.0, 60.0, 60.0, False),  # it stands anyway
+        (0.0, 60.0, 60.0, False),  # it stands already
     ],
 )
-def test_a_robot_without_its_next_command_is_stopped_once(watched, speed, wall, ros, stops):
+def test_command_watch_stops_robot_without_command_once(watched, speed, wall, ros, stops):
     watch, sent, clock = watched
     watch.command(twist(speed))
     clock[0] += wall

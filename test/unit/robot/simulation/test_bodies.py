@@ -1,4 +1,4 @@
-"""Whatever is commanded, opened, closed, put, removed and carried: no robot is ever in anything, none goes through."""
+"""Any commands, doors, obstacles and moved robots: no robot is ever inside an object, and none passes through one."""
 
 import math
 
@@ -11,7 +11,7 @@ from world_reference import Things
 from rosoclingo.robot.navigation import OccupancyGrid, Pose2D
 from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
-SIZE = 3.0  # m: of the world, which has an edge of wall
+SIZE = 3.0  # m: of the world, whose edge is a wall
 STRONG = {"max_speed": 3.0, "max_turn": 8.0, "acceleration": 1e6, "turn_acceleration": 1e6}
 BAR = ((0.5, 0.02), (-0.5, 0.02), (-0.5, -0.02), (0.5, -0.02))
 ELL = ((0.3, 0.3), (0.0, 0.3), (0.0, 0.0), (-0.3, 0.0), (-0.3, -0.1), (0.3, -0.1))
@@ -56,7 +56,7 @@ def walled(seed, resolution, pillars):
 
 
 def happen(world, event):
-    """Have something happen; what is impossible is refused."""
+    """Apply an event; impossible ones are refused."""
     kind, *rest = event
     if kind == "drive":
         name, v, w, steps = rest
@@ -77,7 +77,7 @@ def happen(world, event):
 
 
 def check_the_way(world, name, before, v, w):
-    """A disc's way, looked at closely: it may cut a corner by less than an eighth of a cell."""
+    """Check a disc's path closely: it can cut a corner by less than an eighth of a cell."""
     robot = world.robots[name]
     if robot.outline:
         return
@@ -93,7 +93,7 @@ def check_the_way(world, name, before, v, w):
 
 
 def start(grid, bodies_of, places, gates):
-    """A world in which each robot stands at the first of the places where it can; None where there is no such."""
+    """Return a world with each robot at the first place where it fits; None if there is none."""
     robots = []
     for name, body in zip("ab", bodies_of):
         for pose in places:
@@ -114,7 +114,7 @@ def start(grid, bodies_of, places, gates):
     st.integers(0, 999), st.sampled_from([0.05, 0.1, 0.5]), st.integers(0, 12), st.tuples(bodies, bodies),
     st.lists(poses, min_size=2, max_size=12), st.tuples(doors, doors), st.lists(events, min_size=3, max_size=16),
 )  # fmt: skip
-def test_nobody_is_ever_in_anything(seed, resolution, pillars, pair, places, gates, stream):
+def test_bodies_are_never_inside_an_object(seed, resolution, pillars, pair, places, gates, stream):
     shut = tuple(DoorSpec(str(i), d[:2], d[2:], open=True) for i, d in enumerate(gates))
     world = start(walled(seed, resolution, pillars), pair, places, shut)
     assume(world is not None)
@@ -129,8 +129,8 @@ def test_nobody_is_ever_in_anything(seed, resolution, pillars, pair, places, gat
 
 @pytest.mark.slow
 @given(st.integers(0, 999), st.sampled_from([0.05, 0.1, 0.5]), st.integers(0, 12), bodies, poses, obstacles)
-def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution, pillars, body, pose, obstacle):
-    """The robot starts in a corner of its own, far off."""
+def test_bodies_can_be_placed_exactly_where_they_fit(seed, resolution, pillars, body, pose, obstacle):
+    """The robot starts in a far corner."""
     cells = walled(seed, resolution, pillars).cells
     cells = np.pad(cells, ((0, 0), (0, round(3.0 / resolution))))
     robot = RobotSpec("a", Pose2D(5.0, 1.5), **body, **STRONG)
@@ -143,7 +143,7 @@ def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution
         return
     if body.get("footprint") in (ELL, BESIDE):
         return
-    # What the reference allows may be refused by a hair: the reference looks at points of the sides only.
+    # A place that the reference permits can be refused by a hair: the reference examines only points of the sides.
     shrunk = {key: 0.8 * np.array(value) for key, value in body.items()}
     robot = RobotSpec("a", pose, **{k: tuple(map(tuple, v)) if v.ndim else float(v) for k, v in shrunk.items()})
     Simulation(WorldSpec(OccupancyGrid(cells, resolution), (robot,), (), (obstacle,)))
@@ -152,7 +152,7 @@ def test_who_may_stand_somewhere_may_and_who_may_not_is_refused(seed, resolution
 @pytest.mark.parametrize(
     "body", [{"radius": 0.15}, {"footprint": ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1))}]
 )
-def test_nobody_is_swallowed(body):
+def test_bodies_are_not_swallowed(body):
     """Neither a box around a robot nor a robot around a pillar touches an edge."""
     world = Simulation(WorldSpec(walled(0, 0.05, 0), (RobotSpec("a", Pose2D(1.5, 1.5), **body),)))
     with pytest.raises(WorldError, match="collide with robot 'a'"):
@@ -172,7 +172,7 @@ def test_nobody_is_swallowed(body):
     "body", [{"radius": 0.01}, {"footprint": BAR}, {"footprint": ((0.02, 0.0), (-0.02, 0.01), (-0.02, -0.01))}]
 )
 @pytest.mark.parametrize("resolution", [0.05, 1.0])
-def test_nobody_leaps_over_a_door(body, resolution):
+def test_bodies_do_not_jump_over_a_door(body, resolution):
     """Small and fast, in a world of large cells."""
     cells = np.zeros((round(10 / resolution),) * 2, dtype=np.int8)
     door = DoorSpec("d", (5.0, 0.0), (5.0, 10.0), open=False)
@@ -200,7 +200,7 @@ def test_nobody_leaps_over_a_door(body, resolution):
         (ObstacleSpec("o", (9.0, 1.0), 0.1), r"\(9, 1\) is off the map, which covers x 0 .. 3, y 0 .. 3"),
     ],
 )
-def test_an_obstacle_that_cannot_be(obstacle, words):
+def test_bodies_refuse_an_impossible_obstacle(obstacle, words):
     world = Simulation(WorldSpec(walled(0, 0.05, 0), (RobotSpec("a", Pose2D(2.0, 2.0)),)))
     with pytest.raises(WorldError, match=f"the obstacle 'o': .*{words}"):
         world.put_obstacle(obstacle)

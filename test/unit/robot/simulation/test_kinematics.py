@@ -1,4 +1,4 @@
-"""Any stream of commands against the closed form: limits, watchdog, arcs, odometry's drift."""
+"""Any stream of commands compared with the closed form: limits, watchdog, arcs, odometry's drift."""
 
 import math
 
@@ -18,7 +18,7 @@ changes = st.one_of(st.floats(0.01, 50.0), st.just(1e9))
 
 
 class Reference:
-    """A differential drive by the book: speeds change at the beginning of a step, then an arc is driven."""
+    """A differential drive by the book: speeds change at the beginning of a step, then it drives an arc."""
 
     def __init__(self, spec, interval, watchdog, factors):
         self.spec, self.interval, self.watchdog, self.factors = spec, interval, watchdog, factors
@@ -39,14 +39,14 @@ class Reference:
         self.odometry = self.arc(*self.odometry, self.v * a, self.w * b)
 
     def nearer(self, now, wanted, limit, change):
-        """The speed after a step: no more than ``change`` a second nearer to what is wanted and allowed."""
+        """Return the speed after a step: at most ``change`` per second towards the commanded and permitted one."""
         wanted = math.copysign(min(abs(wanted), limit), wanted)
         most = change * self.interval
         return wanted if abs(wanted - now) <= most else now + math.copysign(most, wanted - now)
 
     def arc(self, x, y, yaw, v, w):
         t = self.interval
-        if abs(w * t) < 1e-4:  # the circle's formula cancels out; two terms of the series are exact here
+        if abs(w * t) < 1e-4:  # the circle's formula suffers from cancellation; two terms of the series are exact here
             middle = yaw + 0.5 * w * t
             shrink = v * t * (1.0 - (w * t) ** 2 / 24.0)
             return x + shrink * math.cos(middle), y + shrink * math.sin(middle), yaw + w * t
@@ -62,7 +62,9 @@ class Reference:
     st.lists(commands, min_size=1, max_size=50), limits, limits, changes, changes,
     st.sampled_from([0.01, 0.05, 0.1, 0.25]), st.sampled_from([0.0, 0.05, 0.2, 0.25, 0.6]), st.sampled_from([0.0, 0.2]),
 )  # fmt: skip
-def test_any_stream_of_commands(stream, speed, turn, acceleration, turn_acceleration, interval, watchdog, drift):
+def test_kinematics_of_any_commands_match_closed_form(
+    stream, speed, turn, acceleration, turn_acceleration, interval, watchdog, drift
+):
     spec = RobotSpec(
         "a", START, 0.2, (), speed, turn, acceleration, turn_acceleration, lasers=(), drift=(drift, drift / 2)
     )
@@ -87,7 +89,7 @@ def test_any_stream_of_commands(stream, speed, turn, acceleration, turn_accelera
 
 @given(st.lists(st.tuples(speeds, speeds), min_size=1, max_size=20), st.integers(0, 5))
 @settings(max_examples=settings.default.max_examples // 3)
-def test_drift_is_a_factor_within_its_limit_that_the_seed_decides(stream, seed):
+def test_kinematics_drift_is_bounded_factor_from_the_seed(stream, seed):
     spec = RobotSpec("a", START, lasers=(), drift=(0.1, 0.3))
     twins = [Simulation(WorldSpec(FIELD, (spec,), seed=seed)) for _ in range(2)]
     for world in twins:

@@ -1,4 +1,4 @@
-"""Every beam of any laser anywhere against a caster that looks at each thing in the world by itself."""
+"""Every beam of any laser compared with a caster that examines each object in the world separately."""
 
 import contextlib
 import math
@@ -13,7 +13,7 @@ from world_reference import Things, cast
 from rosoclingo.robot.navigation import OccupancyGrid, Pose2D
 from rosoclingo.robot.simulation import DoorSpec, LaserSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
-HAIR = 1e-7  # m: a ray that passes an edge so near may hit it or not
+HAIR = 1e-7  # m: a ray that passes an edge this closely can hit or miss it
 
 mounts = st.builds(Pose2D, st.floats(-4.0, 4.0), st.floats(-4.0, 4.0), st.floats(-7.0, 7.0))
 lasers = st.builds(
@@ -33,8 +33,10 @@ lasers = st.builds(
     st.lists(poses, min_size=2, max_size=12), st.tuples(doors, doors), st.lists(obstacles, max_size=3),
     st.lists(lasers, min_size=1, max_size=3), st.tuples(st.booleans(), st.booleans()),
 )  # fmt: skip
-def test_every_beam(seed, resolution, pillars, pair, places, gates, things, scanners, opened):
-    """The first robot has lasers, the second may stand in their way, and so may doors, obstacles and the walls."""
+def test_laser_beams_match_the_reference_caster(
+    seed, resolution, pillars, pair, places, gates, things, scanners, opened
+):
+    """The first robot has lasers; the second one, doors, obstacles and walls can block them."""
     gates = tuple(DoorSpec(str(i), d[:2], d[2:], open=True) for i, d in enumerate(gates))
     pair = ({**pair[0], "lasers": tuple(scanners)}, pair[1])
     world = start(walled(seed, resolution, pillars), pair, places, gates)
@@ -62,8 +64,8 @@ def check(world, name, number):
     assert (found <= high + 1e-5).all(), (found - high, angles)
 
 
-def test_a_laser_that_looks_along_edges_between_cells_and_from_a_corner():
-    """Where rounding could let a beam slip through a wall: along cells' sides, and at 45 degrees through corners."""
+def test_laser_along_cell_edges_and_from_corner():
+    """Here rounding could let a beam pass through a wall: along cells' sides, and at 45 degrees through corners."""
     cells = np.zeros((20, 20), dtype=np.int8)
     cells[[0, -1]] = cells[:, [0, -1]] = 100
     robot = RobotSpec("a", Pose2D(1.0, 1.0), 0.01, lasers=(LaserSpec(5.0, 360.0, 9, pose=Pose2D(0.0, 0.0)),))
@@ -74,7 +76,7 @@ def test_a_laser_that_looks_along_edges_between_cells_and_from_a_corner():
         assert world.scan("a").max() < 2.6
 
 
-def test_from_outside_of_the_map_and_past_it():
+def test_laser_from_outside_of_the_map():
     cells = np.zeros((10, 10), dtype=np.int8)
     cells[5, 5] = 100
     laser = LaserSpec(20.0, 360.0, 61, pose=Pose2D(3.0, 0.02))
@@ -86,7 +88,7 @@ def test_from_outside_of_the_map_and_past_it():
 
 
 @pytest.mark.parametrize("noise", [0.02, 5.0])
-def test_noise_is_of_what_is_hit_and_stays_within_the_ranges(noise):
+def test_laser_noise_affects_hits_and_stays_within_range(noise):
     cells = np.zeros((80, 80), dtype=np.int8)
     cells[:, 0] = 100
     laser = LaserSpec(3.0, 360.0, 180, noise, min_range=0.1, pose=Pose2D(0.0, 0.0))
@@ -102,7 +104,7 @@ def test_noise_is_of_what_is_hit_and_stays_within_the_ranges(noise):
         assert abs((scans - exact)[:, hit].std() / noise - 1.0) < 0.05
 
 
-def test_each_laser_has_its_own_noise():
+def test_laser_noise_is_independent_per_laser():
     twin = LaserSpec(noise=0.05)
     grid = walled(0, 0.05, 0)
     world = Simulation(WorldSpec(grid, (RobotSpec("a", Pose2D(1.5, 1.5), lasers=(twin, twin)),)))

@@ -16,7 +16,7 @@ def late_world(delay, pose=START):
 
 
 @pytest.mark.parametrize(("delay", "back", "part"), [(0.0, 0, 0.0), (0.1, 1, 0.0), (0.05, 0, 0.5), (0.25, 2, 0.5)])
-def test_a_late_scan_is_that_from_where_the_robot_was(delay, back, part):
+def test_late_scan_is_taken_from_an_earlier_position(delay, back, part):
     world, plain = late_world(delay), late_world(0.0)
     poses = [world.robots["robot_0"].pose]
     for _ in range(8):
@@ -24,11 +24,11 @@ def test_a_late_scan_is_that_from_where_the_robot_was(delay, back, part):
         world.step()
         poses.append(world.robots["robot_0"].pose)
     plain.place("robot_0", poses[-1 - back].towards(poses[-2 - back], part))
-    # The noise is another one in each scan of a world.
+    # each scan of a world has different noise
     assert np.abs(world.scan("robot_0") - plain.scan("robot_0")).max() < 0.08
 
 
-def test_a_robot_that_is_carried_away_sees_what_is_there():
+def test_late_scan_of_moved_robot_shows_new_surroundings():
     world = late_world(0.5)
     for _ in range(9):
         world.command("robot_0", 0.4, 0.0)

@@ -1,4 +1,4 @@
-"""The office's packages: what picking up and putting down do, and that nothing is ever lost or doubled."""
+"""The office's packages: the effects of picking up and putting down; no package is ever lost or duplicated."""
 
 import pytest
 from hypothesis import given
@@ -12,7 +12,7 @@ OFFICES = ("office1", "office2", "office3", "office4")
 
 
 def office_of(packages, **options):
-    """An office with packages as a parameter has them."""
+    """Return an office with packages as a parameter gives them."""
     found, reader = PackageOffice(OFFICES, **options), Reader(packages, "packages")
     found.read(reader)
     reader.check(PackageError)
@@ -23,7 +23,7 @@ def office(**options):
     return office_of({"office3": [1, 2], "office1": [10]}, **options)
 
 
-def test_a_package_is_carried_from_office_to_office():
+def test_packages_are_carried_from_office_to_office():
     world = office()
     result = world.pickup("1", "office3")
     assert result == (packages.SUCCEEDED, "picked up package 1 at office3", "office3")
@@ -33,7 +33,7 @@ def test_a_package_is_carried_from_office_to_office():
     assert world.places[0] == PackagePlace("1", "office2", False)
 
 
-def test_places_are_ordered_by_number():
+def test_packages_list_places_by_number():
     world = office()
     world.put("letter", "office4")
     world.pickup("2", "office3")
@@ -55,7 +55,7 @@ def test_places_are_ordered_by_number():
         ("10", "office1", packages.NOT_HERE, "the robot carries package 10 already"),
     ],
 )
-def test_pickup_fails_with_a_reason_and_moves_nothing(package, robot_at, outcome, message):
+def test_packages_pickup_fails_with_reason_and_moves_nothing(package, robot_at, outcome, message):
     world = office()
     world.pickup("10", "office1")
     before = world.places
@@ -74,25 +74,25 @@ def test_pickup_fails_with_a_reason_and_moves_nothing(package, robot_at, outcome
         ("1", "office3", packages.NOT_CARRIED),
     ],
 )
-def test_deliver_fails_with_a_reason_and_moves_nothing(package, robot_at, outcome):
+def test_packages_delivery_fails_with_reason_and_moves_nothing(package, robot_at, outcome):
     world = office()
     before = world.places
     assert world.deliver(package, robot_at).outcome == outcome
     assert world.places == before
 
 
-def test_three_packages_at_most():
+def test_packages_on_the_robot_are_at_most_three():
     world = office_of({"office1": [1, 2, 3, 4]})
     assert [world.pickup(str(package), "office1").outcome for package in range(1, 5)] == [0, 0, 0, packages.FULL]
 
 
-def test_unheard_of_packages_may_appear():
+def test_packages_unknown_before_can_appear():
     assert office(appear=True).pickup("4", "office2").succeeded
     assert office(appear=True).pickup("4", None).outcome == packages.NOT_AT_LABEL
     assert office(appear=True).deliver("4", "office2").outcome == packages.UNKNOWN_PACKAGE
 
 
-def test_packages_are_put_and_removed():
+def test_packages_can_be_put_and_removed():
     world = office()
     world.pickup("1", "office3")
     world.put("1", "office4")
@@ -121,7 +121,7 @@ def test_packages_are_put_and_removed():
         (lambda: office().remove("4"), "there is no package 4"),
     ],
 )
-def test_what_cannot_be_is_refused(act, fault):
+def test_packages_refuse_impossible_changes(act, fault):
     with pytest.raises(PackageError, match=fault):
         act()
 
@@ -134,7 +134,7 @@ COMMANDS = st.tuples(
 
 
 @given(st.lists(COMMANDS, max_size=40))
-def test_never_more_than_three_never_lost_never_through_the_air(commands):
+def test_packages_are_never_lost_and_at_most_three_carried(commands):
     world = office_of({"office1": [1, 2, 3, 4]})
     for verb, package, robot_at in commands:
         before = {place.package: place for place in world.places}
@@ -150,7 +150,7 @@ def test_never_more_than_three_never_lost_never_through_the_air(commands):
 
 
 @given(st.lists(st.tuples(st.sampled_from(("pickup", "deliver")), st.sampled_from("129"), st.sampled_from(OFFICES))))
-def test_what_is_kept_makes_the_same_office(acts):
+def test_packages_stored_state_restores_the_office(acts):
     world = office(appear=True)
     for act, package, place in acts:
         getattr(world, act)(package, place)
@@ -160,7 +160,7 @@ def test_what_is_kept_makes_the_same_office(acts):
     assert heir.places == world.places
 
 
-def test_what_is_carried_cannot_lie_somewhere_as_well():
+def test_packages_that_are_carried_lie_nowhere_else():
     reader = Reader({"lying": {"office1": ["1"]}, "carried": ["1", ""]})
     PackageOffice(OFFICES).read(reader.at("lying"), reader.at("carried"))
     assert reader.faults == [

@@ -1,4 +1,4 @@
-"""The rehearsals of what is compiled: complete, without a function compiled twice, told once, kept."""
+"""The compile rehearsals: complete, without a function compiled twice, reported once, cached."""
 
 import os
 import subprocess
@@ -10,8 +10,8 @@ import pytest
 from rosoclingo.robot.nodes import compiling
 
 HERE = Path(__file__).resolve().parents[2]
-SOURCES = Path(compiling.__file__).parents[3]  # by the same way as here, which what is kept is for
-# Other tests hand over what no robot does: so this runs in a process of its own.
+SOURCES = Path(compiling.__file__).parents[3]  # along the same path as here, which the cache is for
+# Other tests call functions in ways that no robot does, so this runs in a process of its own.
 DRIVES = """
 import importlib, pkgutil, sys
 from navigation_worlds import LONG, Drive, room, simulation
@@ -62,7 +62,7 @@ def run(code, *arguments, **environment):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_after_the_rehearsals_nothing_is_left_to_compile():
+def test_rehearsal_leaves_nothing_to_compile():
     assert int(run(DRIVES)) > 45
 
 
@@ -72,7 +72,7 @@ def folder(monkeypatch, tmp_path):
     return tmp_path
 
 
-def test_it_is_told_once(folder):
+def test_rehearsal_is_reported_once(folder):
     said = []
     compiling.compile_once("simulation", said.append)
     (line,) = said
@@ -82,7 +82,7 @@ def test_it_is_told_once(folder):
     assert len(said) == 1
 
 
-def test_without_a_folder_it_is_compiled_nevertheless(monkeypatch, tmp_path):
+def test_rehearsal_compiles_without_a_folder(monkeypatch, tmp_path):
     monkeypatch.setattr(compiling, "FOLDER", str(tmp_path / "no" / "where"))
     said = []
     compiling.compile_once("simulation", said.append)
@@ -90,8 +90,8 @@ def test_without_a_folder_it_is_compiled_nevertheless(monkeypatch, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_build_puts_a_copy_where_a_node_begins_with_it(tmp_path):
-    """What is in the space's share folder is taken over by who has nothing yet."""
+def test_rehearsal_of_build_provides_cache_for_nodes(tmp_path):
+    """A node without a cache takes over the one in the share folder of the workspace."""
     share = tmp_path / "space" / "share" / "rosoclingo" / "numba"
     run("from rosoclingo.robot.nodes.compiling import main; main()", str(share))
     code = "from rosoclingo.robot.nodes import compiling as c; [c.compile_once(part, print) for part in c.PARTS]"

@@ -1,4 +1,4 @@
-"""The simulated world: collisions, doors, obstacles, resets, determinism; other files have the rest."""
+"""The simulated world: collisions, doors, obstacles, resets, determinism; other files cover the rest."""
 
 import math
 
@@ -34,7 +34,7 @@ def drive(world, commands):
     return poses
 
 
-def test_who_drove_until_he_touched_a_wall_stands_free_of_it():
+def test_simulation_robot_stopped_by_wall_stands_free():
     """The wall ends at 0.1 m, the radius is 0.25 m."""
     world = simulation(room(2.0, 2.0, 0.05), Pose2D(0.5, 0.5), laser=None, radius=0.25, **STRONG)
     [pose] = drive(world, [(-2.0, 0.0)])
@@ -46,7 +46,7 @@ def test_who_drove_until_he_touched_a_wall_stands_free_of_it():
 
 @given(COMMANDS)
 @settings(max_examples=settings.default.max_examples // 3)
-def test_same_seed_and_commands_same_poses_to_the_last_bit(commands):
+def test_simulation_is_deterministic_to_the_last_bit(commands):
     def run(scan):
         world = simulation(room(), Pose2D(1.0, 1.0), drift=(0.1, 0.1))
         poses = []
@@ -58,7 +58,7 @@ def test_same_seed_and_commands_same_poses_to_the_last_bit(commands):
     assert [p[:2] for p in run(True)] == [p[:2] for p in run(False)]
 
 
-def test_a_collision_stops_the_robot_and_is_told_once():
+def test_simulation_collision_stops_robot_and_is_reported_once():
     world = simulation(room(3.0, 3.0), Pose2D(1.5, 1.5, 0.0), laser=None, **STRONG)
     collisions = []
     for _ in range(20):
@@ -73,7 +73,7 @@ def test_a_collision_stops_the_robot_and_is_told_once():
     assert robot.pose.x < 2.65
 
 
-def test_two_robots_stop_each_other_and_see_each_other():
+def test_simulation_robots_stop_and_see_each_other():
     robots = (
         RobotSpec("a", Pose2D(1.0, 1.0, 0.0)),
         RobotSpec("b", Pose2D(3.0, 1.0, math.pi), footprint=SQUARE, radius=0.25),
@@ -91,7 +91,7 @@ def test_two_robots_stop_each_other_and_see_each_other():
     assert 0.38 <= gap < 0.45
 
 
-def test_doors_and_obstacles_block_robots_and_beams():
+def test_simulation_doors_and_obstacles_block_robots_and_beams():
     grid = room(4.0, 2.0)
     door = DoorSpec("door", (2.0, 0.1), (2.0, 1.9), open=False)
     world = simulation(grid, Pose2D(1.0, 1.0, 0.0), doors=(door,), laser=LaserSpec(noise=0.0), **STRONG)
@@ -117,7 +117,7 @@ def test_doors_and_obstacles_block_robots_and_beams():
     assert world.robots["robot_0"].pose.x > 2.7
 
 
-def test_what_is_unknown_or_impossible_is_refused():
+def test_simulation_refuses_unknown_or_impossible_changes():
     world = simulation(room(), Pose2D(1.0, 1.0), laser=None)
     for call, words in (
         (lambda: world.set_door("gate", True), "gate"),
@@ -134,7 +134,7 @@ def test_what_is_unknown_or_impossible_is_refused():
         simulation(room(), Pose2D(0.1, 1.0))
 
 
-def test_reset_puts_all_robots_back_or_moves_nobody():
+def test_simulation_reset_moves_all_robots_or_none():
     world = simulation(room(), Pose2D(1.0, 1.0), laser=None, drift=(0.1, 0.1))
     drive(world, [(0.5, 0.5)] * 10)
     robot = world.robots["robot_0"]

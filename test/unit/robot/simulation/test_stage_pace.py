@@ -1,4 +1,4 @@
-"""Stage at a pace: its world file, how it is started, and what a stand-in for it is told and ends with."""
+"""Stage at a given speed: its world file, its command, and the messages and exit codes of a replacement."""
 
 import os
 import shutil
@@ -23,7 +23,7 @@ model ( name "bitmap" bitmap "maps/a map.png" ) model ( bitmap "/b.png" bitmap "
 """
 
 
-def test_the_pace_is_another_and_files_are_found_from_anywhere():
+def test_stage_pace_changes_speed_and_resolves_files():
     text = paced_world(WORLD, "/worlds", 10.0)
     assert text.count("speedup 10\n") == 1
     assert "2.5" not in text
@@ -37,14 +37,14 @@ def test_the_pace_is_another_and_files_are_found_from_anywhere():
 
 
 @pytest.mark.parametrize("name", ["office", "house"])
-def test_of_the_shipped_worlds_only_the_pace_changes(name):
+def test_stage_pace_changes_only_speed_of_shipped_worlds(name):
     text = (ROOT / "worlds" / f"{name}.world").read_text()
     lines = zip(text.splitlines(), paced_world(text, str(ROOT / "worlds"), 0.5).splitlines())
     different = [new for old, new in lines if old != new]
     assert different == [f'  bitmap "{ROOT}/worlds/{name}.pgm"']
 
 
-def test_a_world_that_is_not_there():
+def test_stage_pace_reports_a_missing_world():
     with pytest.raises(WorldError, match="/no/such\\.world cannot be read: No such file"):
         read_stage_world("/no/such.world")
 
@@ -58,7 +58,7 @@ def test_a_world_that_is_not_there():
         ((5.0, False, ["-g"]), ["rosrun", "stage_ros", "stageros", "-g"]),
     ],
 )
-def test_what_is_started(arguments, command):
+def test_stage_pace_starts_the_expected_command(arguments, command):
     real_stage = pytest.importorskip("rosoclingo.robot.nodes.stage.real_stage")
     assert real_stage.stage_command(*arguments) == command
 
@@ -73,7 +73,7 @@ trap 'exit 7' INT
 
 @pytest.fixture
 def stage(tmp_path):
-    """Runs the script with a stage_ros of the test's; without one where ``then`` is None."""
+    """Run the script with a stage_ros of the test's; without one if ``then`` is None."""
     if not shutil.which("rosrun"):
         pytest.skip("no rosrun")
 
@@ -102,7 +102,7 @@ def stage(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no xvfb-run")
-def test_it_has_a_screen_of_its_own_and_its_exit_code_is_handed_on(stage):
+def test_stage_pace_starts_a_screen_and_returns_exit_code(stage):
     process = stage("--speed", "4")
     said, _ = process.communicate(timeout=120)
     assert process.returncode == 3
@@ -115,8 +115,8 @@ def test_it_has_a_screen_of_its_own_and_its_exit_code_is_handed_on(stage):
 
 
 @pytest.mark.slow
-def test_what_ends_it_ends_stage(stage):
-    """Free running, which needs no screen."""
+def test_stage_pace_ends_stage_with_itself(stage):
+    """Unlimited speed, which needs no screen."""
     process, lines = stage("--speed", "0", "-u", then="echo ready; while :; do sleep 0.05; done"), []
     while "ready\n" not in lines:
         lines.append(process.stdout.readline())
@@ -127,7 +127,7 @@ def test_what_ends_it_ends_stage(stage):
     assert process.returncode == 7
 
 
-def test_what_ends_it_while_stage_begins_ends_stage(monkeypatch):
+def test_stage_pace_ends_stage_that_is_starting(monkeypatch):
     real_stage = pytest.importorskip("rosoclingo.robot.nodes.stage.real_stage")
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
@@ -152,7 +152,7 @@ def test_what_ends_it_while_stage_begins_ends_stage(monkeypatch):
         (True, "1", ["there is no xvfb-run", "stage_window:=true"]),
     ],
 )
-def test_it_says_what_is_missing(stage, tmp_path, there, speed, words):
+def test_stage_pace_reports_missing_programs(stage, tmp_path, there, speed, words):
     process = stage("--speed", speed, then="exit 3" if there else None, path=str(tmp_path))
     _, said = process.communicate(timeout=120)
     assert process.returncode == 1

@@ -1,4 +1,4 @@
-"""World files for Stage: the shipped one is up to date, and every number in one says what the simulator's own says."""
+"""World files for Stage: the shipped one is up to date, and every number equals the simulator's own."""
 
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ ROWS = ["......", ".##...", "....#.", "......"]
 
 
 def entities(text):
-    """The entities of a world file as (kind, lines between its brackets), those of a line of their own only."""
+    """The entities of a world file as (kind, lines between its brackets), only those on separate lines."""
     return re.findall(r"^(\w+)\n\(\n(.*?)\n\)$", text, re.MULTILINE | re.DOTALL)
 
 
@@ -39,12 +39,12 @@ def numbers(body, key):
     return [float(v) for v in re.search(rf"^\s*{key} \[([^]]*)\]", body, re.MULTILINE).group(1).split()]
 
 
-def test_there_is_a_world_for_the_office():
+def test_stage_world_exists_for_the_office():
     assert ROOT / "worlds" / "office_world.yaml" in PAIRS
 
 
 @pytest.mark.parametrize("source", PAIRS, ids=lambda path: path.name)
-def test_the_shipped_worlds_are_up_to_date(source, tmp_path):
+def test_stage_world_files_are_up_to_date(source, tmp_path):
     target = ROOT / "worlds" / source.name.replace("_world.yaml", ".world")
     assert target.exists(), f"rosrun rosoclingo stage_world {source} -o {target}"
     bitmap = re.search(r'bitmap "(.*)"', target.read_text()).group(1)
@@ -53,20 +53,20 @@ def test_the_shipped_worlds_are_up_to_date(source, tmp_path):
     assert (target.parent / bitmap).exists()
 
 
-def test_the_map_is_where_it_is_occupied():
+def test_stage_world_map_covers_the_occupied_area():
     text = stage_world(WorldSpec(grid_of(ROWS, 0.5), (RobotSpec(),)), "w.yaml", "m.pgm", "own.pgm").text
     body = entity(text, "map")
-    # Columns 1 to 4 and rows 1 and 2 hold something: 0.5 .. 2.5 m and 0.5 .. 1.5 m.
+    # Columns 1 to 4 and rows 1 and 2 are occupied: 0.5 .. 2.5 m and 0.5 .. 1.5 m.
     assert numbers(body, "size")[:2] == [2.0, 1.0]
     assert numbers(body, "pose") == [1.5, 1.0, 0.0, 0.0]
 
 
-def test_a_map_without_a_wall_is_refused():
+def test_stage_world_refuses_map_without_a_wall():
     with pytest.raises(WorldError, match=r"w\.yaml: map: no cell is occupied"):
         stage_world(WorldSpec(grid_of(["..", ".."]), (RobotSpec(),)), "w.yaml", "m.pgm", "own.pgm")
 
 
-def test_robots():
+def test_stage_world_has_the_robots():
     robots = (
         RobotSpec(
             "a", Pose2D(1.0, 2.0, np.pi / 2), 0.25, lasers=(LaserSpec(4.0, 180.0, 19, rate=5.0),), max_turn=np.pi
@@ -88,8 +88,8 @@ def test_robots():
     assert "ranger" not in box
 
 
-def test_several_lasers_and_noise():
-    """Stage takes a variance."""
+def test_stage_world_has_several_lasers_and_noise():
+    """Stage expects a variance."""
     lasers = (LaserSpec(4.0, noise=0.02), LaserSpec(2.0, 90.0, 7, pose=Pose2D(-0.1, 0.0, np.pi), min_range=0.1))
     text = stage_world(WorldSpec(grid_of(ROWS), (RobotSpec("a", lasers=lasers),)), "w.yaml", "m.pgm", "own.pgm").text
     first, second = entity(text, "a").split("ranger\n")[1:]
@@ -99,7 +99,7 @@ def test_several_lasers_and_noise():
     assert numbers(second, "pose") == [-0.1, 0.0, -0.15, 180.0]
 
 
-def test_the_laser_looks_from_within_the_bodies():
+def test_stage_world_laser_sees_through_its_own_body():
     text = stage_world(WorldSpec(grid_of(ROWS), (RobotSpec("a"),)), "w.yaml", "m.pgm", "own.pgm").text
     body = entity(text, "a")
     height = numbers(body, "size")[2]
@@ -107,7 +107,7 @@ def test_the_laser_looks_from_within_the_bodies():
     assert 0.0 < height + numbers(ranger, "pose")[2] < height
 
 
-def test_closed_doors_and_obstacles():
+def test_stage_world_has_closed_doors_and_obstacles():
     world = WorldSpec(
         grid_of(ROWS),
         (RobotSpec(),),
@@ -123,8 +123,8 @@ def test_closed_doors_and_obstacles():
 
 
 @pytest.mark.parametrize(("grey", "own"), [(0, False), (100, True)], ids=["as Stage reads it", "lighter"])
-def test_written_with_an_image_that_stage_reads_the_same(tmp_path, grey, own):
-    """A map whose walls are grey is occupied by its threshold, yet Stage might look through."""
+def test_stage_world_writes_image_that_stage_reads_equally(tmp_path, grey, own):
+    """A map with grey walls is occupied by its threshold, but Stage could see through them."""
     pixels = np.full((20, 30), 254, dtype=np.uint8)
     pixels[5:8, 3:9] = grey
     pixels[15, 20] = 120  # dark to Stage, free by the map's threshold

@@ -1,4 +1,4 @@
-"""World files: read whole, or refused with the file, the key and what is wrong."""
+"""World files: read completely, or refused with the file, the key and the fault."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[4]
 
 @pytest.fixture
 def world(tmp_path):
-    """Writes a world of changed keys and returns its path."""
+    """Write a world with changed keys and return its path."""
     Image.fromarray(np.full((40, 40), 254, dtype=np.uint8)).save(str(tmp_path / "map.pgm"))
     text = "{image: map.pgm, resolution: 0.1, origin: [0, 0, 0], negate: 0, occupied_thresh: 0.65, free_thresh: 0.19}"
     (tmp_path / "map.yaml").write_text(text)
@@ -40,7 +40,7 @@ def world(tmp_path):
     return write
 
 
-def test_a_whole_world(world):
+def test_world_file_is_read_completely(world):
     spec = load_world(
         world(
             interval=0.05,
@@ -66,7 +66,7 @@ def test_a_whole_world(world):
     Simulation(spec).step()
 
 
-def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
+def test_world_file_with_several_lasers_and_textual_numbers(world):
     robots = load_world(
         world(
             robots=[
@@ -148,13 +148,13 @@ def test_several_lasers_none_and_numbers_that_yaml_takes_for_texts(world):
         ({"packages": [{"id": 1, "at": [5, 5]}]}, r"packages\[0\].at: \(5, 5\) is off the map"),
     ],
 )
-def test_a_bad_world_names_its_fault(world, changes, words):
+def test_world_file_refusal_names_its_fault(world, changes, words):
     with pytest.raises(WorldError, match=words) as caught:
         load_world(world(**changes))
     assert "world.yaml" in str(caught.value)
 
 
-def test_all_faults_at_once(world):
+def test_world_file_reports_all_faults_at_once(world):
     path = world(map="nowhere.yaml", seed=-1, robots=[{"pos": [1, 1]}, {"pose": [1, 1], "laser": {"beems": 3}}])
     with pytest.raises(WorldError) as caught:
         load_world(path)
@@ -181,7 +181,7 @@ def test_all_faults_at_once(world):
         ({"robots": [{"pose": [1, 1]}, {"pose": [1.2, 1]}]}, "'robot_0' would collide with an obstacle or a robot"),
     ],
 )
-def test_a_robot_that_cannot_stand_where_it_starts(world, tmp_path, changes, words):
+def test_world_file_refuses_robot_inside_an_obstacle(world, tmp_path, changes, words):
     pixels = np.full((40, 40), 254, dtype=np.uint8)
     pixels[:, -2:] = 0
     Image.fromarray(pixels).save(str(tmp_path / "walled.pgm"))
@@ -190,18 +190,18 @@ def test_a_robot_that_cannot_stand_where_it_starts(world, tmp_path, changes, wor
         load_simulation(str(world(**changes)))
 
 
-def test_no_yaml_and_no_file(tmp_path):
+def test_world_file_refuses_other_text_and_missing_file(tmp_path):
     (tmp_path / "world.yaml").write_text("a: [")
     for name in ("world.yaml", "nowhere.yaml"):
         with pytest.raises(WorldError, match="cannot be read"):
             load_world(tmp_path / name)
 
 
-def test_another_map(world, tmp_path):
+def test_world_file_map_can_be_replaced(world, tmp_path):
     assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40)
 
 
-def test_the_office_is_a_world():
+def test_world_file_of_the_office_is_read():
     spec = load_world(ROOT / "worlds" / "office_world.yaml")
     assert len(spec.doors) == 7
     Simulation(spec).step()

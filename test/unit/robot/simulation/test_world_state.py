@@ -1,4 +1,4 @@
-"""What of a world another process goes on with where one was killed."""
+"""The part of a world's state from which a new process continues after a kill."""
 
 import math
 
@@ -20,7 +20,7 @@ WORLD = WorldSpec(
 
 
 def lived_in():
-    """A world in which something has happened."""
+    """A world after some events."""
     world = Simulation(WORLD)
     for _ in range(5):
         world.command("first", 0.5, 0.3)
@@ -39,7 +39,7 @@ def resumed(state, spec=WORLD):
     return world
 
 
-def test_all_is_where_it_was_and_stands():
+def test_world_state_restores_positions_at_rest():
     before = lived_in()
     assert before.robots["first"].v > 0.0
     assert before.robots["first"].odometry != before.robots["first"].pose, "odometry has drifted"
@@ -52,7 +52,7 @@ def test_all_is_where_it_was_and_stands():
     assert (after.scan("second") == before.scan("second")).all(), "what the laser sees is there, too"
 
 
-def test_the_state_is_made_of_what_a_parameter_may_hold():
+def test_world_state_is_a_valid_parameter():
     def check(value):
         if isinstance(value, dict):
             assert all(isinstance(key, str) for key in value)
@@ -79,7 +79,7 @@ def test_the_state_is_made_of_what_a_parameter_may_hold():
         ({"robots": 3}, "robots: must be a mapping"),
     ],
 )
-def test_what_is_none_of_this_world(change, text):
+def test_world_state_refuses_state_of_another_world(change, text):
     state = {**world_state(Simulation(WORLD)), **change}
     with pytest.raises(WorldError) as caught:
         resumed(state)
