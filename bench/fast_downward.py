@@ -23,7 +23,7 @@ BEST = "seq-sat-lama-2011"
 """The alias that continues with shorter plans."""
 
 
-class Found(NamedTuple):
+class PlannerRun(NamedTuple):
     """Processor time of a run in seconds, translation included, and the operators of its best plan."""
 
     seconds: float
@@ -57,7 +57,7 @@ def measure(task: Pddl, check: Callable[[List[Action]], None], limit: float, sec
     return found
 
 
-def _solve(task: Pddl, alias: str, seconds: float) -> Found:
+def _solve(task: Pddl, alias: str, seconds: float) -> PlannerRun:
     """Run Fast Downward; its search is limited to ``seconds`` of processor time, at least one."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -69,7 +69,7 @@ def _solve(task: Pddl, alias: str, seconds: float) -> Found:
         subprocess.run(command, cwd=name, capture_output=True, check=False)
         spent = _used() - before
         plans = sorted(folder.glob("plan*"), key=lambda path: int(path.suffix[1:] or 0))
-        return Found(spent, _operators(plans[-1].read_text()) if plans else None)
+        return PlannerRun(spent, _operators(plans[-1].read_text()) if plans else None)
 
 
 def _used() -> float:

@@ -5,7 +5,7 @@ lengths become the reference for test/unit/robot/navigation/test_navfn_lengths.p
 
     ./dev exec python3 bench/navfn_lengths.py WORKSPACE/devel [--write]
 
-Each map is used without inflation, where navfn returns the shortest path that it knows, and with inflation, which adds
+Each map is used without and with inflation. Without it, navfn returns the shortest path that it knows. Inflation adds
 costs to cells near walls, so that navfn makes detours.
 """
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Drives tours of random goals on random maps, without ROS: goals reached, collisions, and the time until an abort.
 
-The maps are an office floor of 54 x 58.7 m at 0.1 m a cell, and small floors of rooms with narrow doors and clutter at
-0.05 m a cell. There are also obstacles and robots that the map lacks. During some drives (--events in ten) a door
-closes, or an obstacle appears in front of the robot, permanently or for a while. Unless --plain is given, the body of
-the robot, resolution, slant and roughness of the map, the control rate and the delay of commands vary too.
+The maps are an office floor (54 x 58.7 m, 0.1 m a cell) and small floors of rooms with narrow doors and clutter (10 x
+10 m, 0.05 m a cell). There are also obstacles and robots that the map lacks. During some drives (--events in ten) a
+door closes, or an obstacle appears in front of the robot, permanently or for a while. Unless --plain is given, other
+properties vary too: the body of the robot, the resolution, slant and roughness of the map, the control rate and the
+delay of commands.
 
 How a goal must end depends on the obstacles at the end of the drive:
   reached     if a path leads to it for the robot's circumscribed circle and obstacles that are 8 cm larger

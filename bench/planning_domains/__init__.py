@@ -1,8 +1,12 @@
 """Planning domains other than deliveries, with programs that give the solver no advice.
 
-Each domain has three files: ``NAME.lp`` is the program as a user would write it, ``NAME.py`` generates tasks and
-contains the rules in plain Python, and ``NAME.pddl`` is the same domain for other planners. The program of the garden
-is the one of doc/tutorial.md. The domain crates has simultaneous actions, which PDDL lacks.
+Each domain has three files:
+
+* ``NAME.lp`` is the program as a user would write it.
+* ``NAME.py`` generates tasks and contains the rules in plain Python.
+* ``NAME.pddl`` is the same domain for other planners.
+
+The program of the garden is the one of doc/tutorial.md. The domain crates has simultaneous actions, which PDDL lacks.
 """
 
 from typing import Callable, Dict, NamedTuple, Tuple

@@ -1,9 +1,10 @@
 """Prediction: an answer stays valid if its actions succeed and no rule that could change it depends on their returns.
 
-Let M be an answer, and R the success returns of some actions of M. Suppose that each ground rule with an atom of R in
-its body, negated or not, also has a literal that is false in M and is not a return. Then M together with R is an answer
-of the program with R as facts: the rules whose bodies M satisfies are the same in both reducts. No search is needed.
-Auxiliary atoms in M show whether the condition holds, see :mod:`~rosoclingo.planning.return_rules`.
+Let M be an answer, and R the success returns of some actions of M. Consider the ground rules with an atom of R in the
+body, negated or not. Suppose that each of them also has a literal that is false in M and is not a return. Then M
+together with R is an answer of the program with R as facts: the rules whose bodies M satisfies are the same in both
+reducts. No search is needed. Auxiliary atoms in M show whether the condition holds, see
+:mod:`~rosoclingo.planning.return_rules`.
 
 Shorter answers can appear if the condition fails for another answer. They cannot if there are no such ground rules, or
 if the false literal is an action of the same cycle: all answers agree on the actions executed in that cycle.

@@ -2,8 +2,9 @@
 
 The plan is read as a tour. If an action repeats, all actions of its kind are *moves*, each to the place in its
 parameter. Other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and
-a delivery, form a *chain*: they keep their order. No candidate has more simultaneously open chains than the plan. Moves
-use the connections of the plan; half of the searches use them in both directions.
+a delivery, form a *chain*: they keep their order. A chain is open from its first to its last task; a candidate never
+has more open chains than the plan. Moves use the connections of the plan; half of the searches use them in both
+directions.
 
 The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
 each where it adds the fewest moves. Like simulated annealing, it also accepts slightly longer tours.

@@ -2,9 +2,9 @@
 
 A shortest plan requires refuting all shorter horizons, which can take arbitrarily long. A plan with more steps than
 necessary is easy to find, in particular if ``#heuristic`` statements guide the search. So the horizon grows if a
-question reaches its limit of conflicts, and the shortest horizons get a part of the effort, as in Rintanen's algorithms
-for planning as satisfiability (2006). The best plan and the refuted horizons then bound the search for shorter plans
-from above and below. If the program claims a number of steps, this number and a quarter more are grounded at once.
+question reaches its limit of conflicts. The shortest horizons get a part of the effort, as in Rintanen's algorithms for
+planning as satisfiability (2006). The best plan and the refuted horizons then bound the search for shorter plans from
+above and below. If the program claims a number of steps, this number and a quarter more are grounded at once.
 """
 
 import time
