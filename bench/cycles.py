@@ -98,7 +98,9 @@ def report(first, cycles, failed):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", choices=["mailbot", "paper"], default="mailbot")
+    parser.add_argument(
+        "--program", choices=["mailbot", "paper"], default="mailbot", help="program of the core (default: %(default)s)"
+    )
     parser.add_argument("--offices", type=int, default=20, help="offices of the mailbot (default: %(default)s)")
     parser.add_argument("--requests", type=int, default=10, help="requests sent at once (default: %(default)s)")
     parser.add_argument("--cycles", type=int, default=200, help="limit of cycles (default: %(default)s)")

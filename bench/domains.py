@@ -198,8 +198,10 @@ PARTS = tuple(one.__name__ for one in (first_plan, improved_plan, executed, incr
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--domains", nargs="+", choices=list(DOMAINS), default=list(DOMAINS), help="(default: all)")
-    parser.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="(default: all)")
+    parser.add_argument(
+        "--domains", nargs="+", choices=list(DOMAINS), default=list(DOMAINS), help="domains to measure (default: all)"
+    )
+    parser.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="sizes of tasks (default: all)")
     parser.add_argument(
         "--seeds", type=int, nargs="+", default=[1], help="a row is the mean of these seeds (default: %(default)s)"
     )

@@ -147,7 +147,9 @@ def main():
     parser.add_argument("--tasks", type=int, default=3, help="number of tasks (default: %(default)s)")
     parser.add_argument("--names", type=int, default=5, help="sets of names for each task (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the tasks (default: %(default)s)")
-    parser.add_argument("--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), help="(default: all)")
+    parser.add_argument(
+        "--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), help="kinds of programs (default: all)"
+    )
     parser.add_argument(
         "--limit", type=float, default=300.0, metavar="S", help="processor time of one search (default: %(default)s s)"
     )

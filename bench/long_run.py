@@ -111,7 +111,9 @@ def describe(sample):
 
 def add_run(parser, failures):
     """Add the options of a run to ``parser``."""
-    parser.add_argument("--program", choices=PROGRAMS, default="mailbot", help="(default: %(default)s)")
+    parser.add_argument(
+        "--program", choices=PROGRAMS, default="mailbot", help="program of the core (default: %(default)s)"
+    )
     parser.add_argument("--batch", type=int, default=2, help="goals sent at once (default: %(default)s)")
     parser.add_argument(
         "--failures", type=float, default=failures, help="fraction of actions that fail (default: %(default)s)"

@@ -248,9 +248,17 @@ def line(head, cells, names):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--floors", nargs="+", default=["4", "20", "50", "loops"], help="(default: %(default)s)")
-    parser.add_argument("--requests", type=int, nargs="+", default=[3, 10, 20, 50, 100], help="(default: %(default)s)")
-    parser.add_argument("--how", nargs="+", choices=HOWS, default=list(HOWS), help="(default: %(default)s)")
+    parser.add_argument("--floors", nargs="+", default=["4", "20", "50", "loops"], help="floors (default: %(default)s)")
+    parser.add_argument(
+        "--requests",
+        type=int,
+        nargs="+",
+        default=[3, 10, 20, 50, 100],
+        help="numbers of requests (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--how", nargs="+", choices=HOWS, default=list(HOWS), help="arrival of requests (default: %(default)s)"
+    )
     parser.add_argument(
         "--seeds", type=int, nargs="+", default=[1], help="a row is the mean of these seeds (default: %(default)s)"
     )

@@ -91,10 +91,14 @@ def run(offices: int, requests: int, cycles: int, seed: int) -> list:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--offices", type=int, nargs="+", default=[4, 10, 20])
-    parser.add_argument("--requests", type=int, nargs="+", default=[1, 3, 5])
-    parser.add_argument("--cycles", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--offices", type=int, nargs="+", default=[4, 10, 20], help="numbers of offices (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--requests", type=int, nargs="+", default=[1, 3, 5], help="numbers of requests (default: %(default)s)"
+    )
+    parser.add_argument("--cycles", type=int, default=60, help="cycles of each run (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the requests (default: %(default)s)")
     options = parse(parser, offices=[4, 10], requests=[1, 3], cycles=40)
     print("offices  requests  first [s]  median [ms]  worst: search [ms]  other  first ten  last ten [ms]")
     pairs = [(offices, requests) for offices in options.offices for requests in options.requests]

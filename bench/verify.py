@@ -52,7 +52,9 @@ def load(files):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), help="(default: all)")
+    parser.add_argument(
+        "--programs", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), help="programs to verify (default: all)"
+    )
     parser.add_argument("--seconds", type=float, default=1200.0, help="processor time for each (default: %(default)g)")
     parser.add_argument("--quick", action="store_true", help="verify to smaller depths")
     options = parse(parser, quick=True, seconds=60.0)

@@ -61,7 +61,7 @@ def tutorial_program() -> str:
     """Return the gardener's program, the first block of ASP on the page."""
     found = re.search(r"```prolog\n(.*?)^```$", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     if found is None:
-        raise ValueError(f"{TUTORIAL} has no block of prolog")
+        raise ValueError(f"{TUTORIAL} has no Prolog block")
     return found.group(1)
 
 

@@ -387,7 +387,7 @@ class Grounding:
         blames = bool(blameable) and question.blames
         limits = SearchLimits(question.models, question.conflicts, question.best, question.advised)
         answers: List[Reply] = []
-        this = proxy(self)  # the control holds the callback, which must not hold the control
+        this = proxy(self)  # the control holds the callback; a reference cycle would delay its release
         with refusing(self.messages, self.program):
             if question.brief:
                 result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, question, answers))

@@ -41,7 +41,7 @@ class StrategyRunner:
         self.is_stopped: Stop = lambda: False
 
     def run(self, strategy: Strategy[T], stopped: Stop) -> T:
-        """Return the result of ``strategy``; raises :class:`StoppedError` if it has none at the stop."""
+        """Return the result of ``strategy``; raises :class:`StoppedError` if a stop ends it without a result."""
         self.is_stopped = stopped
         try:
             question = next(strategy)

@@ -128,7 +128,7 @@ class TimeLimitedSearch:
         self._rests = [plan for plan in (rest, delayed) if plan.actions]
 
     def _ask_exactly(self, plan: Plan) -> _Asks[Reply]:
-        """Ask whether the actions of ``plan``, and no others, are a plan."""
+        """Ask whether exactly the actions of ``plan`` are a plan."""
         last = max(self._least, plan.horizon)
         if last > self._end:
             if not self._idles or last > self._runner.last(last):

@@ -81,8 +81,8 @@ class SolverWorker:
                 ours.close()
                 raise WorkerLostError(f"cannot start a solver process: {error}") from None
         self._channel = Channel(ours)
-        self._open = 0  # number of commands whose last reply is missing
-        self._reply: Optional[WorkerReply] = None  # to the last command
+        self._open = 0  # number of commands that have not sent their last reply
+        self._reply: Optional[WorkerReply] = None  # the reply to the last command
         self._cpu_time, self._first_memory = 0.0, 0
         self.is_ready, self.reached = False, 0
         self.request: Optional[WorkerRequest] = None
