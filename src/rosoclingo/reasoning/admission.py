@@ -5,8 +5,8 @@ size of a batch is chosen such that the expected planning time is ``SHARE`` of t
 grows with the square of the number of goals. The share is large because plans for several goals share their routes.
 
 Fairness: plans could defer a goal forever while new goals arrive. Once ``overtaking_limit`` newer goals have ended
-before a goal, no newer goal is admitted until it has ended. In a plan for many goals any of them can be the last, so
-the limit of a goal is at least the number of goals in its plan.
+before a goal, no newer goal is admitted until it has ended. In a plan for many goals any of them can be the last.
+Therefore the limit of a goal is at least the number of goals in its plan.
 
 If no plan is found in time, the newest goals are queued again. A goal without a plan in time even alone is planned for
 alone, after all others. Its time limit doubles with each attempt.

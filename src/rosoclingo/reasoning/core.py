@@ -364,7 +364,7 @@ class Core:
         """Start the next cycle without the unmet goals."""
         self._announce.update(self._step, self._planner.in_force)
         if found.way is Way.WITHHELD:
-            self._problem("cancelling did not help: the requests that cannot be met are withheld from the solver")
+            self._problem("cancelling did not help: the requests of the unmet goals are withheld from the solver")
         for one, stream in streams_of(found.unmet, state.no_plan) if state.no_plan is not None else ():
             self._emit(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
@@ -455,10 +455,10 @@ class Core:
         Response(Situation.PLAN, "abort all goals, if the program keeps deferring its plan", _lose_patience),
         Response(Situation.NO_PLAN, "abort the fewest goals, the newest first", _give_up_goals),
         Response(Situation.NO_PLAN, "redate or drop the fewest observations", _repair),
-        Response(Situation.NO_PLAN, "begin again: the program forgets its history", _forget_history),
+        Response(Situation.NO_PLAN, "start again: the program forgets its history", _forget_history),
         Response(Situation.NO_PLAN, "cancel all goals", _cancel_all),
-        Response(Situation.TIMEOUT, "keep the plan in force, if the update has no new goals", _keep_plan),
+        Response(Situation.TIMEOUT, "keep the current plan, if the update has no new goals", _keep_plan),
         Response(Situation.TIMEOUT, "defer goals, the newest first", _defer_goals),
         Response(Situation.TIMEOUT, "search again, with more time", _search_again),
-        Response(Situation.DISTURBED, "search again, with what has arrived", _search_again),
+        Response(Situation.DISTURBED, "search again, with the arrivals", _search_again),
     )

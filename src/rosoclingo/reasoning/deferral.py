@@ -62,10 +62,10 @@ def _withdrawable(
 ) -> List[Goal]:
     """Return those of the ``goals`` that are not in hand.
 
-    A goal is not in hand if withdrawing it and cancelling it are equivalent: with all other goals cancelled, there is a
-    plan of the same length. For example, a package that was picked up for a goal has to be brought back when the goal
-    is cancelled; without the request, it could never have been picked up. The trial retracts success returns, because a
-    program can derive from them that an action was possible.
+    A goal is not in hand if withdrawing it is equivalent to cancelling it. This is tested with all other goals
+    cancelled: both ways must have plans of the same length. For example, a package that was picked up for a goal has to
+    be brought back when the goal is cancelled. Without the request, it could never have been picked up. The trial
+    retracts success returns, because a program can derive from them that an action was possible.
     """
     step = planner.log.step + 1
     successes = frozenset(success_of(action) for action in executed if action.cycle > planner.log.keep_from)

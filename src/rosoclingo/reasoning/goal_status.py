@@ -107,8 +107,8 @@ class Reading(NamedTuple):
 def update_status(goal: Goal, reading: Reading) -> None:
     """Update the state of a live goal that the program has.
 
-    The ``_status`` of the current cycle decides. An end that the program reported in an earlier cycle without an answer
-    comes first: a program can report an end only once, and reuse the identifier later.
+    The ``_status`` of the current cycle decides, unless the program reported an end in an earlier cycle without an
+    answer. Such an end takes precedence, because a program can report it only once and then reuse the identifier.
 
     Without a status, the goal is accepted, and it has succeeded (or is cancelled) once the plan has no actions left. If
     the program has rules for ``_status`` but never gave this goal a status, the goal is rejected.

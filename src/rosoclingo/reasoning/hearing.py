@@ -1,9 +1,10 @@
 """Relevance analysis: which external atoms can a program hear, that is, from which can a rule derive something?
 
 The analysis is conservative: an atom counts as heard unless the rules exclude it. It grounds the predicates of the base
-part that restrict the atoms of a rule, such as ``room`` in ``wanted(R,t) :- _request(visit(R),t+1), room(R).`` A rule
-that only relays an atom, such as ``asked(R,t) :- _request(visit(R),t+1).``, hears it if some rule hears the derived
-atom.
+part that restrict a rule. For example, ``room`` restricts ``wanted(R,t) :- _request(visit(R),t+1), room(R).``
+
+Some rules only relay an atom, such as ``asked(R,t) :- _request(visit(R),t+1).`` They hear it if some rule hears the
+derived atom.
 """
 
 from functools import cached_property, lru_cache

@@ -104,9 +104,9 @@ class Batch(NamedTuple):
 class Clock:
     """Replaces ``now`` in facts by the cycle in which they take effect.
 
-    ``delay(name, arity)`` returns the number of cycles after which a fact can influence actions: the action of cycle n
-    depends on facts up to cycle n - delay. It returns None for predicates whose last argument is not a cycle. ``first``
-    is the first cycle of the program.
+    ``delay(name, arity)`` returns the number of cycles after which a fact can influence actions. The action of cycle n
+    depends on facts up to cycle n - delay. The delay is None for predicates whose last argument is not a cycle.
+    ``first`` is the first cycle of the program.
     """
 
     def __init__(self, delay: Callable[[str, int], Optional[int]] = lambda name, arity: 0, first: int = 1) -> None:
@@ -304,8 +304,8 @@ class InputFeeder:
         Call :meth:`update_accepted` once the solver has accepted it. The update contains the ``chosen`` requests, None
         for all. Facts of cycles before ``first_open`` are too late, and are redated to the present.
 
-        A new goal waits for another update if a fact of this one takes effect only there, or if this update cancels an
-        aborted goal with the same identifier.
+        A new goal waits for another update if a fact of this one takes effect only there. It also waits if this update
+        cancels an aborted goal with the same identifier.
         """
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         chosen = self._requests if chosen is None else chosen

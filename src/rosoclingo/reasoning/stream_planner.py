@@ -72,8 +72,8 @@ def steps_for(goals: int, alone: int, left: int = 0, fresh: int = 0) -> int:
     there is no plan has to cover all steps. Recovery makes sure that no goal is aborted because the bound is too low.
 
     If the current plan has steps ``left``, the bound also covers these, and a quarter of ``alone`` for each of the
-    ``fresh`` goals and for failures, because a plan that extends the current one is found soon. It is then rounded up
-    to a multiple of ``alone``, so that it does not change with each step.
+    ``fresh`` goals and for failures. A plan that extends the current one is found soon. The bound is then rounded up to
+    a multiple of ``alone``, so that it does not change with each step.
     """
     if goals <= 1:
         return alone
