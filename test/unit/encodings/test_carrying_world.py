@@ -108,7 +108,7 @@ class Deaf:
 
 
 def test_carrying_world_ignores_goals_that_cross_an_action():
-    """A goal asks for a package that is being returned: the core can have sent the put-down already.
+    """A goal asks for a package that is being returned: the core can have sent the put-down already."""
     plays = []
     for known in (False, True):
         play = Play(OFFICE, Deaf(), Random(1), 0)
