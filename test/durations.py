@@ -1,4 +1,4 @@
-"""What a run of the tests took: each of its parts, and its longest tests."""
+"""Durations of a test run: of each part, and of the longest tests."""
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -8,7 +8,7 @@ from outcome import name_of
 
 
 class Duration(NamedTuple):
-    """When a command of a part began, how long it went on, and its CPU time, all in seconds; pytest's report of it."""
+    """When a command of a part began, its duration and its CPU time, all in seconds; pytest's report of it."""
 
     part: str
     name: str
@@ -19,7 +19,7 @@ class Duration(NamedTuple):
 
 
 def summary(durations: Sequence[Duration], number: int = 10) -> List[str]:
-    """Lines: all parts with their time and CPU time, and so many of the longest tests with their time."""
+    """Return lines with all parts, their time and CPU time, and the ``longest`` tests with their time."""
     lines = ["What took how long:"]
     for part in dict.fromkeys(one.part for one in durations):
         ours = [one for one in durations if one.part == part]
@@ -30,12 +30,12 @@ def summary(durations: Sequence[Duration], number: int = 10) -> List[str]:
 
 
 def _tests(duration: Duration) -> Iterator[Tuple[float, str]]:
-    """Each test that pytest tells of, with its seconds; what is no such report counts as one."""
+    """Yield each test of pytest's report with its seconds; an unreadable report counts as one."""
     if not duration.tests or not duration.tests.exists():
         yield duration.seconds, duration.name
         return
     try:
         cases = ElementTree.parse(duration.tests).getroot().iter("testcase")
         yield from [(float(case.get("time", 0)), f"{name_of(case)} ({duration.part})") for case in cases]
-    except ElementTree.ParseError:  # which has been told as a failure
+    except ElementTree.ParseError:  # already reported as a failure
         yield duration.seconds, duration.name

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the install space from within: ``./dev exec-install test/install_space.py``.
 
-All modules, executables and data files are there, and the case study runs without the source tree. The build leaves the
+All modules, executables and data files exist, and the case study runs without the source tree. The build leaves the
 workspace alone.
 """
 
@@ -18,7 +18,7 @@ DATA_FOLDERS = ("config", "doc", "encodings", "launch", "templates", "web", "wor
 
 
 def installed_share() -> Path:
-    """The package's folder as ROS finds it, which has to be the installed one."""
+    """Return the package's folder as ROS finds it, which has to be the installed one."""
     found = subprocess.run(["rospack", "find", "rosoclingo"], check=True, capture_output=True, text=True)
     share = Path(found.stdout.strip())
     assert (share.parent.parent / ".catkin").exists(), f"not installed: {share}"
@@ -26,7 +26,7 @@ def installed_share() -> Path:
 
 
 def check_modules(prefix: Path) -> int:
-    """Imports every module, from the install space."""
+    """Import every module from the install space."""
     package = importlib.import_module("rosoclingo")
     names = [info.name for info in pkgutil.walk_packages(package.__path__, "rosoclingo.")]
     for name in names:
@@ -36,7 +36,7 @@ def check_modules(prefix: Path) -> int:
 
 
 def check_files(share: Path, executables: Path) -> int:
-    """Compares with the source tree."""
+    """Compare the installed files with the source tree."""
     wanted = [executables / path.name for path in (SOURCE / "scripts").glob("*") if path.is_file()]
     for folder in DATA_FOLDERS:
         files = [path for path in (SOURCE / folder).rglob("*") if path.is_file() and "__pycache__" not in path.parts]
@@ -47,7 +47,7 @@ def check_files(share: Path, executables: Path) -> int:
 
 
 def check_messages(workspace: Path) -> None:
-    """Nodes of the workspace may be starting: the messages that they import were not written by this build."""
+    """Check that this build has not rewritten the workspace's messages, which starting nodes can be importing."""
     begun = (workspace / "build-install" / "begun").stat().st_mtime
     messages = list((workspace / "devel" / "lib").rglob("msg/_*.py"))
     later = [path.name for path in messages if path.stat().st_mtime > begun]
@@ -56,7 +56,7 @@ def check_messages(workspace: Path) -> None:
 
 
 def check_compiled() -> int:
-    """Whoever has compiled nothing yet begins with what is installed: nothing is said of compiling."""
+    """Check that a node without a cache uses the installed compiled code, and reports no compilation."""
     code = "from rosoclingo.robot.nodes import compiling as c; [c.compile_once(part, print) for part in c.PARTS]"
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-c", code]
@@ -69,7 +69,7 @@ def check_compiled() -> int:
 
 
 def main() -> None:
-    """Runs the checks; an assertion tells what is wrong."""
+    """Run the checks; an assertion names the fault."""
     share = installed_share()
     prefix = share.parent.parent
     print(f"install space {prefix}")

@@ -1,4 +1,4 @@
-"""What came out of tests: how many passed, and the names of those that failed."""
+"""Results of tests: the number that passed, and the names of those that failed."""
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -8,7 +8,7 @@ from processes import Finished
 
 
 class Outcome(NamedTuple):
-    """How many tests passed and were skipped, and what failed, each by a name that tells where to look."""
+    """The number of passed and skipped tests, and the failures, each by a name that locates it."""
 
     passed: int = 0
     failures: Tuple[str, ...] = ()
@@ -23,7 +23,7 @@ class Outcome(NamedTuple):
 
 
 def count(reports: Sequence[Path]) -> Outcome:
-    """Adds up JUnit reports; one that can't be read is a failure."""
+    """Add up JUnit reports; an unreadable one is a failure."""
     outcome = Outcome()
     for report in reports:
         try:
@@ -37,7 +37,7 @@ def count(reports: Sequence[Path]) -> Outcome:
 
 
 def _of_suite(suite: ElementTree.Element, of_nodes: bool) -> Outcome:
-    """One suite; rostest's own report tells of each test node whether it ran, not of the tests in it."""
+    """Count one suite; rostest's own report lists test nodes rather than the tests in them."""
     total, skipped = int(suite.get("tests", 0)), int(suite.get("skipped", suite.get("skip", 0)))
     bad = int(suite.get("failures", 0)) + int(suite.get("errors", 0))
     names = [name_of(case) for case in suite.iter("testcase") for kind in ("failure", "error") for _ in case.iter(kind)]
@@ -46,7 +46,7 @@ def _of_suite(suite: ElementTree.Element, of_nodes: bool) -> Outcome:
 
 
 def name_of(case: ElementTree.Element) -> str:
-    """The name of a test as pytest takes it, test/unit/test_x.py::test_y; that of a rostest as unittest writes it."""
+    """Return a test's name as pytest accepts it, test/unit/test_x.py::test_y; for rostests, as unittest writes it."""
     name = ".".join(part for part in (case.get("classname"), case.get("name")) if part)
     if not name.startswith("test."):
         return name[len("__main__.") :] if name.startswith("__main__.") else name
@@ -57,7 +57,7 @@ def name_of(case: ElementTree.Element) -> str:
 
 
 def judge(name: str, finished: Finished, counted: Outcome) -> Outcome:
-    """A time-out, a bad exit code without a failed test, no test at all or a process left behind is a failure too."""
+    """Judge a command: a time-out, a bad exit code, no test at all, or a leftover process is a failure too."""
     more = [f"left a process behind: {line}" for line in finished.leftovers]
     if finished.code is None:
         more.append("did not end in time")
@@ -70,7 +70,7 @@ def judge(name: str, finished: Finished, counted: Outcome) -> Outcome:
 
 
 def report(name: str, outcome: Outcome, seconds: float, computed: float, log: Path) -> None:
-    """One line for what went well; for what did not the log, and its failures after it."""
+    """Return one line for a success; for a failure the log, followed by its failures."""
     took = f"{seconds:.1f} s, {computed:.1f} s of CPU"
     print(f"{'FAILED' if outcome.failures else 'ok':6} {name}: {outcome} ({took})", flush=True)
     if outcome.failures:

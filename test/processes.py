@@ -1,4 +1,4 @@
-"""Commands with a time limit, of which nothing is left when they have ended."""
+"""Commands with a time limit, which leave no process behind."""
 
 import os
 import signal
@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Iterator, List, Mapping, NamedTuple, Optional, Sequence
 
 ROOT = Path(__file__).resolve().parent.parent
-MARK = "ROSOCLINGO_TEST_RUN"  # an environment variable: by it a test's processes are known
+MARK = "ROSOCLINGO_TEST_RUN"  # an environment variable that marks a test's processes
 
 
 class Finished(NamedTuple):
-    """A command that ended: its exit code (None if it had to be ended), the processes it left behind, and its CPU time.
+    """A command that ended: its exit code (None if it was killed), its leftover processes, and its CPU time.
 
-    The time is in seconds, its own and that of all that it started and waited for.
+    The time is in seconds, for the command and for all processes that it started and waited for.
     """
 
     code: Optional[int]
@@ -24,19 +24,19 @@ class Finished(NamedTuple):
 
 
 def processes_with(mark: str) -> Iterator[int]:
-    """The processes that were started with the mark in their environment."""
+    """Return the processes that were started with the mark in their environment."""
     needle = f"{MARK}={mark}".encode()
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit() and int(entry.name) != os.getpid():
             try:
                 if needle in (entry / "environ").read_bytes().split(b"\0"):
                     yield int(entry.name)
-            except OSError:  # ended meanwhile, or another user's
+            except OSError:  # it has ended meanwhile, or belongs to another user
                 continue
 
 
 def command_line(pid: int) -> str:
-    """The command line of a process, empty for one that is a zombie or gone."""
+    """Return the command line of a process, empty for a zombie or an ended process."""
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
     except OSError:
@@ -44,7 +44,7 @@ def command_line(pid: int) -> str:
 
 
 def end_leftovers(mark: str, grace: float = 30.0) -> List[str]:
-    """Ends what is still there of a run after a grace time, in seconds; returns the command lines."""
+    """End the remaining processes of a run after a grace time, in seconds; return their command lines."""
     deadline = time.monotonic() + grace
     while time.monotonic() < deadline and any(command_line(pid) for pid in processes_with(mark)):
         time.sleep(0.1)
@@ -57,7 +57,7 @@ def end_leftovers(mark: str, grace: float = 30.0) -> List[str]:
 
 
 def _wait(pid: int, limit: float) -> Optional[float]:
-    """Wait for a child's end, and leave it to be reaped; its CPU time in seconds, None where it goes on."""
+    """Wait for a child's end, without reaping it; return its CPU time in seconds, None if it goes on."""
     deadline = time.monotonic() + limit
     while not os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT):
         if time.monotonic() > deadline:
@@ -77,7 +77,7 @@ def _interrupt(process: "subprocess.Popen[bytes]") -> None:
 
 
 def run(command: Sequence[str], log: Path, limit: float, environment: Mapping[str, str]) -> Finished:
-    """Runs a command with a time limit in seconds and its output in a log, and sees that nothing is left of it."""
+    """Run a command with a time limit in seconds and its output in a log, and leave no process of it behind."""
     mark = uuid.uuid4().hex
     variables = {**environment, MARK: mark}
     with log.open("wb") as output:

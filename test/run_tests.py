@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs what ``./dev test`` was asked for, on all cores, and closes with all failures and "N passed, N failed"."""
+"""Runs the groups that ``./dev test`` names, on all cores, and ends with all failures and "N passed, N failed"."""
 
 import argparse
 import fnmatch
@@ -24,19 +24,19 @@ from durations import Duration, summary
 from outcome import Outcome, count, judge, report
 from processes import ROOT, run
 
-UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 3600.0, 1800.0, 900.0  # seconds, for a machine that is slow or busy
-CORES = min(os.cpu_count() or 1, 4)  # so many unit tests run at a time
-ROSTEST_MARGIN = 300.0  # seconds for master and nodes to start and stop, besides the tests' own time limits
+UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 3600.0, 1800.0, 900.0  # seconds, for a slow or busy machine
+CORES = min(os.cpu_count() or 1, 4)  # concurrent unit tests
+ROSTEST_MARGIN = 300.0  # seconds in which master and nodes start and stop, in addition to the tests' own time limits
 
 HOOKS = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"][0]["hooks"]
 LINTERS: Dict[str, List[str]] = {one["name"]: shlex.split(one["entry"])[2:] for one in HOOKS}  # without "./dev exec"
 GROUPS = ("lint", "unit", "rostest", "python38", "install", "pip")  # and "quick"
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
-# on Python 3.8 as well: the core and the interfaces with all that they import, and what needs no compiled ROS module
+# also on Python 3.8: the core and the interfaces with all their imports, and tests without compiled ROS modules
 ON_BOTH = ("configured_interfaces", "core_words", "goal_server", "scenario_player")
-# In these little is computed: two of them run beside one of the others for every two cores. With more at a time all
-# take longer than one after the other, as simulated time, and what it costs, goes on meanwhile.
+# These compute little: two of them run next to one of the others for every two cores. More at a time take longer than
+# one after the other, since simulated time, and its cost, goes on meanwhile.
 WAITING = (
     "configured_interfaces",
     "core_defence",
@@ -56,10 +56,10 @@ WAITING = (
 QUICK_ROSTESTS = ("core_start", "interface_respawn")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 NOT_SLOW = ("-m", "not slow")
-GIVING_WAY = ("nice", "-n", "5")  # to rostests, which have time limits; a third of their weight on a busy machine
+GIVING_WAY = ("nice", "-n", "5")  # rostests have time limits; weighs a third of them on a busy machine
 PYTEST_REPORT = "unit.xml"
 ON_PYTHON38 = " on Python 3.8"
-NO_PYTHON38 = 3  # the exit code of ./dev exec-python38 where there is none
+NO_PYTHON38 = 3  # the exit code of ./dev exec-python38 without a Python 3.8
 
 
 class Tests:
@@ -73,37 +73,37 @@ class Tests:
         self.addresses = loopback_addresses(os.getpid())
 
     def lint(self, _names: Sequence[str]) -> Outcome:
-        """The static checks."""
+        """Run the static checks."""
         return self._lint(LINTERS)
 
     def unit(self, arguments: Sequence[str]) -> Outcome:
-        """The tests of the pure packages."""
+        """Run the tests of the pure packages."""
         return self._unit("", os.environ, arguments or IN_PARALLEL)
 
     def rostest(self, names: Sequence[str]) -> Outcome:
-        """The tests of the nodes, each file with a master of its own."""
+        """Run the tests of the nodes, each file with its own master."""
         return self._rostests(_chosen(ROSTESTS, names), "", os.environ)
 
     def install(self, _names: Sequence[str]) -> Outcome:
-        """The install space, on its own."""
+        """Check the install space."""
         command = [*GIVING_WAY, str(ROOT / "dev"), "exec-install", str(ROOT / "test" / "install_space.py")]
         return self._run("install", "install", command, INSTALL_LIMIT, os.environ)
 
     def pip(self, _names: Sequence[str]) -> Outcome:
-        """What pip installs where there is no ROS."""
+        """Check the pip installation without ROS."""
         return self._pip(_python38_environment())
 
     def quick(self, _names: Sequence[str]) -> Outcome:
-        """What finds most faults in little time: no slow linter and no slow test, two rostests."""
+        """Run the tests that find most faults in little time: no slow linter, no slow test, two rostests."""
         outcome = self._lint([name for name in LINTERS if name not in SLOW_LINTERS])
         with _beside(self._rostests, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ) as rostests:
             outcome += self._unit("", os.environ, [*IN_PARALLEL, *NOT_SLOW])
             return outcome + rostests.result()
 
     def whole(self) -> Outcome:
-        """All groups: beside the rostests, which have time limits, goes what gives way to them, one after the other.
+        """Run all groups: next to the rostests, which have time limits, one low-priority group at a time.
 
-        With more at a time all take longer.
+        More at a time would take longer.
         """
         outcome = self.lint(())
         with Lanes() as lanes, ThreadPoolExecutor(1) as beside:
@@ -117,7 +117,7 @@ class Tests:
             return outcome + sum((one.result() for one in others), Outcome())
 
     def python38(self, _names: Sequence[str]) -> Outcome:
-        """On Python 3.8, if there is one: the unit tests, and the rostests that need no compiled module."""
+        """Run on Python 3.8, if there is one: the unit tests, and the rostests without compiled modules."""
         environment = _python38_environment()
         rostests = _chosen(ROSTESTS, ON_BOTH) if environment else ()
         return self._unit_again(environment) + self._rostests(rostests, ON_PYTHON38, environment)
@@ -132,7 +132,7 @@ class Tests:
             print("none   python38: what is above says why", flush=True)
             return Outcome()
         print("(on Python 3.8 the first case of each test that is neither slow nor marked once)", flush=True)
-        # the folder is named, as an older pytest does not look for options in testpaths
+        # the folder is named because an older pytest does not look for options in testpaths
         return self._unit(ON_PYTHON38, environment, [*IN_PARALLEL, "--each-once", str(ROOT / "test" / "unit")])
 
     def _lint(self, names: Iterable[str]) -> Outcome:
@@ -141,7 +141,7 @@ class Tests:
     def _unit(self, suffix: str, environment: Mapping[str, str], arguments: Sequence[str]) -> Outcome:
         name = "unit" + suffix
         reports = self.results / _file_name(name)
-        # the sources by the way that the build knows them: so what it has compiled is not compiled again
+        # the same path to the sources as in the build, so that compiled code is reused
         sources = self.work / ("python38" if suffix else "") / "ws" / "src" / "rosoclingo" / "src"
         command = [*GIVING_WAY, "python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}"]
         folders = (sources, ROOT / "test", ROOT / "test" / "unit")  # pytest splits the option as a shell does
@@ -155,7 +155,7 @@ class Tests:
     def _begin(
         self, lanes: "Lanes", paths: Sequence[Path], suffix: str, environment: Mapping[str, str]
     ) -> "List[Future[Outcome]]":
-        """Have rostests run in their lanes; the longest first, so that none runs alone at the end."""
+        """Run the rostests in their lanes; the longest first, so that none runs alone at the end."""
         longest_first = sorted(paths, key=lambda path: sum(_time_limits(path)), reverse=True)
         return [lanes.of(path).submit(self._rostest, path, suffix, environment) for path in longest_first]
 
@@ -191,22 +191,22 @@ class Tests:
 
 
 def loopback_addresses(seed: int) -> Iterator[str]:
-    """Addresses of this machine, all different, on which ROS's nodes listen alone.
+    """Yield distinct loopback addresses of this machine, on each of which ROS's nodes can listen alone.
 
-    Each rostest has one: a node of another test that gets the port of a dead one is not taken for it.
+    Each rostest has one, so that a node of another test that gets the port of a dead one is not mistaken for it.
     """
     second, third = 1 + seed // 256 % 254, seed % 256
     return (f"127.{second}.{(third + number // 254) % 256}.{1 + number % 254}" for number in itertools.count())
 
 
 class Lanes:
-    """Where rostests run side by side: one that computes for two cores, which its nodes fill, and two that wait."""
+    """Lanes of concurrent rostests: one that computes for two cores, which its nodes use fully, and two that wait."""
 
     def __init__(self) -> None:
         self._computing, self._waiting = ThreadPoolExecutor(max(1, CORES // 2)), ThreadPoolExecutor(2)
 
     def of(self, path: Path) -> ThreadPoolExecutor:
-        """The lane for a rostest."""
+        """Return the lane for a rostest."""
         return self._waiting if path.stem in WAITING else self._computing
 
     def __enter__(self) -> "Lanes":
@@ -219,13 +219,13 @@ class Lanes:
 
 @contextmanager
 def _beside(function: Callable[..., Any], *arguments: Any) -> "Iterator[Future[Any]]":
-    """Runs a function in a thread beside what is done meanwhile, and waits for its end."""
+    """Run a function in a thread during the with block, and wait for its end."""
     with ThreadPoolExecutor(1) as pool:
         yield pool.submit(function, *arguments)
 
 
 def _python38_environment() -> Dict[str, str]:
-    """The environment of the workspace for Python 3.8; empty where there is none, which ``dev`` then tells."""
+    """Return the environment of the workspace for Python 3.8; empty without one, which ``dev`` reports."""
     command = [str(ROOT / "dev"), "exec-python38", "env", "-0"]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode == NO_PYTHON38:
@@ -246,18 +246,18 @@ def _chosen(paths: Sequence[Path], patterns: Sequence[str]) -> List[Path]:
 
 
 def _time_limits(path: Path) -> List[float]:
-    """The time limits of a rostest file's tests, in seconds; rostest's own default is a minute."""
+    """Return the time limits of a rostest file's tests, in seconds; rostest's own default is a minute."""
     return [float(test.get("time-limit", 60)) for test in ElementTree.parse(path).getroot().iter("test")]
 
 
 def main() -> int:
-    """Runs the groups that the command line names, or all of them."""
+    """Run the groups that the command line names, or all of them."""
     parser = argparse.ArgumentParser(prog="./dev test")
     parser.add_argument("--work", type=Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("group", nargs="?", choices=(*GROUPS, "quick"), help="the group to run, all without one")
     parser.add_argument("names", nargs=argparse.REMAINDER, help="rostests, or arguments for pytest")
     arguments = parser.parse_args()
-    # a shell that runs this in the background has it ignored, and every process of the tests would do so too
+    # a shell that starts this in the background has SIGINT ignored, which the tests' processes would inherit
     signal.signal(signal.SIGINT, signal.default_int_handler)
     tests, begin = Tests(arguments.work), time.monotonic()
     outcome = getattr(tests, arguments.group)(arguments.names) if arguments.group else tests.whole()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Checks what pip installs from a clone into a bare virtual environment: ``test/without_ros.py PYTHON...``.
+"""Checks the pip installation of a clone in a bare virtual environment: ``test/without_ros.py PYTHON...``.
 
-For each Python: the commands are there and give the answers of the real oClingo, and no library but those that
-pyproject.toml names is needed. The clone is left as it is.
+For each Python the commands exist and give the answers of the real oClingo, and no library outside pyproject.toml is
+needed. The clone stays unchanged.
 """
 
 import json
@@ -26,7 +26,7 @@ ALL = (
 
 
 def copied(folder):
-    """A clone's files that pip reads; it builds in place."""
+    """Copy the files of a clone that pip reads, since pip builds in place."""
     ignored = shutil.ignore_patterns("__pycache__", "*.egg-info")
     for name in NEEDED:
         if (ROOT / name).is_dir():
@@ -37,19 +37,19 @@ def copied(folder):
 
 
 def output_of(*command, **options):
-    """What a command prints, in a folder of no interest."""
+    """Return the output of a command, run in a temporary folder."""
     done = subprocess.run([str(word) for word in command], check=False, capture_output=True, text=True, **options)
     assert done.returncode == 0, f"{command}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
     return done.stdout
 
 
 def words_of(update):
-    """Its answers, each as words in order: the real oClingo's were read so, and strings may have spaces."""
+    """Return its answers as sorted words, like the recorded ones of oClingo, since strings can contain spaces."""
     return sorted(sorted(" ".join(answer).split()) for answer in update["answers"])
 
 
 def check_answers(oclingo, folder):
-    """Plays golden streams; how many could be compared to their ends."""
+    """Play golden streams; return how many could be compared to their ends."""
     compared = 0
     for case in CASES:
         if any(one["end"] not in ("ok", "unsat") for one in case["updates"]):
@@ -60,7 +60,7 @@ def check_answers(oclingo, folder):
         done = subprocess.run(list(map(str, command)), cwd=folder, check=False, capture_output=True, text=True)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
         if len(lines) != len(case["updates"]):
-            continue  # as the stream's updates after one that is unsatisfiable for good
+            continue  # like the stream's updates after the first permanently unsatisfiable one
         for line, wanted in zip(lines, case["updates"]):
             assert words_of(line) == words_of(wanted), (case["name"], line, wanted)
             assert line["horizon"] == wanted["horizon"], (case["name"], line, wanted)
@@ -70,7 +70,7 @@ def check_answers(oclingo, folder):
 
 
 def check(python, source, folder):
-    """Installs for one Python, and tries what is installed."""
+    """Install for one Python, and try the installation."""
     output_of(python, "-m", "venv", folder / "venv")
     programs = folder / "venv" / "bin"
     output_of(programs / "python3", "-m", "pip", "install", "--disable-pip-version-check", "--no-input", source)
@@ -94,7 +94,7 @@ def check(python, source, folder):
 
 
 def check_golog(programs, folder, own):
-    """Translates a control program, and runs the shipped one."""
+    """Translate a control program, and run the shipped one."""
     (folder / "wait.golog").write_text("proc wait { await ready; }\n", encoding="utf-8")
     assert "golog_body(wait,await(" in output_of(programs / "golog", "wait.golog", **own)
     (folder / "calls.lp").write_text("#program base. calls(3).\n", encoding="utf-8")
@@ -106,7 +106,7 @@ def check_golog(programs, folder, own):
 
 
 def main():
-    """Runs the checks for each Python of the command line, else this one."""
+    """Run the checks for each Python of the command line, by default this one."""
     with tempfile.TemporaryDirectory() as name:
         source = copied(Path(name))
         for number, python in enumerate(sys.argv[1:] or [sys.executable]):

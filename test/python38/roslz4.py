@@ -1,4 +1,4 @@
-"""roslz4 as rosbag uses it, on the lz4 of PyPI: the distribution's own is compiled for another Python."""
+"""roslz4 as rosbag uses it, on top of PyPI's lz4: the distribution's own is compiled for another Python."""
 
 import lz4.frame
 
@@ -9,6 +9,6 @@ class LZ4Compressor(lz4.frame.LZ4FrameCompressor):
     """A frame compressor that begins its frame by itself, as that of roslz4 does."""
 
     def compress(self, data: bytes) -> bytes:
-        """The compressed bytes that are ready so far."""
+        """Return the compressed bytes that are ready so far."""
         header = b"" if self.started() else self.begin()
         return header + super().compress(data)

@@ -1,4 +1,4 @@
-"""A core node between clients and interfaces that tell late, twice or falsely: the plays of carrying_world.py."""
+"""A core node between clients and interfaces with late, repeated and false messages: the plays of carrying_world.py."""
 
 import queue
 import sys
@@ -27,11 +27,11 @@ ENDS = {  # a goal that is recalled before it arrives has no result of its own
     GoalStatus.ABORTED: "aborted",
     GoalStatus.REJECTED: "rejected",
 }
-SILENCE = 120.0  # seconds of wall time in which something has to happen, on the slowest machine
+SILENCE = 120.0  # seconds of wall time within which an event has to happen, on the slowest machine
 
 
 class Stage:
-    """The core node ``name/rosoclingo``, and a play of so many ``goals`` around it."""
+    """The core node ``name/rosoclingo``, and a play of ``goals`` around it."""
 
     def __init__(self, name, domain, seed, goals):
         self._happened = queue.Queue()
@@ -52,12 +52,12 @@ class Stage:
         self._handles[key] = self._client.send_goal(goal, lambda handle: self._changed(key, handle))
 
     def cancel(self, key):
-        """Cancel a goal, not before the core is known to have it: actionlib would take an early one for lost."""
+        """Cancel a goal once the core is known to have it: actionlib would treat an earlier one as lost."""
         self._cancelled.add(key)
         self._cancel(key, self._handles[key])
 
     def tell(self, facts):
-        """Tell facts as an interface."""
+        """Send facts as an interface."""
         self._publisher.publish(InterfaceIO("world", facts))
 
     def _note(self, message):
@@ -91,7 +91,7 @@ class Stage:
                 self.play.stir()
 
     def run_to_the_end(self):
-        """Play, then ask for all that is on the robot, and for one thing more; nothing fails any more."""
+        """Play, then request each thing on the robot and one thing more; nothing fails any more."""
         self.run()
         for _ in range(20):
             if not self.play.ask_for_all_that_is_aboard():

@@ -1,4 +1,4 @@
-"""What the tests of the core share: an interface layer by hand, and clients that note what becomes of their goals."""
+"""Shared by the tests of the core: a manual interface layer, and clients that record the course of their goals."""
 
 import os
 import queue
@@ -19,7 +19,7 @@ from rosoclingo.reasoning.keywords import CORE
 
 
 class Hands:
-    """The interface layer by hand: takes the core's commands and answers them when the test says so, or at once."""
+    """A manual interface layer: receives the core's commands and answers them on demand, or at once."""
 
     def __init__(self, namespace=""):
         self._commands = queue.Queue()
@@ -30,7 +30,7 @@ class Hands:
         self._subscriber = rospy.Subscriber(namespace + "out_rosoclingo", InterfaceIO, self._note)
 
     def wait_for(self, core):
-        """Wait until the core hears and is heard."""
+        """Wait until the connections with the core exist in both directions."""
         wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
         wait_to_hear(self._subscriber, nodes=[core])
 
@@ -46,13 +46,13 @@ class Hands:
                 self._commands.put(fact)
 
     def take(self):
-        """The next command."""
+        """Return the next command."""
         command = self._commands.get(timeout=PATIENCE)
         self._open.append(command)
         return command
 
     def clear(self):
-        """Answer the commands that were not, so that the next test begins afresh; which of them nobody took."""
+        """Answer the remaining commands, so that the next test starts clean; return those that nobody took."""
         left = [self._commands.get() for _ in range(self._commands.qsize())]
         for command in self._open + left:
             self.succeed(command)
@@ -87,7 +87,7 @@ class Client:
 
 
 class SentGoal:
-    """A goal and what it went through."""
+    """A goal and its course."""
 
     def __init__(self, client, text):
         self.text = text
@@ -103,7 +103,7 @@ class SentGoal:
             self._done.set()
 
     def wait(self, patience=PATIENCE):
-        """Status and result at the end, which comes within some seconds of wall time."""
+        """Return status and result at the end, which comes within some seconds of wall time."""
         assert self._done.wait(patience), f"the goal has not ended: {self.states}"
         return self.handle.get_terminal_state(), self.handle.get_result()
 
@@ -118,21 +118,21 @@ class SentGoal:
         wait_until(lambda: self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK, "the goal to arrive")
 
     def has_arrived(self):
-        """Whether the server has it; if not it is sent again, with its id: a core that was killed may lack it."""
+        """Return whether the server has it; otherwise send it again with its id, since a killed core can lack it."""
         if self.handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK:
             return True
         self._client.pub_goal.publish(self.handle.comm_state_machine.action_goal)
         return False
 
     def cancel(self):
-        """Cancel it once the server has it; actionlib's own cancel may make a goal lost, also one that has ended."""
+        """Cancel it once the server has it; actionlib's own cancel can lose a goal, even one that has ended."""
         self.arrived()
         cancel_goal(self._client, self.handle)
 
     def cancelled(self):
-        """Cancel it, and wait until the core knows: a cancel and an answer of an interface race each other.
+        """Cancel it, and wait until the core knows, since a cancel and an answer of an interface race.
 
-        The server tells the status before it calls the core, and no other status until that call has ended.
+        The server publishes the status before it calls the core, and no other status until that call has ended.
         """
         self.cancel()
         cancelling = (GoalStatus.RECALLING, GoalStatus.PREEMPTING)
@@ -149,13 +149,13 @@ class Updates:
         wait_to_hear(self._subscriber)
 
     def wait_for(self, words):
-        """The first update with ``words``; a message about a goal may come before the update that led to it."""
+        """Return the first update with ``words``; a message about a goal can come before the update that caused it."""
         wait_until(lambda: any(words in text for text in self.texts), f"an update with {words}")
         return next(text for text in self.texts if words in text)
 
 
 class Told:
-    """One of the package's commands, and what it writes to standard output; it is ended with the test."""
+    """One of the package's commands, and its standard output; it ends with the test."""
 
     def __init__(self, *words):
         command = ["rosrun", "rosoclingo", *words]
@@ -164,7 +164,7 @@ class Told:
         self._timer.start()
 
     def lines_until(self, words):
-        """The lines up to the one with these words."""
+        """Return the lines up to the one with these words."""
         lines = []
         for line in self._process.stdout:
             lines.append(line.rstrip())
@@ -173,11 +173,11 @@ class Told:
         raise AssertionError(f"nothing of '{words}' in: {lines}")
 
     def interrupt(self):
-        """Ctrl-C."""
+        """Press Ctrl-C."""
         self._process.send_signal(signal.SIGINT)
 
     def rest(self):
-        """Exit code, and the lines that are left."""
+        """Return exit code and remaining lines."""
         lines = [line.rstrip() for line in self._process.stdout]
         return self._process.wait(PATIENCE), lines
 

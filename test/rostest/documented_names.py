@@ -1,4 +1,4 @@
-"""The names of a node, as the docstring of its class has them (doc/reference.md) and as the master has them."""
+"""The names of a node, according to the docstring of its class (doc/reference.md) and to the master."""
 
 import runpy
 from pathlib import Path
@@ -22,7 +22,7 @@ class Names(NamedTuple):
 
 
 def documented(script: str, node: str, given: Mapping[str, Tuple[str, str]]) -> Names:
-    """What the docstring says of a script's node; ``given`` has other names and types for some of those in it."""
+    """Return the names in the docstring of a script's node; ``given`` replaces some names and types."""
     found = MAKER["descriptions"](PLACES[script])
 
     def section(title: str) -> Iterator[Tuple[str, str]]:
@@ -43,7 +43,7 @@ def documented(script: str, node: str, given: Mapping[str, Tuple[str, str]]) -> 
 
 
 def offered(node: str) -> Names:
-    """What the master says of a node, but for what every node has."""
+    """Return the names that the master lists for a node, except those of every node."""
     master = rosgraph.Master(rospy.get_name())
     state, types = master.getSystemState(), dict(master.getTopicTypes())  # in this order: no topic without its type
     published, subscribed, services = ({name for name, nodes in part if node in nodes} for part in state)

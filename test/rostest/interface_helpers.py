@@ -1,4 +1,4 @@
-"""What the tests of the interface layer share: the core's side of the two topics, and actionlib servers at hand."""
+"""Shared by the tests of the interface layer: the core's side of the two topics, and actionlib servers on demand."""
 
 import os
 import queue
@@ -21,17 +21,17 @@ from rosoclingo.common.connections import comes_to
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.registration import Registration
 
-PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on how fast the machine is, or how busy
+PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on the speed or load of the machine
 
 
 def init_node(name):
-    """Make the test a node, which hears publishers that rospy has missed as the package's own nodes do."""
+    """Initialize the test as a node, which finds publishers that rospy has missed as the package's own nodes do."""
     rospy.init_node(name)
     Registration()
 
 
 def wait_until(condition, what):
-    """Wait for a condition in wall time, as simulated time may stand still; who waits long looks less often."""
+    """Wait for a condition in wall time, as simulated time can stand still; the polling slows down."""
     end, pause = time.monotonic() + PATIENCE, 0.01
     while not condition():
         assert time.monotonic() < end, f"timed out: {what}"
@@ -40,16 +40,16 @@ def wait_until(condition, what):
 
 
 def executable(name):
-    """The file of a script of this package, as rosrun finds it, which takes longer for that than a node to start."""
+    """Return the file of a script of this package; rosrun takes longer to find it than a node to start."""
     spaces = os.environ["CMAKE_PREFIX_PATH"].split(os.pathsep)
     files = [os.path.join(space, "lib", "rosoclingo", name) for space in spaces]
     return next(file for file in files if os.path.exists(file))
 
 
 def wait_to_hear(*subscribers, nodes=()):
-    """Wait until all that is published on the topics of these subscribers comes to them; by these nodes, too.
+    """Wait until all publishers of the topics of these subscribers are connected; also those of these nodes.
 
-    rospy counts a connection at its reading end first: what is published before the writing end does is lost.
+    rospy counts a connection at its reading end first: messages published before the writing end does are lost.
     """
     wanted, me = [rospy.resolve_name(node) for node in nodes], rospy.get_name()
     for topic in [one.resolved_name for one in subscribers]:
@@ -57,16 +57,16 @@ def wait_to_hear(*subscribers, nodes=()):
 
 
 def wait_for_server(client):
-    """Wait until an actionlib client hears all that its server will tell, and is heard; in wall time."""
+    """Wait in wall time until an actionlib client and its server are connected in both directions."""
     wait_until(lambda: client.pub_goal.get_num_connections() and client.pub_cancel.get_num_connections(), "a server")
     wait_to_hear(client.status_sub, client.feedback_sub, client.result_sub)
 
 
 class CoreSide:
-    """Sends commands as the core does and collects what comes back.
+    """Sends commands as the core does and collects the answers.
 
-    With a run it announces that and sends what is under way to each newcomer, as the core does; without it is a core
-    that knows of no runs.
+    With a run it announces the run and sends the actions under way to each newcomer, as the core does; without a run
+    it is a core that knows of no runs.
     """
 
     def __init__(self, run=None, under_way=()):
@@ -87,24 +87,24 @@ class CoreSide:
             self.announced.add(message.interface)
 
     def wait_for(self, *nodes):
-        """Wait until these nodes listen and are heard."""
+        """Wait until these nodes are connected in both directions."""
         for node in map(rospy.resolve_name, nodes):
             wait_until(lambda name=node: self._publisher.impl.has_connection(name), f"{node} to listen")
         wait_to_hear(self._subscriber, nodes=nodes)
 
     def begin(self, interface, fact):
-        """Send an action, to newcomers too."""
+        """Send an action, also to newcomers."""
         self.under_way.append(InterfaceIO(interface=interface, facts=[fact]))
         self.send(interface, fact)
 
     def cancel(self, interface, fact):
-        """Cancel an action; whoever comes is told of that, too, as a node that was killed may not have heard it."""
+        """Cancel an action, also for newcomers: a node that was killed perhaps missed the cancel."""
         cancellation = fact.replace("_action_lib", "_cancel")
         self.under_way.append(InterfaceIO(interface=interface, facts=[cancellation]))
         self.send(interface, cancellation)
 
     def die(self):
-        """Be heard and hear no more."""
+        """Disconnect in both directions."""
         self._publisher.unregister()
         self._subscriber.unregister()
 
@@ -112,7 +112,7 @@ class CoreSide:
         self._publisher.publish(InterfaceIO(interface=interface, facts=list(facts)))
 
     def receive(self):
-        """The facts of the next message."""
+        """Return the facts of the next message."""
         return self._messages.get(timeout=PATIENCE).facts
 
     def silent(self):
@@ -125,7 +125,7 @@ class CoreSide:
 
 
 def process_of(node):
-    """The process of a node, as the master knows it; OSError where another system's node has a dead one's address."""
+    """Return the process of a node; OSError if another system's node has the address of a dead one."""
     uri = rosgraph.Master(rospy.get_name()).lookupNode(rospy.resolve_name(node))
     there = xmlrpc.client.ServerProxy(uri)
     master = there.getMasterUri(rospy.get_name())[2]
@@ -135,7 +135,7 @@ def process_of(node):
 
 
 def is_another(node, process):
-    """Whether a node that was killed is there again: not as this process."""
+    """Return whether a killed node exists again, as another process."""
     try:
         return process_of(node) != process
     except OSError:
@@ -143,7 +143,7 @@ def is_another(node, process):
 
 
 def kill(*nodes):
-    """Kill nodes all at once, and wait until each is started again."""
+    """Kill nodes at once, and wait until each is restarted."""
     processes = {node: process_of(node) for node in nodes}
     for process in processes.values():
         os.kill(process, signal.SIGKILL)
@@ -153,18 +153,18 @@ def kill(*nodes):
 
 @contextmanager
 def full_disk(process, room=0):
-    """A disk on which a process can make no file larger than some bytes: EFBIG in place of ENOSPC, as any user."""
+    """Limit the size of a process's files, for any user: EFBIG stands for ENOSPC."""
     limit = resource.prlimit(process, resource.RLIMIT_FSIZE)
     resource.prlimit(process, resource.RLIMIT_FSIZE, (room, limit[1]))
     try:
         yield
     finally:
-        with suppress(ProcessLookupError):  # it may have been killed
+        with suppress(ProcessLookupError):  # it was perhaps killed
             resource.prlimit(process, resource.RLIMIT_FSIZE, limit)
 
 
 def wait_for_diagnosis(name, condition, what):
-    """Wait until a status of /diagnostics is as a condition wants it."""
+    """Wait until a status of /diagnostics meets a condition."""
     reports = []
     subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: reports.extend(one.status))
     wait_until(lambda: any(one.name == name and condition(one) for one in list(reports)), what)
@@ -172,7 +172,7 @@ def wait_for_diagnosis(name, condition, what):
 
 
 class Server:
-    """A real actionlib server that does what the test says."""
+    """A real actionlib server, controlled by the test."""
 
     def __init__(self, name, action):
         self._goals = queue.Queue()
@@ -181,21 +181,21 @@ class Server:
         self._server.start()
 
     def take(self):
-        """The next goal's handle."""
+        """Return the next goal's handle."""
         return self._goals.get(timeout=PATIENCE)
 
     def accept(self):
-        """The next goal's handle, accepted."""
+        """Accept the next goal and return its handle."""
         handle = self.take()
         handle.set_accepted()
         return handle
 
     def readers(self):
-        """The connections by which clients hear results."""
+        """Return the connections on which clients receive results."""
         return tuple(self._server.result_pub.impl.connections)
 
     def wait_for_new_reader(self, node, known):
-        """Wait until a node hears results by a connection that is not among those known."""
+        """Wait until a node receives results on a connection that is not among the known ones."""
         name = rospy.resolve_name(node)
         wait_until(
             lambda: any(one.endpoint_id == name and one not in known for one in self.readers()),
@@ -203,22 +203,22 @@ class Server:
         )
 
     def idle(self):
-        """Whether no goal has come that was not taken."""
+        """Return whether no goal is waiting to be taken."""
         return self._goals.empty()
 
     def cancelled(self):
-        """The handle of the next goal that a client cancels."""
+        """Return the handle of the next goal that a client cancels."""
         return self._cancels.get(timeout=PATIENCE)
 
 
 class Process:
-    """A node in a process of its own, ended with the test."""
+    """A node as a process, ended with the test."""
 
     def __init__(self, *command):
         self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
     def lines_until(self, words):
-        """The lines of standard error up to the one with these words; the process must write it before it ends."""
+        """Return the lines of standard error up to the one with these words, which must come before the end."""
         lines = []
         timer = threading.Timer(PATIENCE, self.signal, [signal.SIGKILL])
         timer.start()
@@ -234,7 +234,7 @@ class Process:
         os.killpg(self._process.pid, number)
 
     def wait(self):
-        """Exit code and what was written to standard error."""
+        """Return exit code and standard error."""
         error = self._process.communicate(timeout=PATIENCE)[1]
         return self._process.returncode, error
 

@@ -1,4 +1,4 @@
-"""What the tests of simulator and navigation share."""
+"""Shared by the tests of simulator and navigation."""
 
 import math
 import threading
@@ -23,7 +23,7 @@ def pose_goal(x, y, yaw=0.0, frame="map"):
 
 
 class SteadyClient(actionlib.SimpleActionClient):
-    """A SimpleActionClient that hears of what comes before ``send_goal`` has returned: actionlib's own drops it."""
+    """A SimpleActionClient that receives messages before ``send_goal`` has returned; actionlib's own drops them."""
 
     def __init__(self, name, action):
         self._sending = threading.RLock()
@@ -39,13 +39,13 @@ class SteadyClient(actionlib.SimpleActionClient):
 
 
 class Driver:
-    """A move_base client that knows where the robot truly is and what it ran into."""
+    """A move_base client that knows the robot's true position and its collisions."""
 
     def __init__(self, prefix=""):
         self._changed = threading.Condition()
         self.pose = self.speed = None
         self.collisions = []
-        self.stops = 0  # how often it has come to a stand
+        self.stops = 0  # number of stops
         self.feedback = 0
         rospy.Subscriber(prefix + "base_pose_ground_truth", Odometry, self._on_truth)
         self.prefix = prefix
@@ -68,7 +68,7 @@ class Driver:
             self._changed.notify_all()
 
     def wait(self, condition, limit=PATIENCE):
-        """Wait until something holds, which is looked at with each pose; give up after ``limit`` s of wall time."""
+        """Wait for a condition, evaluated at each pose; fail after ``limit`` s of wall time."""
         with self._changed:
             if not self._changed.wait_for(condition, timeout=limit):
                 raise AssertionError(f"waited {limit} s in vain")

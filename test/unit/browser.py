@@ -1,4 +1,4 @@
-"""A headless Chromium for tests of pages, by its DevTools protocol over a pipe."""
+"""A headless Chromium for tests of pages, controlled by its DevTools protocol over a pipe."""
 
 import json
 import os
@@ -10,10 +10,10 @@ import time
 from contextlib import suppress
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-PATIENCE = 300.0  # seconds of wall time for an answer, on a machine that is slow or busy
+PATIENCE = 300.0  # seconds of wall time for an answer, on a slow or busy machine
 OPTIONS = (
     "--headless",
-    "--no-sandbox",  # which a container does not allow
+    "--no-sandbox",  # which containers do not allow
     "--disable-gpu",
     "--disable-dev-shm-usage",
     "--disable-background-networking",
@@ -25,7 +25,7 @@ OPTIONS = (
 
 
 def found():
-    """Where the browser is, None where there is none that starts (Ubuntu's is a snap)."""
+    """Return the path of a browser that starts, None without one (Ubuntu's is a snap)."""
     path = next(filter(None, map(shutil.which, NAMES)), None)
     if path is None:
         return None
@@ -36,7 +36,7 @@ def found():
 
 
 class Browser:
-    """One page in a browser of its own; for a with statement. ``faults`` are errors of scripts on it."""
+    """One page in its own browser; for a with statement. ``faults`` are errors of the page's scripts."""
 
     def __init__(self, path):
         self._path = path
@@ -139,15 +139,15 @@ class Browser:
         return self._wait_for(lambda: self.run(script))
 
     def text(self, selector):
-        """The text of the first element of a selector, as it is seen."""
+        """Return the visible text of the first element of a selector."""
         return self.run(f"document.querySelector({json.dumps(selector)}).innerText")
 
     def texts(self, selector):
-        """The texts of all elements of a selector."""
+        """Return the texts of all elements of a selector."""
         return self.run(f"[...document.querySelectorAll({json.dumps(selector)})].map((one) => one.textContent)")
 
     def press(self, key, selector=None):
-        """Press a key, in an element where one is named."""
+        """Press a key, in an element if one is named."""
         if selector is not None:
             self.run(f"document.querySelector({json.dumps(selector)}).focus()")
         typed = {"text": "\r"} if key == "Enter" else {}

@@ -1,4 +1,4 @@
-"""Drives a core whose searches take too long with more than so many goals, or by chance."""
+"""Drives a core whose searches time out above a number of goals, or at random."""
 
 from functools import partial
 from random import Random
@@ -10,7 +10,8 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt
 
-#: Errands do(What,Id), one a cycle, the oldest first but far ones last; never cannot be done. Known while open.
+#: Errands do(What,Id), one a cycle, the oldest first except that far ones come last; never is impossible. Known while
+#: open.
 ERRANDS = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -32,13 +33,13 @@ _status(I,canceled,t) :- _request(cancel(I),t).
 
 
 class BusySolver(PlanSolver):
-    """Searches for as long as ``ends`` says for an update: its search is ended at once where that is True."""
+    """Searches until ``ends`` says stop for an update: True ends the search at once."""
 
     ends = staticmethod(lambda update: False)
     needed = staticmethod(lambda: 0.0)
 
     def update(self, update, stopped=None):
-        """Take the update; it is in force, whether or not there is time for a search."""
+        """Accept the update; it is in force, whether or not there is time for a search."""
         if self.ends(update) and not stopped():
             raise AssertionError("nobody ends the search")
         result = super().update(update, stopped)
@@ -47,10 +48,10 @@ class BusySolver(PlanSolver):
 
 
 class BusyDriver(Driver):
-    """A driver of a core that plans in time for ``most`` goals and no more, and now and then for none at all.
+    """A driver of a core that can plan in time for at most ``most`` goals, and sometimes for none at all.
 
-    Whether the last plan is still one is seen at once. ``heavy`` are goals for which alone there is never time, unless
-    the core has the patience for it that they are listed with. A plan takes so many ``seconds`` by the number of goals.
+    The validity of the last plan is known at once. ``heavy`` maps goals to the patience without which even they alone
+    take too long. ``seconds`` gives the duration of planning by the number of goals.
     """
 
     def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, heavy=None, plan_time=None):
@@ -62,17 +63,17 @@ class BusyDriver(Driver):
         self.begin()
 
     def make_solver(self, program):
-        """A solver that asks this driver."""
+        """Make a solver that asks this driver."""
         solver = shortest(program, partial(BusySolver, plan_time=self.plan_time))
         solver.ends, solver.needed = self.ends, lambda: self.seconds(len(self.core.queue.served))
         return solver
 
     def look(self):
-        """End the search if it is too much."""
+        """End the search if it has too many goals."""
         return Halt("the test") if self.cut else None
 
     def ends(self, update):
-        """Whether the search is too much: by the goals with the program that the update does not take out of it."""
+        """Return whether the search has too many goals, not counting those that the update withdraws."""
         text = str(update)
         goals = [goal for goal in self.core.queue.served if not self.left_out(goal, text)]
         self.searches.append(len(goals))
@@ -84,7 +85,7 @@ class BusyDriver(Driver):
 
     @staticmethod
     def left_out(goal, text):
-        """Whether an update cancels a goal or withdraws its request."""
+        """Return whether an update cancels a goal or withdraws its request."""
         return f"_request(cancel({goal.identifier})," in text or f"#withdraw _request({goal.term}," in text
 
     def run(self):
@@ -96,9 +97,9 @@ class BusyDriver(Driver):
         raise AssertionError("the core does not come to rest")
 
     def waits(self, key):
-        """Why a goal had to wait, each time that it had."""
+        """Return the reasons for which a goal was queued, each time that it was."""
         return [one.waits for one in self.feedback(key) if one.waits]
 
     def order(self):
-        """The keys of all goals in the order in which they ended."""
+        """Return the keys of all goals in the order in which they ended."""
         return [one.key for one in self.journal.events if getattr(one, "outcome", None) is not None]

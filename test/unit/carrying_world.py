@@ -1,8 +1,8 @@
-"""A world of its own in which a robot carries things, and what may become of goals in it: told late, twice or falsely.
+"""A simulated world in which a robot carries things, with late, repeated and false messages.
 
-It plays the interfaces and the clients of a core, knows nothing of encodings but the words of their facts, and judges
-each action and the end of each goal. What a robot may believe is not modelled exactly: a goal may be aborted only where
-something that was told can be the reason.
+It plays the interfaces and the clients of a core, knows nothing of encodings except the words of their facts, and
+judges each action and the end of each goal. Beliefs of a robot are not modelled exactly: a goal can be aborted only
+if some reported fact can be the reason.
 """
 
 import re
@@ -18,7 +18,7 @@ Way = FrozenSet[str]
 
 
 class Port(Protocol):
-    """The core's other side."""
+    """The core, as the world sees it."""
 
     def send(self, key: str, text: str) -> None:
         """Send a goal."""
@@ -27,22 +27,22 @@ class Port(Protocol):
         """Cancel a goal."""
 
     def tell(self, facts: List[str]) -> None:
-        """Tell facts as an interface."""
+        """Send facts as an interface."""
 
 
 @dataclass(frozen=True)
 class Domain:
-    """Places and ways, where things lie, and how somebody asks for one."""
+    """Places and ways, positions of things, and the form of a request."""
 
     ways: Tuple[Tuple[str, str], ...]
     start: str
     things: Dict[str, str]
-    ask: Callable[[str, str, str], str]  # thing, place where it is, destination -> goal
+    ask: Callable[[str, str, str], str]  # thing, its place, destination -> goal
     sightings: bool
 
     @property
     def places(self) -> List[str]:
-        """All places."""
+        """Return all places."""
         return sorted({place for way in self.ways for place in way})
 
 
@@ -72,19 +72,19 @@ HOUSE = Domain(
 
 @dataclass
 class Thing:
-    """Where a thing is, where the robot got it, and what the robot was told of it."""
+    """The place of a thing, the place where the robot picked it up, and the reports about it."""
 
     place: str
     origin: str = ""
     slips: int = 0  # failures in a row
-    missed: bool = False  # it was told to be missing, and nobody has seen it since
+    missed: bool = False  # it was reported missing, and nobody has seen it since
 
 
 @dataclass
 class Wish:
-    """A goal and what it has gone through.
+    """A goal and its course.
 
-    ``heard`` tells that the core has it, ``known`` that it had it before it chose the action that comes next.
+    ``heard`` says that the core has it, ``known`` that the core had it before it chose the next action.
     """
 
     key: str
@@ -102,32 +102,32 @@ class Wish:
 
 @dataclass
 class Rumours:
-    """What may keep the robot from somewhere."""
+    """Reports that can keep the robot away from a place."""
 
-    closed: List[List[object]] = field(default_factory=list)  # way, cycle, returns left until it is forgotten
+    closed: List[List[object]] = field(default_factory=list)  # way, cycle, returns until it is forgotten
     misses: Dict[Way, int] = field(default_factory=dict)
     unknown: Set[str] = field(default_factory=set)
     takes: int = 0
 
     def close(self, way: Way, cycle: int) -> None:
-        """A way was told to be closed in a cycle, maybe one to come."""
+        """Note that a way was reported closed in a cycle, perhaps a future one."""
         self.closed.append([way, cycle, MEMORY + 2])
 
     def returned(self, cycle: int) -> None:
-        """An action has returned."""
+        """Note that an action has returned."""
         for one in self.closed:
             one[2] -= cycle > one[1]  # type: ignore[operator]
         self.closed = [one for one in self.closed if one[2] > 0]  # type: ignore[operator]
 
     def shut(self) -> Set[Way]:
-        """All ways that may not be used."""
+        """Return all ways that are barred."""
         return {one[0] for one in self.closed} | {  # type: ignore[misc]
             way for way, times in self.misses.items() if times >= TRIES
         }
 
 
 class Play:
-    """Plays until ``goals`` have ended. ``faults`` is empty as long as all was right; ``ends`` counts ends."""
+    """Plays until ``goals`` have ended. ``faults`` is empty while everything is right; ``ends`` counts ends."""
 
     def __init__(self, domain: Domain, port: Port, draw: Random, goals: int) -> None:
         self.domain, self._port, self._draw, self._left = domain, port, draw, goals
@@ -139,27 +139,27 @@ class Play:
         self.log: List[str] = []
         self.calm = False
         self._acting = False  # an action is under way: the core is in its cycle
-        self._answers: List[str] = []  # the latest returns, all of which it has taken
-        self._together = False  # the goal that has ended could not be met beside others
+        self._answers: List[str] = []  # the latest returns, all of which the core has accepted
+        self._together = False  # the ended goal conflicted with others
         self._number = 0
         self._rumours = Rumours()
-        self._put_back: Dict[str, str] = {}  # goals whose end must be on its way, else this is wrong
+        self._put_back: Dict[str, str] = {}  # goals whose end must be on its way, otherwise this is wrong
 
-    # ---- what the clients and the sensors do --------------------------------------------------------------------
+    # ---- clients and sensors ------------------------------------------------------------------------------------
 
     @property
     def over(self) -> bool:
-        """Whether all goals have ended."""
+        """Return whether all goals have ended."""
         return not self._left and not self.live
 
     @property
     def story(self) -> str:
-        """What led to the first fault, or what happened at last."""
+        """Return the events before the first fault, or the latest ones."""
         first = next((place for place, line in enumerate(self.log) if "FAULT" in line), len(self.log))
         return "\n".join(self.log[max(0, first - 50) : first + 10])
 
     def stir(self) -> None:
-        """Something happens, or nothing."""
+        """Draw an event, or none."""
         while self._left and len(self.live) < self._draw.choice([1, 1, 2, 3]):
             self.wish()
         if self.calm:
@@ -173,7 +173,7 @@ class Play:
             self._tell(self._rumour())
 
     def wish(self, thing: Optional[str] = None) -> None:
-        """Somebody asks for something."""
+        """Send a random request."""
         taken = {one.thing for one in self.live.values()}
         free = [name for name in self.things if name not in taken]
         if not free:
@@ -193,12 +193,12 @@ class Play:
         self._port.send(wish.key, wish.text)
 
     def acknowledged(self, key: str) -> None:
-        """The core has the goal; what it has sent out by then may have crossed it."""
+        """Note that the core has the goal; earlier messages of the core can have crossed it."""
         if key in self.live:
             self.live[key].heard = True
 
     def _rumour(self) -> List[str]:
-        """Return a fact that may be late, early, false, told twice."""
+        """Return a fact that can be late, early, false or repeated."""
         when = self._draw.choice([self.cycle, self._draw.randint(1, self.cycle), self.cycle - 1, self.cycle + 3])
         when = max(1, when if self._draw.random() < 0.9 else self.cycle + self._draw.randint(1, 15))
         kind = self._draw.choice(["_blocked", "_blocked", "_opened", "nonsense", "_seen", "_seen"])
@@ -212,17 +212,17 @@ class Play:
             told = place if place != ROBOT and self._draw.random() < 0.7 else told
             fact = f"_seen({name},{told},{when})"
         elif kind == "nonsense":
-            # that of a cycle that has begun by then would be the true one
+            # the fact of a cycle that has begun by then would be the true one
             cycle = self.cycle + (self._draw.choice([-1, 1]) if self._acting else -1)
             fact = self._draw.choice(
                 ["((", f"_return(move_base,{a},{cycle})", f"_action_lib(pickup,1,{cycle})", "_seen"]
             )
         return [fact] * self._draw.choice([1, 1, 2])
 
-    # ---- what the robot does ------------------------------------------------------------------------------------
+    # ---- the robot ----------------------------------------------------------------------------------------------
 
     def command(self, text: str) -> None:
-        """The core wants something to be done: judge it, do it or let it fail, and answer."""
+        """Judge an action of the core, execute it or let it fail, and answer."""
         found = re.fullmatch(r"_action_lib\((\w+),(\w+),(\d+)\)", text)
         if found is None:
             self._fault(f"{text} is no action")
@@ -244,7 +244,7 @@ class Play:
         self._answer(interface, what, what if reason is None else reason)
 
     def _answer(self, interface: str, what: str, value: str) -> None:
-        """Tell how an action ended, maybe once more, then or later, maybe otherwise; only the first counts."""
+        """Send the end of an action, perhaps repeatedly, late or contradictory; only the first one counts."""
         again = 1.0 if self.calm else self._draw.random()
         if again < 0.05 and self._answers:
             self._tell([self._draw.choice(self._answers)])
@@ -256,7 +256,7 @@ class Play:
             self._tell([other])
 
     def _reason(self, interface: str, what: str) -> Optional[str]:
-        """Return why the action fails, None where it does not."""
+        """Return why the action fails, None if it succeeds."""
         if interface == "pickup" and self.things[what].place != self.robot:
             return "not_here"
         if self.calm or self._draw.random() < 0.85:
@@ -303,7 +303,7 @@ class Play:
         wrong = f"{what}, which is at {thing.place}, is to be put down at {self.robot}, but belongs to {right}"
         if thing.place != ROBOT or self.astray or self.robot not in {*right, thing.origin}:
             self._fault(wrong)
-        elif wish is not None and self.robot not in right:  # an action and the end of a goal may overtake each other
+        elif wish is not None and self.robot not in right:  # an action and the end of a goal can overtake each other
             self._put_back[wish.key] = wrong
         if reason is None:
             thing.place, thing.slips, thing.missed = self.robot, 0, False
@@ -312,7 +312,7 @@ class Play:
 
     def _fail(self, what: str, reason: str) -> None:
         thing, wish = self.things[what], self._wish_for(what)
-        if reason in MISSING:  # then somebody has taken it away, or was it never there?
+        if reason in MISSING:  # either somebody has taken it away, or it was never there
             if thing.place in (self.robot, ROBOT):
                 thing.place = self._draw.choice(self.domain.places)
             thing.missed, thing.slips = True, 0
@@ -327,10 +327,10 @@ class Play:
     def _wish_for(self, what: str) -> Optional[Wish]:
         return next((wish for wish in self.live.values() if wish.thing == what), None)
 
-    # ---- how goals end ------------------------------------------------------------------------------------------
+    # ---- ends of goals ------------------------------------------------------------------------------------------
 
     def ended(self, key: str, status: str, message: str) -> None:
-        """A goal has ended: judge it."""
+        """Judge the end of a goal."""
         wish = self.live.pop(key)
         wrong = self._put_back.pop(key, None)
         if wrong is not None and status != "aborted":
@@ -341,7 +341,7 @@ class Play:
         self.ends[status] += 1
         self._say(f"{wish.text} {status}: {message}")
         self._together = "together with" in message
-        undecided = status == "aborted" and "perhaps" in message  # there was no time to find out
+        undecided = status == "aborted" and "perhaps" in message  # there was no time for diagnosis
         if not undecided and not getattr(self, "_is_" + status)(wish, self.things[wish.thing]):
             self._fault(f"{wish.text} {status} is untrue: {message}")
 
@@ -360,15 +360,15 @@ class Play:
     def _is_aborted(self, wish: Wish, thing: Thing) -> bool:
         stuck = [name for name, one in self.things.items() if one.place == ROBOT and self._wish_for(name) is None]
         needed = {wish.to, wish.home} | ({thing.origin} if thing.place == ROBOT else set())
-        if self._together:  # one of them leads to where it cannot come back from
+        if self._together:  # one of them leads to a dead end
             needed |= {place for other in self.live.values() for place in (other.to, other.home)}
         hopeless = any(self._kept_from(place) for place in needed)
-        if self.domain.sightings:  # it may be looked for anywhere
+        if self.domain.sightings:  # the core can search for it anywhere
             hopeless |= any(self._kept_from(place) for place in self.domain.places)
         return wish.missed or wish.slipped or hopeless or len(stuck) >= CAPACITY
 
     def _kept_from(self, place: str) -> bool:
-        """Tell whether what was told may keep the robot from a place."""
+        """Return whether reports can keep the robot away from a place."""
         shut = self._rumours.shut()
         if self._rumours.takes >= TRIES:
             return True
@@ -380,7 +380,7 @@ class Play:
                     (other,) = way - {here}
                     queue += [] if other in reached else [other]
                     reached.add(other)
-        if self.astray and self.robot in self._rumours.unknown:  # it is not quite there
+        if self.astray and self.robot in self._rumours.unknown:  # it has not quite arrived
             reached.discard(self.robot)
         stays = self.astray and frozenset((self.robot,)) in shut and len(reached) <= 1
         return stays or place not in reached
@@ -388,7 +388,7 @@ class Play:
     # ---- the end ------------------------------------------------------------------------------------------------
 
     def ask_for_all_that_is_aboard(self) -> bool:
-        """Nothing fails from now on; ask for something that is on the robot; False if nothing is left on it."""
+        """Stop all failures and ask for a thing on the robot; return False if none is left on it."""
         self.calm = True
         name = next((name for name, one in self.things.items() if one.place == ROBOT), None)
         if name is not None:

@@ -1,6 +1,6 @@
-"""Profiles for hypothesis, which tests are slow, the first case of each test, and a browser.
+"""Profiles for hypothesis, markers for slow tests, the first case of each test, and a browser.
 
-The standing run looks at the same random examples each time, others at new ones.
+The standing run uses the same random examples each time, the other profiles use new ones.
 """
 
 import os
@@ -16,12 +16,12 @@ settings.register_profile("thorough", parent=settings.get_profile("random"), max
 settings.register_profile("standing", parent=settings.get_profile("random"), derandomize=True, max_examples=15)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "standing"))
 
-#: Folders of tests of what clingo runs, and of what is run by hand: they say nothing of a Python.
+#: Folders of tests of programs for clingo, and of manual tools: they are independent of the Python version.
 ABOUT_NO_PYTHON = ("encodings", "bench")
 
 
 def pytest_addoption(parser):
-    """For a second Python."""
+    """Add the option for a second Python."""
     parser.addoption(
         "--each-once", action="store_true", help="the first case of each test that is neither slow nor once"
     )
@@ -29,7 +29,7 @@ def pytest_addoption(parser):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Mark as slow what is mostly_slow, but its first case; with --each-once leave cases out."""
+    """Mark mostly_slow tests as slow, except their first case; with --each-once leave cases out."""
     begun = set()
     for item in items:
         if item.get_closest_marker("mostly_slow") and name_of(item) in begun:
@@ -46,13 +46,13 @@ def pytest_collection_modifyitems(config, items):
 
 
 def name_of(item):
-    """The name of a test without that of its case."""
+    """Return the name of a test without its case."""
     return item.nodeid.partition("[")[0]
 
 
 @pytest.fixture(scope="module")
 def reorder_effort():
-    """Try fewer orders of a plan's tasks in the standing run, where most of the time would go."""
+    """Try fewer orders of a plan's tasks in the standing run, which would otherwise spend most of its time there."""
     from rosoclingo.planning.strategies import reorder
 
     with pytest.MonkeyPatch.context() as patch:

@@ -19,7 +19,7 @@ from rosoclingo.reasoning.stream_planner import Halt, SearchWatch, unwatched
 #: One errand per goal ``do(What,Id)``; see the file.
 ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()
 
-#: Goals ``do(Id)``. What is done is over: nothing but what is open goes from step to step, as in the shipped programs.
+#: Goals ``do(Id)``. The past is over: only open goals go from step to step, as in the shipped programs.
 FORGETFUL = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
@@ -33,12 +33,12 @@ done(I,t) :- _action_lib(quick,I,t).
 
 
 def shortest(program: ReactiveProgram, kind: Callable[..., PlanSolver] = PlanSolver) -> PlanSolver:
-    """A solver as the core's node makes it with ``~plan: shortest``, or one of another ``kind``."""
+    """Make a solver as the core's node does with ``~plan: shortest``, or one of another ``kind``."""
     return kind(program)
 
 
 def soon(program: ReactiveProgram, plan_time: float = 1.0) -> PlanSolver:
-    """A solver as the core's node makes it with ``~plan: soon``."""
+    """Make a solver as the core's node does with ``~plan: soon``."""
     return PlanSolver(program, plan_time=plan_time)
 
 
@@ -47,7 +47,7 @@ PLANS = {"shortest": shortest, "soon": soon}
 
 
 class Leaving:
-    """A watch that ends the search of this ``number``, from 1: for an arrival, or for its time if it is ``slow``."""
+    """A watch that ends the search of this ``number``, from 1: for an arrival, or for time if it is ``slow``."""
 
     def __init__(self, number: int = 0, slow: bool = False) -> None:
         self.number, self.slow = number, slow
@@ -59,10 +59,10 @@ class Leaving:
 
 
 class Driver:
-    """A core with a journal; ``run`` lets it go as far as it goes by itself.
+    """A core with a journal; ``run`` advances it until it waits.
 
     ``solver`` makes each of its solvers; with ``start`` the core has begun, otherwise it waits for ``begin``. The
-    journal keeps so many ``events``.
+    journal keeps the latest ``events``.
     """
 
     def __init__(
@@ -87,13 +87,13 @@ class Driver:
             self.begin()
 
     def begin(self) -> "Driver":
-        """The core begins, and goes on."""
+        """Begin and advance the core."""
         self.core.start()
         return self.run()
 
     @classmethod
     def of_shipped(cls, *names: str) -> "Driver":
-        """A driver of the program of shipped files, with the core's own settings."""
+        """Return a driver of the program of shipped files, with the core's own settings."""
         return cls(settings=CoreSettings(), program=shipped(*names))
 
     def run(self) -> "Driver":
@@ -105,33 +105,33 @@ class Driver:
         raise AssertionError("the core does not come to rest")
 
     def goal(self, key: str, text: str) -> "Driver":
-        """A goal arrives, and the core goes on."""
+        """Send a goal and advance the core."""
         self.core.add_goal(key, text)
         return self.run()
 
     def cancel(self, key: str) -> "Driver":
-        """A cancel arrives, and the core goes on."""
+        """Send a cancel and advance the core."""
         self.core.cancel_goal(key)
         return self.run()
 
     def facts(self, *facts: str) -> "Driver":
-        """An interface's message arrives, and the core goes on."""
+        """Send an interface's message and advance the core."""
         self.core.receive("interface", facts)
         return self.run()
 
     def succeed(self) -> "Driver":
-        """Everything under way returns its parameter, and the core goes on."""
+        """Return all actions under way with their parameters, and advance the core."""
         for action in self.core.awaited:
             self.core.receive("interface", [f"_return({action.interface},{action.parameter},{action.cycle})"])
         return self.run()
 
     def fail(self, reason: str) -> "Driver":
-        """What is under way fails for a reason, and the core goes on."""
+        """Fail the actions under way for a reason, and advance the core."""
         action = self.core.awaited[0]
         return self.facts(f"_return({action.interface},{reason},{action.cycle})")
 
     def until(self, interface: str) -> "Driver":
-        """All succeeds until an action of this interface is under way."""
+        """Let all actions succeed until an action of this interface is under way."""
         for _ in range(50):
             if any(action.interface_name == interface for action in self.core.awaited):
                 return self
@@ -139,7 +139,7 @@ class Driver:
         raise AssertionError(f"{interface} is never under way")
 
     def finish(self) -> "Driver":
-        """All succeeds until nothing is under way."""
+        """Let all actions succeed until none is under way."""
         for _ in range(200):
             if not self.core.awaited:
                 return self
@@ -148,33 +148,33 @@ class Driver:
 
     @property
     def awaited(self) -> List[str]:
-        """The actions under way."""
+        """Return the actions under way."""
         return [str(action.atom) for action in self.core.awaited]
 
     @property
     def problems(self) -> List[str]:
-        """What the core found odd."""
+        """Return the problems that the core reported."""
         return [event.message for event in self.journal.of(Problem)]
 
     def states(self, key: str) -> List[str]:
-        """The states that a goal went through."""
+        """Return the states of a goal so far."""
         return self.journal.states_of(key)
 
     def message(self, key: str) -> str:
-        """The message with which a goal ended."""
+        """Return the message with which a goal ended."""
         ends = [event for event in self.journal.of(GoalChanged) if event.key == key and event.outcome is not None]
         refused = [event for event in self.journal.of(GoalRefused) if event.key == key]
         return ([event.message for event in ends] + [event.message for event in refused])[0]
 
     def feedback(self, key: str) -> List[GoalProgress]:
-        """The feedback that a goal got."""
+        """Return the feedback about a goal."""
         return [event for event in self.journal.of(GoalProgress) if event.key == key]
 
 
 class FaultyDriver(Driver):
     """A driver whose solvers fail for some updates.
 
-    ``fault`` returns for an update the error that is raised in place of accepting it, SolveOutcome.INTERRUPTED for an
+    For an update ``fault`` returns the error that is raised instead of accepting it, SolveOutcome.INTERRUPTED for an
     accepted update without an answer in time, else None. ``watch`` can end a search. ``failed`` are the texts of the
     updates with a fault.
     """
@@ -187,13 +187,13 @@ class FaultyDriver(Driver):
         """Return the fault of an update."""
 
     def end_search(self, number: str, slow: bool = False) -> None:
-        """End the search of this number from now on."""
+        """End the search of this number, counted from now on."""
         self.watch.number, self.watch.slow = int(number), slow
 
     def fail_for(
         self, fault: Union[Type[SolverError], SolveOutcome, None], *words: str, unless: str = "#nothing"
     ) -> "FaultyDriver":
-        """From now on updates with one of the ``words``, or all, have a fault; those with ``unless`` have none.
+        """Give later updates with one of the ``words``, or all, a fault, except those with ``unless``.
 
         Updates are texts such as ``search 2. _seen(sun).`` and, without a search, ``take 2. _seen(sun).``.
         """

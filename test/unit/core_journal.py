@@ -1,4 +1,4 @@
-"""A record of what the core told, for tests."""
+"""A record of the core's events, for tests."""
 
 from collections import deque
 from typing import Deque, List, Tuple, Type, TypeVar
@@ -15,43 +15,43 @@ class Journal:
         self._events: Deque[Event] = deque(maxlen=size)
 
     def __call__(self, event: Event) -> None:
-        """Enter an event."""
+        """Record an event."""
         self._events.append(event)
 
     @property
     def events(self) -> Tuple[Event, ...]:
-        """All events kept."""
+        """Return all recorded events."""
         return tuple(self._events)
 
     def of(self, kind: Type[_Kind]) -> List[_Kind]:
-        """The events of one kind."""
+        """Return the events of one kind."""
         return [event for event in self._events if isinstance(event, kind)]
 
     @property
     def updates(self) -> List[str]:
-        """The texts of all stream updates, as the paper prints them."""
+        """Return the texts of all stream updates, as the paper prints them."""
         return [event.text for event in self.of(UpdateSent)]
 
     @property
     def stream(self) -> str:
-        """An online progression that replays the run: all updates as the solver took them."""
+        """Return an online progression that replays the run: all updates in the order of the solver."""
         return "".join(event.stream for event in self.of(UpdateSent))
 
     @property
     def actions(self) -> List[str]:
-        """All actions dispatched, as atoms."""
+        """Return all dispatched actions, as atoms."""
         return [str(action.atom) for event in self.of(ActionsDispatched) for action in event.actions]
 
     @property
     def returns(self) -> List[str]:
-        """All returns taken, as atoms."""
+        """Return all accepted returns, as atoms."""
         return [str(event.atom) for event in self.of(ReturnAccepted)]
 
     @property
     def problems(self) -> List[str]:
-        """All problems told."""
+        """Return all reported problems."""
         return [event.message for event in self.of(Problem)]
 
     def states_of(self, key: str) -> List[str]:
-        """The states that a goal went through."""
+        """Return the states of a goal so far."""
         return [event.state.value for event in self.of(GoalChanged) if event.key == key]

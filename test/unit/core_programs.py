@@ -6,19 +6,19 @@ from core_driver import ERRANDS
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 
-#: Errands do(What,Id), none in a cycle in which the battery is low. Nothing is remembered of those that are over.
+#: Errands do(What,Id), except while the battery is low. Past ones are forgotten.
 BATTERY = (DATA / "battery.lp").read_text() + "#program cumulative(t).\n"
 
-#: What was done in cycle 1 cannot have been in cycle 3.
+#: The action of cycle 1 is impossible in cycle 3.
 IMPOSSIBLE = BATTERY + ":- _action_lib(walk,1,t-2).\n"
 
-#: Nothing can follow this fact.
+#: No answer exists after this fact.
 DOOMED = ERRANDS + ":- _seen(end).\n"
 
-#: No answer before this fact.
+#: No answer exists before this fact.
 DARK = ERRANDS + "#program base.\n:- not _seen(sun).\n"
 
-#: Goals go(Room,Id). A door seen shut in a cycle can't have been gone through in the next.
+#: Goals go(Room,Id). If a door is seen closed, nobody can pass it in the next cycle.
 DOORS = """
 #external _request/2. #external _return/3. #external _shut/2.
 #program base.
@@ -38,7 +38,8 @@ failed(t) :- _return(go,V,t), not room(V).
 #show _action_lib/3.
 """
 
-#: Goals fetch(Thing,Id), which an arm has or not; HEEDED says how a failure counts, ONE how many it grasps at once.
+#: Goals fetch(Thing,Id), by an arm that grasps. HEEDED says how a failure counts, ONE how many things it grasps at
+#: once.
 FETCH = """
 #external _request/2. #external _return/3. #external _seen/1. #external _loud/2.
 #program cumulative(t).
@@ -55,7 +56,7 @@ noise(t) :- _seen(X), _loud(X,t).
 #program cumulative(t).
 """
 
-#: What it says of its goals.
+#: The statuses of its goals.
 STATUS = """
 _status(I,accepted,t) :- wanted(X,I,t).
 _status(I,succeeded,t) :- wanted(X,I,t-1), have(X,t-1).
@@ -66,5 +67,5 @@ FAILED = "failed(t) :- _return(A,V,t), not _action_lib(A,V,t).\n"
 
 
 def fetch(heeded="", one="1", rules=""):
-    """The program of FETCH."""
+    """Return the program of FETCH."""
     return FETCH.replace("HEEDED", heeded).replace("ONE", one) + rules

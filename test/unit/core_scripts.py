@@ -1,24 +1,23 @@
-"""Scripts for a driven core: events and expectations, one a line or separated by semicolons.
+"""Scripts for a driven core: events and expectations, one per line or separated by semicolons.
 
 Events:
-    goal KEY GOAL, cancel KEY     the core goes on after them
-    add KEY GOAL                  it does not yet
-    facts FACT...                 a message, after which the core goes on
-    hear ORIGIN FACT...           a message, after which it does not yet
-    succeed, fail VALUE, finish, until INTERFACE, run    the methods of the driver; so are other words
-    wait SECONDS, pass SECONDS    the time passes, and the core goes on or does not
-    once                          a cycle begins, and no more
-    leave NUMBER, slow NUMBER     this search from now on is ended for an arrival, or for its time
-    succeed, fail VALUE, finish, until INTERFACE, run    methods of the driver; so are other words
+    goal KEY GOAL, cancel KEY     the core advances afterwards
+    add KEY GOAL                  the core does not advance yet
+    facts FACT...                 a message, after which the core advances
+    hear ORIGIN FACT...           a message, after which the core does not advance yet
+    wait SECONDS, pass SECONDS    time passes, and the core advances or not
+    once                          one cycle begins
+    leave NUMBER, slow NUMBER     end this search, counted from now on, for an arrival or for time
+    succeed, fail VALUE, finish, until INTERFACE, run    methods of the driver, like any other word
 
 Expectations, in which ``...`` stands for any text:
     is KEY STATE..., all KEY STATE...    the last states of a goal, or all
     says KEY TEXT                 the message of its end
     does ACTION..., done ACTION...    the awaited actions, or all that were sent, as INTERFACE,PARAMETER,CYCLE
-    ends ACTION...                the actions that were cancelled
+    ends ACTION...                the cancelled actions
     sends TEXT, sent TEXT, unsent TEXT    the last update without its frame, one of all updates, none of them
     problem TEXT, problems NUMBER    one of the problems, their number
-    cycle NUMBER, patience NUMBER    the present cycle, the factor of the time of a search
+    cycle NUMBER, patience NUMBER    the present cycle, the factor of a search's time
 """
 
 import re
@@ -37,7 +36,7 @@ def scripts(rows):
 
 
 def lines_of(script):
-    """The first word of each line of a script, the rest, and the line."""
+    """Yield the first word of each line of a script, the rest, and the line."""
     for line in filter(None, (one.strip() for one in re.split(r"[;\n]", script))):
         verb, _, rest = line.partition(" ")
         yield verb, rest.strip(), line
@@ -63,12 +62,12 @@ def play(driver, script):
 
 
 def matches(text, pattern):
-    """Whether a text matches a pattern, in which ``...`` stands for any text."""
+    """Return whether a text matches a pattern, in which ``...`` stands for any text."""
     return re.fullmatch(".*".join(map(re.escape, pattern.split("..."))), text, re.DOTALL) is not None
 
 
 def bodies(driver):
-    """The texts of all updates, each in one line without its frame."""
+    """Return the texts of all updates, each in one line without its frame."""
     return [" ".join(text.split()[2:-2]) for text in driver.journal.updates]
 
 
@@ -116,12 +115,12 @@ def actions(found, expected, line):
 
 
 def plain(actions):
-    """Actions as texts without their predicate."""
+    """Return actions as texts without their predicate."""
     return [re.sub(r"^_\w+\(|\)$", "", action) for action in actions]
 
 
 def preempted(driver):
-    """The cancellations of actions, as facts."""
+    """Return the cancellations of actions, as facts."""
     return [str(action.cancellation) for event in driver.journal.of(ActionsPreempted) for action in event.actions]
 
 

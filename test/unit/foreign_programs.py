@@ -1,6 +1,6 @@
-"""Programs of domains that are not this package's, as others may write them: sound ones, and faults for each."""
+"""Programs of foreign domains, as other authors could write them: correct ones, and faults for each."""
 
-#: A vacuum cleaner drives through a ring of rooms and sucks what is dirty; doors may be reported locked.
+#: A vacuum cleaner drives through a ring of rooms and cleans the dirty ones; doors can be reported locked.
 VACUUM = """
 #program base.
 cell(1..3). next(C,C+1) :- cell(C), cell(C+1). next(3,1).
@@ -27,7 +27,7 @@ _status(C,canceled,k) :- _request(cancel(C),k), not clean(C,k-1), not hopeless(k
 :- todo(C,k), not clean(C,k), not hopeless(k).
 """
 
-#: Two grippers: a ball is taken by one of them, and put into the other room.
+#: Two grippers: one of them takes a ball and puts it into the other room.
 GRIPPER = """
 #program base.
 hand(left). hand(right). ball(red). ball(blue). room(a). room(b).
@@ -60,7 +60,7 @@ _status(B,canceled,t) :- _request(cancel(B),t), not there(B,t-1), not gave_up(t-
 :- fetch(B,t), not there(B,t), not gave_up(t).
 """
 
-#: A lift goes up and down between floors, and opens its door where it is called; somebody may hold the door.
+#: A lift moves between floors and opens its door where it is called; somebody can hold the door.
 LIFT = """
 #const top = 2.
 #program base.
@@ -89,7 +89,7 @@ _status(F,canceled,t) :- _request(cancel(F),t), not served(F,t-1), not broken(t-
 :- call(F,t), not served(F,t), not broken(t).
 """
 
-#: A guard goes to posts; its battery lasts for two drives, then it has to be loaded at the dock.
+#: A guard goes to posts; its battery lasts for two drives, then it needs charging at the dock.
 PATROL = """
 #program base.
 post(gate). post(yard). spot(P) :- post(P). spot(dock).

@@ -1,4 +1,4 @@
-"""Clients of a goal manager without a solver: what they ask for, what reaches the program, and what they are told."""
+"""Clients of a goal manager without a solver: their requests, the updates to the program, and the replies."""
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.events import GoalChanged, GoalProgress
@@ -7,12 +7,12 @@ from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: A program that hears every request.
+#: A program that reads every request.
 HEARING = "#external _request/2. #program cumulative(t). asked(G,t) :- _request(G,t)."
 
 
 class Clients:
-    """A goal manager with its feeder, and what was told. Goal ``go(N)`` has the key ``gN``."""
+    """A goal manager with its feeder, and its reports. Goal ``go(N)`` has the key ``gN``."""
 
     def __init__(self, text=HEARING, at_once=0, overtaking_limit=0, search_timeout=0.0):
         self.feeder, self.told, self.step = InputFeeder(), [], 0
@@ -28,11 +28,11 @@ class Clients:
         return self
 
     def feed(self, step=None):
-        """The update of a step, or of the next one, reaches the program; what it says."""
+        """Accept the update of a step, or of the next one; return its text."""
         return [str(item).rstrip(".") for item in self._taken(step).update.items]
 
     def leave_out(self):
-        """The next update reaches the program without the new goals: the solver cannot take them in time."""
+        """Accept the next update without the new goals, for which the solver has no time."""
         self.goals.update_accepted(self._taken().goals, ())
         return self
 
@@ -43,13 +43,13 @@ class Clients:
         return batch
 
     def plan(self, seconds=0.0):
-        """The next update reaches the program, and a plan is found for all its goals, in so many seconds."""
+        """Accept the next update and find a plan for all its goals, within a number of seconds."""
         self._taken()
         self.goals.plan_found(None if seconds == "old" else float(seconds))
         return self
 
     def no_plan(self, *words):
-        """No plan is found in time, with the goals after ``new`` new; expect those before it to wait."""
+        """Find no plan in time if the goals after ``new`` are new; expect the goals before it to be queued."""
         place = words.index("new") if "new" in words else len(words)
         chosen = self.goals.queue.too_many([self.goal(number) for number in numbers_of(words[place + 1 :])])
         assert numbers(chosen) == numbers_of(words[:place])
@@ -59,18 +59,18 @@ class Clients:
             self.goals.queue.keep(chosen)
 
     def put_off(self, *goals):
-        """These goals wait."""
+        """Defer these goals."""
         self.goals.defer([self.goal(number) for number in numbers_of(goals)], "too much", self.step)
         return self
 
     def cancel(self, *goals):
-        """These goals are cancelled."""
+        """Cancel these goals."""
         for number in numbers_of(goals):
             self.goals.cancel(f"g{number}")
         return self
 
     def end(self, *goals):
-        """These goals end by themselves."""
+        """End these goals by themselves."""
         for number in numbers_of(goals):
             self.goal(number).end(Outcome.SUCCEEDED, "is done")
         return self
@@ -79,7 +79,7 @@ class Clients:
         self.goals.tick(float(now))
 
     def stay(self, *goals):
-        """These goals, or all, cannot be deferred."""
+        """Bar these goals, or all, from deferral."""
         self.goals.queue.keep([self.goal(number) for number in numbers_of(goals)] if goals else self.goals.live)
 
     def give_time(self):
@@ -95,15 +95,15 @@ class Clients:
         assert self.served == numbers_of(goals)
 
     def lacks(self, *goals):
-        """Expect these goals to wait."""
+        """Expect these goals to be queued."""
         assert self.waiting == numbers_of(goals)
 
     def size(self, number):
-        """Expect room for so many goals."""
+        """Expect a window of this size."""
         assert self.goals.queue.size == int(number)
 
     def patience(self, factor, unhurried=None):
-        """Expect this factor of the time of a search, and that it is ``unhurried`` or ``hurried``."""
+        """Expect this factor of a search's time, and ``unhurried`` or ``hurried``."""
         queue = self.goals.queue
         assert queue.patience == int(factor)
         assert unhurried is None or queue.unhurried == (unhurried == "unhurried")
@@ -113,14 +113,14 @@ class Clients:
         assert numbers(self.goals.queue.yielding()) == numbers_of(goals)
 
     def tells(self, number, *words):
-        """Expect that it was reported once, in these words, why a goal waits; never without words."""
+        """Expect one report, in these words, of why a goal is queued; none without words."""
         assert self.waits(int(number)) == ([" ".join(words)] if words else [])
 
     def goal(self, number):
         return next(goal for goal in self.goals.live if goal.key == f"g{number}")
 
     def waits(self, number):
-        """Why a goal had to wait, each time that it had."""
+        """Return the reasons for which a goal was queued, each time that it was."""
         return [one.waits for one in self.told if isinstance(one, GoalProgress) and one.key == f"g{number}"]
 
     @property
@@ -144,18 +144,18 @@ class Clients:
 
 
 def crowd(goals, **limits):
-    """Clients of goals 1, 2 and so on, which the program knows as far as there is room."""
+    """Return clients of goals 1, 2 and so on, which the program knows as far as the window permits."""
     clients = Clients(**limits).add(*range(1, goals + 1))
     clients.feed()
     return clients
 
 
 def numbers(goals):
-    """The numbers of goals."""
+    """Return the numbers of goals."""
     return [int(goal.key[1:]) for goal in goals]
 
 
 def numbers_of(words):
-    """The numbers of words such as 3 and 5-8."""
+    """Return the numbers of words such as 3 and 5-8."""
     ends = [list(map(int, str(word).split("-"))) for word in words]
     return [number for end in ends for number in range(end[0], end[-1] + 1)]

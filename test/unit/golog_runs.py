@@ -1,17 +1,17 @@
-"""Control programs as they run, in plain Python, by what doc/golog.md says: what may be left of each, step by step."""
+"""Control programs during execution, by the rules of doc/golog.md: the possible remainders after each step."""
 
 from golog_interpreter import RAISE, Interpreter
 
 REJECTED = "rejected"
 STUCK = 'canceled("not all that was begun could be undone")'
-TRIES = 3  # so often in a row an action fails before it is given up
+TRIES = 3  # failures in a row after which an action is aborted
 
 
 class Runs:
-    """Programs that were asked for, in the order in which they came; ``left`` is all that may be left of each.
+    """Requested programs in order of arrival; ``left`` holds all possible remainders of each.
 
-    What was asked for as NAME is ("run", NAME) there, what is done for it since it was cancelled ("undo", NAME). A step
-    is ``begin``, which tells who ends, then ``act``. ``how`` tells what has become of the last request of a name.
+    A request NAME is ("run", NAME) there, its undo after a cancel ("undo", NAME). A step is ``begin``, which reports
+    the ends, then ``act``. ``how`` gives the state of the last request of a name.
     """
 
     def __init__(self, domain, procedures, state=frozenset()):
@@ -20,14 +20,14 @@ class Runs:
         self.left, self.how, self.fails, self.owed = {}, {}, {}, set()
 
     def happen(self, fluent, value):
-        """Somebody else makes a fluent true, or false."""
+        """Make a fluent true or false from outside."""
         self.state = self.state | {fluent} if value else self.state - {fluent}
 
     def begin(self, asked=None, cancelled=(), free=False):
-        """A step begins: tests pass, programs end.
+        """Begin a step: tests pass, programs end.
 
-        Before that programs are ``asked`` for by names of which none runs, None for one that there is not, and those of
-        names are ``cancelled``; of both at once the cancel counts.
+        Before that, programs are requested (``asked``) by names of which none runs, None for an unknown one, and
+        those of names in ``cancelled`` are cancelled; if both come at once, the cancel counts.
         """
         asked = asked or {}
         if asked or cancelled:
@@ -42,7 +42,7 @@ class Runs:
         for name in sorted(over):
             undo = {undoing(one) for one in over[name]}
             earlier = kept.get(("undo", name))
-            if not undo:  # nobody knows what is left of it
+            if not undo:  # its remainder is unknown
                 self.how[name] = "accepted" if earlier else STUCK
                 self.owed |= {name} if earlier and name not in asked else set()
                 continue
@@ -61,7 +61,7 @@ class Runs:
             self.left["run", name], self.how[name] = {program}, "accepted"
 
     def _over(self, cancelled):
-        """Tests pass, programs end; return what is left of those that are cancelled, by their names."""
+        """Let tests pass and programs end; return the remainders of cancelled ones, by name."""
         found = {}
         for kind, name in [key for key in self.left if key[0] == "run"]:
             self._reach((kind, name))
@@ -94,29 +94,29 @@ class Runs:
         self.left[key] = self.interpreter.closure(self.left[key], self.state)
 
     def is_done(self, key):
-        """Whether a program may end."""
+        """Return whether a program can end."""
         return any(self.interpreter.final(one, self.state) for one in self.left[key])
 
     def offers(self, name):
-        """What a program may do now."""
+        """Return the actions that a program offers now."""
         events = {event for one in self.left[name] for event, _ in self.interpreter.transitions(one, self.state)}
         return {event[1] for event in events if event is not None and event[0] == "done"}
 
     def waits(self, name):
-        """Whether a program may wait for what comes from outside."""
+        """Return whether a program can wait for an external event."""
         return any(self.interpreter.rests(one, self.state) for one in self.left[name])
 
     def act(self, action, worked=True, free=False):
-        """An action is done, or fails; or none is done. It is that of the first program that may do it."""
+        """Execute or fail an action, or none. It belongs to the first program that offers it."""
         takes = next((name for name in self.left if action in self.offers(name)), None) if action else None
         raised, after = False, {}
         for name, programs in self.left.items():
             mine = name == takes
             kept = set()
-            if not mine or free:  # what is free may have been somebody else's, but in the middle of a search
+            if not mine or free:  # a free action can belong to others, except during a search
                 kept = {one for one in programs if not action or not self.interpreter.locked(one)}
             passed = {one for one in programs if self.interpreter.passes(one, self.state)}
-            passed = passed if passed != set(programs) else set()  # nothing comes behind it
+            passed = passed if passed != set(programs) else set()  # nothing follows it
             kept -= passed
             if mine:
                 event = ("done" if worked else "bad", action)
@@ -137,7 +137,7 @@ class Runs:
 
 
 def undoing(program):
-    """What is to be done for what of a program has begun, once it is cancelled."""
+    """Return the remainder that undoes a cancelled program."""
     kind = program[0]
     if kind == "begun":
         return ("seq", undoing(program[1]), program[2])

@@ -1,4 +1,4 @@
-"""Journals of runs for tests: a core in front of them is given goals, and returns as soon as its actions are told."""
+"""Journals of runs for tests: a driven core receives goals, and each action returns as soon as it is sent."""
 
 import shutil
 import sqlite3
@@ -15,12 +15,12 @@ from rosoclingo.runs.recorded_run import RunProgram
 
 GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]
 
-#: Seconds that an action takes, and time when the run begins.
+#: Duration of an action in seconds, and the time at the start of the run.
 LASTS, BEGIN = 5.0, 1000.0
 
 
 def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, timed=True):
-    """Play goals in turn, with a failure and a cancel; return the journal's path and all that was told.
+    """Play goals in turn, with a failure and a cancel; return the journal's path and all events.
 
     ``kept`` are settings that the journal has, ``settings`` those of the core; an action that fails is ``blocked``.
     """

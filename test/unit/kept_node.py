@@ -1,4 +1,4 @@
-"""A core over the journal in a folder, with what its node does with them."""
+"""A core over the journal in a folder, driven as its node does."""
 
 from core_driver import ERRANDS, shortest
 
@@ -13,7 +13,7 @@ PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
 
 
 class Node:
-    """What a node does with a core, a keeper and a journal; ``told`` are the events that went out."""
+    """Drives a core, a keeper and a journal as a node does; ``told`` are the published events."""
 
     def __init__(self, path, program=PROGRAM, horizon_limit=8):
         self.folder = Journal(path, Header("run", "program"))
@@ -33,18 +33,18 @@ class Node:
 
     @property
     def on_disk(self):
-        """The state that another core would find."""
+        """Return the state that another core would read."""
         return self.folder.read().state
 
     def goal(self, key, text):
-        """A goal comes."""
+        """Send a goal."""
         self.keeper.add(key, ClientGoal(text, (1, 2)))
         self.keeper.keep()
         self.core.add_goal(key, text)
         return self.run()
 
     def run(self):
-        """Go on as far as it goes."""
+        """Advance as far as possible."""
         self.keeper.send()
         while self.core.advance(1.0):
             self.keeper.send()
@@ -52,7 +52,7 @@ class Node:
         return self
 
     def succeed(self):
-        """What is under way succeeds."""
+        """Let the actions under way succeed."""
         for one in self.core.awaited:
             self.core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
         return self.run()

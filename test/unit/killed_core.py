@@ -1,4 +1,4 @@
-"""A core over a journal, its clients and its interfaces, for tests in which processes are killed at any instant."""
+"""A core over a journal, its clients and its interfaces, for tests that kill processes at any instant."""
 
 import contextlib
 import copy
@@ -25,17 +25,17 @@ KINDS = ("walk", "run", "quick", "never", "nonsense")
 
 
 class KilledError(BaseException):
-    """Stands for SIGKILL: nobody catches it."""
+    """Stands in for SIGKILL: nobody catches it."""
 
 
 def files_of(path):
-    """The bytes of a journal as they lie in a folder, by name: the database and its log."""
+    """Return the bytes of a journal in a folder, by file name: the database and its log."""
     files = (path / NAME, path / f"{NAME}-wal")
     return {one.name: one.read_bytes() for one in files if one.exists()}
 
 
 def put_files(path, files):
-    """Have a folder hold a journal's files and nothing of another journal."""
+    """Replace the contents of a folder with a journal's files."""
     path.mkdir(exist_ok=True)
     for one in path.glob(f"{NAME}*"):
         one.unlink()
@@ -44,10 +44,10 @@ def put_files(path, files):
 
 
 class Fate:
-    """Says at which instants the core is killed: after so many more of them, within a write if it is one.
+    """Chooses the instants at which the core is killed: after a number of instants, or within a write.
 
-    ``kills`` are triples: how many instants later, how many thousandths of what the disk may lack are written by then,
-    and whether a goal is cancelled before the next core does anything. Of all ``instants`` those in ``writes`` are
+    ``kills`` are triples: the number of further instants, the thousandths of the missing data that are written by
+    then, and whether a goal is cancelled before the next core acts. Of all ``instants`` those in ``writes`` are
     within a write.
     """
 
@@ -55,25 +55,25 @@ class Fate:
         self._kills, self.instants, self.writes = list(kills), 0, set()
         self._left = self._kills[0][0] if self._kills else 0
         self.upset = False
-        self._on_disk = 0  # bytes of the log that outlive the machine
+        self._on_disk = 0  # bytes of the log that survive a crash of the machine
 
     def every_instant(self):
-        """From 1 to the last; every fourth where random examples are few."""
+        """Return 1 to the last; every fourth if random examples are few."""
         return range(1, self.instants + 1, sized(standing=4, full=1))
 
     @contextlib.contextmanager
     def rules(self):
-        """The journal's disk is in the hands of fate; no real disk is waited for."""
+        """Give fate control of the journal's disk, so that no real disk is awaited."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(Journal, "begin", self._commits(Journal.begin))
             patch.setattr(Journal, "append", self._commits(Journal.append))
             patch.setattr(folder, "RECORDS", 20)
-            patch.setattr(database, "LOG_PAGES", 10**6)  # the log only grows, so that it can be cut
+            patch.setattr(database, "LOG_PAGES", 10**6)  # the log only grows, so that it can be truncated
             patch.setattr(database, "SYNCED", "OFF")
             yield
 
     def pass_instant(self):
-        """An instant at which the core may be killed."""
+        """Pass an instant at which the core can be killed."""
         if self._is_now():
             raise KilledError
 
@@ -95,7 +95,7 @@ class Fate:
         return commit
 
     def let_go(self, journal=None):
-        """What the system does after a kill, or a power cut, with the files of a process, as a core's ``journal``."""
+        """Handle the files of a process, as a core's ``journal``, like the system after a kill or a power cut."""
         _, share, self.upset = self._kills[0]
         self._kills = self._kills[1:]
         self._left = self._kills[0][0] if self._kills else 0
@@ -109,9 +109,10 @@ class Fate:
 
 
 class World:
-    """Clients and interfaces, who outlive the core: goals by their numbers, what was done, and what was told of it.
+    """Clients and interfaces that outlive the core: goals by number, executed actions, and reports about them.
 
-    This one is of errands; ``program`` and ``horizon_limit`` are the core's; with ``any_plan`` each finds others.
+    This world has errands; ``program`` and ``horizon_limit`` belong to the core; with ``any_plan`` each core finds
+    others.
     """
 
     program, horizon_limit, any_plan = PROGRAM, 8, True
@@ -121,7 +122,7 @@ class World:
         self.answers, self.done, self.ends = {}, Counter(), {}
 
     def hear(self, event):
-        """The core tells something."""
+        """Receive a message of the core."""
         if isinstance(event, ActionsDispatched):
             for action in event.actions:
                 self.command(action)
@@ -131,36 +132,36 @@ class World:
             self.end(event.key, event.state)
 
     def end(self, key, state):
-        """A goal has ended, which may be told again, but not in other words."""
+        """End a goal; a repeated end must have the same words."""
         assert self.ends.setdefault(key, state) == state
 
     def command(self, action):
-        """An action is to be done, if it is not known yet."""
+        """Execute an action unless it is known already."""
         assert not self.done[str(action.parameter)] or action in self.answers, f"{action} is done already"
         begun = [one for one, value in self.answers.items() if value is None and one.parameter == action.parameter]
         assert begun in ([], [action]), f"{action}: {begun} is under way"
         if self.answers.setdefault(action, None) is None and str(action.interface) == "quick":
-            self.do(action, True)  # it is done as soon as it is heard of
+            self.do(action, True)  # it is executed as soon as it is received
 
     def do(self, action, good):
-        """An action ends well or not; one that has ended stays as it is. Returns its answer."""
+        """End an action with success or failure; an ended one stays as it is. Return its answer."""
         if self.answers[action] is None:
             self.answers[action] = f"_return({action.interface},{self.execute(action, good)},{action.cycle})"
         return self.answers[action]
 
     def execute(self, action, good):
-        """What an action does; returns its value."""
+        """Execute an action; return its value."""
         good = good or str(action.interface) == "quick"
         self.done[str(action.parameter)] += good
         return action.parameter if good else "failed"
 
     @staticmethod
     def text(key, kind):
-        """A goal's text."""
+        """Return the text of a goal."""
         return "do(" if kind == "nonsense" else f"do({kind},{key})"
 
     def check(self):
-        """Each goal has ended as the world has it."""
+        """Check that each goal has the end that the world requires."""
         for key, kind in self.goals.items():
             state, done = self.ends[key], self.done[key]
             assert done <= 1
@@ -175,14 +176,14 @@ class World:
 
 
 def other_minded(program, seed):
-    """The program for a solver that finds other plans than one with another seed, where they are as good."""
+    """Return the program with another seed, for which a solver finds other plans of equal quality."""
     other = copy.copy(program)
     other.arguments = lambda: [*program.arguments(), "--rand-freq=1", f"--seed={seed}"]
     return other
 
 
 class Node:
-    """What the core's node does, in a folder; it is killed where ``fate`` says so."""
+    """Drives a core in a folder as its node does; it is killed where ``fate`` says so."""
 
     def __init__(self, folder, world, fate, preempt):
         self._world, self._fate = world, fate
@@ -209,7 +210,7 @@ class Node:
         self._world.hear(event)
 
     def run(self):
-        """Go on as far as it goes."""
+        """Advance as far as possible."""
         self.core.poll(1.0)
         self.keeper.send()
         for _ in range(100):
@@ -222,20 +223,20 @@ class Node:
         self.keeper.send()
 
     def goal(self, key, text):
-        """A goal arrives."""
+        """Send a goal."""
         self.keeper.add(key, ClientGoal(text, (1, 2)))
         self.keeper.keep()
         self.core.add_goal(key, text)
 
     def cancel(self, key):
-        """A cancel arrives."""
+        """Send a cancel."""
         self.keeper.cancel(key)
         self.keeper.keep()
         self.core.cancel_goal(key)
 
 
 class Play:
-    """A core that is made anew whenever it was killed, and what comes to it."""
+    """A core that is rebuilt after each kill, and its input."""
 
     def __init__(self, path, fate, preempt, world=None):
         self._path, self._fate, self._preempt = path, fate, preempt
@@ -244,7 +245,7 @@ class Play:
         self._begin_again()
 
     def _begin_again(self):
-        """Another core begins; whoever has not heard of his goal sends it again."""
+        """Start another core; clients that know nothing of their goal send it again."""
         while True:
             try:
                 self._folder = Journal(self._path, Header("run", "program"))
@@ -262,7 +263,7 @@ class Play:
                 return
 
     def _greet(self):
-        """The interfaces answer again what they have answered."""
+        """Repeat the answers of the interfaces."""
         for action in self._node.core.awaited:
             if self.world.answers[action] is not None:
                 self._node.core.receive("hand", [self.world.answers[action]])
@@ -277,7 +278,7 @@ class Play:
         self._fate.let_go(self._folder)
 
     def play(self, script):
-        """Play a script, then let all succeed and end; what has come about is true."""
+        """Play a script, then let all actions succeed and end; the result must be true."""
         for name, *values in script:
             self._happen(getattr(self, name), *values)
         for _ in range(100):
@@ -297,31 +298,31 @@ class Play:
             self._begin_again()
 
     def goal(self, kind):
-        """A client sends a goal."""
+        """Send a goal from a client."""
         key = str(len(self.world.goals) + 1)
         self.world.goals[key] = kind
         self._node.goal(key, self.world.text(key, kind))
 
     def cancel(self, number):
-        """A client cancels a goal."""
+        """Cancel a goal from a client."""
         key = str(number)
         if key in self.world.goals and key not in self.world.ends:
             self.world.cancelled.add(key)
             self._node.cancel(key)
 
     def answer(self, which, good):
-        """What is under way ends."""
+        """End the actions under way."""
         awaited = self._node.core.awaited
         if awaited:
             action = awaited[which % len(awaited)]
             self._node.core.receive("hand", [self.world.do(action, good)])
 
     def fact(self, fact):
-        """Something else is told."""
+        """Send another fact."""
         self._node.core.receive("sensor", [fact])
 
 
-#: What happens in a play, and the kills of a fate.
+#: The events of a play, and the kills of a fate.
 KEYS = st.integers(1, 8)
 HAPPENED = st.one_of(
     st.tuples(st.just("goal"), st.sampled_from(KINDS)),

@@ -1,4 +1,4 @@
-"""Plays the standby worker of a solver in this process: its answers come some cycles after they were asked for."""
+"""Plays the standby worker of a solver in this process: its answers arrive some cycles after their request."""
 
 from rosoclingo.planning.solver import PlanSolver
 
@@ -6,11 +6,10 @@ NEVER = 10**9
 
 
 class Standby:
-    """Its answers are there ``delay`` cycles after their search began; ``plan_time`` is that of its solvers.
+    """A standby whose answers arrive ``delay`` cycles after their search began; ``plan_time`` belongs to its solvers.
 
     Attributes:
-        searches: how often the robot waited for a search, as no answer was there.
-
+        searches: how often the robot waited for a search, without a prefetched answer.
     """
 
     def __init__(self, delay=0, plan_time=0.0):
@@ -18,7 +17,7 @@ class Standby:
         self._asked, self._since = None, 0
 
     def solver(self, program):
-        """A solver that it works for."""
+        """Return a solver that uses this standby."""
         return _Solver(program, self)
 
     def ask(self, question, step):

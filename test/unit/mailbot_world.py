@@ -1,8 +1,8 @@
-"""The mailbot's world in plain Python, written from the documents and not from the encoding, and a robot in it.
+"""The mailbot's world in plain Python, written from the documents instead of the encoding, and a robot in it.
 
-A state is the robot's office, whether it has lost its way (then it has to reach an office before it handles a package),
-and each package's place: ``("waits", from, to)``, ``("rides", goal)``, ``("stuck",)`` on the robot, or ``None`` when
-nothing is left to do for it. The distance of a state is found by breadth-first search over all states.
+A state is the robot's office, whether it has lost its way (then it has to reach an office before it handles a
+package), and each package's place: ``("waits", from, to)``, ``("rides", goal)``, ``("stuck",)`` on the robot, or
+``None`` when nothing is left to do for it. The distance of a state is found by breadth-first search over all states.
 """
 
 from collections import deque
@@ -32,7 +32,7 @@ def atom(text, *values):
 
 
 def neighbours(corridors):
-    """Return office to offices that a corridor leads to, from pairs of offices."""
+    """Return a map from each office to the offices that a corridor leads to, given pairs of offices."""
     found = {}
     for a, b in corridors:
         found.setdefault(a, set()).add(b)
@@ -41,10 +41,10 @@ def neighbours(corridors):
 
 
 def fewest_steps(graph, capacity, office, packages, astray=False, shut=frozenset(), spared=frozenset()):
-    """Return the length of a shortest plan, None where there is none.
+    """Return the length of a shortest plan, None without one.
 
-    ``packages`` is a tuple of places, those with an index in ``spared`` may stay as they are; ``shut`` holds
-    connections as frozensets of their ends, one office alone for the way back to it.
+    ``packages`` is a tuple of places, those with an index in ``spared`` can stay in place; ``shut`` holds connections
+    as frozensets of their ends, one office alone for the way back to it.
     """
     first = (office, astray, tuple(packages))
     seen, queue = {first: 0}, deque([first])
@@ -76,7 +76,7 @@ def _successors(graph, capacity, shut, office, astray, packages):
 
 
 def reachable(graph, shut, office):
-    """Return the offices that can be reached."""
+    """Return the reachable offices."""
     found, queue = {office}, [office]
     while queue:
         here = queue.pop()
@@ -97,14 +97,14 @@ def program(count, corridors, start, capacity):
 
 
 class Ways:
-    """What the robot believes of the connections."""
+    """The robot's beliefs about the connections."""
 
     def __init__(self):
         self.misses, self.avoided, self.unknown = {}, {}, set()
         self.noticed = False
 
     def returned(self, way=None, reason=None):
-        """An action has come back; ``way`` is None unless it was a move, ``reason`` None if it worked."""
+        """Note the return of an action; ``way`` is None unless it was a move, ``reason`` None if it succeeded."""
         failed = way is not None and reason not in (None, "preempted")
         closed = failed and reason in BLOCKED
         if way is not None and reason is None and way in self.misses:
@@ -118,23 +118,22 @@ class Ways:
             self.avoided[way] = MEMORY
 
     def asked(self):
-        """Somebody asks for a place that seems to be cut off."""
+        """Note a request for a place that seems to be cut off."""
         self.misses, self.avoided, self.unknown = {}, {}, set()
 
     def shut(self, graph):
-        """Return the connections that are not used."""
+        """Return the blocked connections."""
         lost = {frozenset((one, other)) for one in self.unknown for other in [one, *graph.get(one, ())]}
         return frozenset({*self.avoided, *lost, *(way for way, times in self.misses.items() if times >= TRIES)})
 
 
 class Mailbot:
-    """A robot in its world, told what to do by the encoding, cycle by cycle.
+    """A robot in its world, controlled by the encoding, cycle by cycle.
 
     Attributes:
         places: Id to the package's place, as above.
         origins: Id to the office where its package waited.
-        ends: Id to how its request ended, and the first cycle that told it.
-
+        ends: Id to the end of its request, and the first cycle that reported it.
     """
 
     def __init__(self, count, corridors, start=1, capacity=3):
@@ -149,7 +148,7 @@ class Mailbot:
         assert self.solver.solve().outcome is SolveOutcome.SATISFIABLE
 
     def request(self, identifier, source, target):
-        """A new request, told with the next update; what is on the robot goes on from there."""
+        """Add a request to the next update; packages on the robot continue from there."""
         source, target = f"o{source}", f"o{target}"
         self._items.append(atom("_request(goal({},{},{}),{})", source, target, identifier, self.cycle + 2))
         self.ends.pop(identifier, None)
@@ -166,7 +165,7 @@ class Mailbot:
             self.ways.asked()
 
     def cancel(self, identifier):
-        """Cancel a request, with the next update."""
+        """Cancel a request with the next update."""
         self._items.append(atom("_request(cancel({}),{})", identifier, self.cycle + 1))
         place = self.places.get(identifier)
         if place and place[0] != "stuck" and identifier not in self.cancelled:
@@ -176,9 +175,9 @@ class Mailbot:
                 self.ends[identifier] = ("canceled", self.cycle + 1)
 
     def plan(self):
-        """Start the next cycle; return the actions planned for it and later, after checking that they are the fewest.
+        """Start the next cycle; return its actions and later ones, after checking that they are the fewest.
 
-        None where there is no plan, after checking that there can be none.
+        Return None without a plan, after checking that none exists.
         """
         items = [Closed(self.cycle, self.cycle)] if self.cycle else []
         items += [commitment(self._done)] if self._done is not None else []
@@ -218,7 +217,7 @@ class Mailbot:
         return rides and identifier in self.cancelled and lost
 
     def hopeless(self):
-        """Return the requests for which there is no plan, whatever becomes of the others."""
+        """Return the requests for which there is no plan, whatever happens to the others."""
         found = []
         for identifier, place in self.places.items():
             if place and place[0] != "stuck" and not self._is_cut_off(identifier):
@@ -255,7 +254,7 @@ class Mailbot:
         assert found == told
 
     def act(self, action, reason=None):
-        """Execute ``action``; it fails where a ``reason`` is given."""
+        """Execute ``action``; it fails if a ``reason`` is given."""
         name, what, _ = action.arguments
         self._done = action
         self._items.insert(0, atom("_return({},{},{})", name, reason or what, self.cycle))
@@ -270,7 +269,7 @@ class Mailbot:
             self._fail_to_handle(what.number, name.name, reason)
 
     def called_off(self):
-        """The core itself has ended the action that was done last."""
+        """Note that the core has ended the last action."""
         name, what, _ = self._done.arguments
         self._items.insert(0, atom("_cancel({},{},{})", name, what, self.cycle))
         self.takes = 0

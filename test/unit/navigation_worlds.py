@@ -15,20 +15,20 @@ from rosoclingo.robot.navigation import (
 from rosoclingo.robot.navigation.local_planner import inscribed_radius, path_radii
 from rosoclingo.robot.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
-# Footprints (m): an Erratic's, whose origin is off its middle, and one that is longer than it is wide.
+# Footprints (m): an Erratic's, whose origin is off-centre, and one that is longer than wide.
 ERRATIC = ((-0.225, -0.175), (-0.225, 0.175), (0.125, 0.175), (0.125, -0.175))
 LONG = ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2))
 LASER = LaserSpec(range=6.0, noise=0.01)
 
 
 def grid_of(rows, resolution=0.1):
-    """A grid drawn by lines of text, the first one on top: '#' occupied, '?' unknown, else free."""
+    """Return a grid drawn by lines of text, the first one on top: '#' occupied, '?' unknown, else free."""
     cells = {"#": 100, "?": -1}
     return OccupancyGrid(np.array([[cells.get(c, 0) for c in row] for row in rows[::-1]], dtype=np.int8), resolution)
 
 
 def room(width=6.0, height=6.0, resolution=0.05, walls=()):
-    """A room with walls around it; ``walls``: (x0, y0, x1, y1) in m, filled."""
+    """Return a room with walls around it; ``walls``: (x0, y0, x1, y1) in m, filled."""
     cells = np.zeros((round(height / resolution), round(width / resolution)), dtype=np.int8)
     cells[:2] = cells[-2:] = 100
     cells[:, :2] = cells[:, -2:] = 100
@@ -47,7 +47,8 @@ def simulation(grid, pose, doors=(), obstacles=(), laser=LASER, **robot):
 class Drive:
     """A navigator that drives a simulated robot whose pose it knows.
 
-    It ticks each ``control`` steps of the world, sees a scan each ``scan`` steps, and its commands are ``late`` steps.
+    It ticks every ``control`` steps of the world, receives a scan every ``scan`` steps, and its commands are ``late``
+    steps.
     """
 
     def __init__(self, world, limits=None, control=1, scan=1, late=0, **costmap):
@@ -65,7 +66,7 @@ class Drive:
         self._rhythm, self._under_way = (control, scan, late), []
 
     def to(self, goal, limit=2000.0, each=lambda drive: None):
-        """Drive to a pose; return the result. Fails where there is none in ``limit`` simulated s."""
+        """Drive to a pose; return the result. Fail without one in ``limit`` simulated s."""
         self.navigator.set_goal(self.world.time, goal)
         end = self.world.time + limit
         while self.world.time < end:
@@ -76,7 +77,7 @@ class Drive:
         raise AssertionError(f"no end within {limit} s")
 
     def step(self):
-        """Go on by one step of the world; return the result if that is the goal's end."""
+        """Advance by one step of the world; return the result if the goal ends."""
         number, name, result = self.world.steps, self.robot.spec.name, None
         control, scan, late = self._rhythm
         if number % scan == 0:

@@ -18,7 +18,7 @@ def clearance_of(occupied, reach=50.0):
 
 
 def open_cells(occupied, radius, reach=8.0):
-    """The cells in which a disc can be."""
+    """Return the cells in which a disc fits."""
     out = np.full(occupied.shape, 7, dtype=np.uint8)
     closed = np.zeros(occupied.shape, dtype=bool)
     update_open(

@@ -1,4 +1,4 @@
-"""The office of the mailbot, and any other floor, modelled apart from their program."""
+"""The office of the mailbot, and any other floor, modelled independently of the program."""
 
 from mailbot_world import fewest_steps
 
@@ -6,14 +6,14 @@ OFFICES = ("office1", "office2", "office3", "office4")
 
 
 class World:
-    """Where robot and packages are; ``places`` maps a package to its office, or to "robot"."""
+    """The positions of robot and packages; ``places`` maps a package to its office, or to "robot"."""
 
     def __init__(self):
         self.robot = "office1"
         self.places = {}
 
     def do(self, action):
-        """An action succeeds; AssertionError where it cannot be done."""
+        """Execute a successful action; AssertionError if it is impossible."""
         name, what = action.interface_name, str(action.parameter)
         if name == "move_base":
             assert abs(OFFICES.index(what) - OFFICES.index(self.robot)) == 1, f"no way from {self.robot} to {what}"
@@ -29,17 +29,17 @@ class World:
 
 
 class Office:
-    """Where robot and packages are: packages wait, ``("waits", from, to)``, ride, ``("rides", to)``, or are done."""
+    """Positions of robot and packages: each waits, ``("waits", from, to)``, rides, ``("rides", to)``, or is done."""
 
     def __init__(self, graph, capacity, robot, packages=None):
         self.graph, self.capacity, self.robot, self.packages = graph, capacity, robot, dict(packages or {})
 
     def copy(self):
-        """The same office, to try things in."""
+        """Return a copy of the office for trials."""
         return Office(self.graph, self.capacity, self.robot, self.packages)
 
     def do(self, action):
-        """An action is done; AssertionError where it cannot be."""
+        """Execute an action; AssertionError if it is impossible."""
         name, what = action.interface_name, str(action.parameter)
         if name == "move_base":
             assert what in self.graph[self.robot]
@@ -55,7 +55,7 @@ class Office:
             self.packages[int(what)] = None
 
     def judge(self, plan, cycle):
-        """The rest of a plan brings everything where it belongs; the number of its steps."""
+        """Check that the rest of a plan brings every package to its destination; return the number of its steps."""
         office, rest = self.copy(), sorted((one for one in plan if one.cycle >= cycle), key=lambda one: one.cycle)
         assert [one.cycle for one in rest] == sorted({one.cycle for one in rest}), "the robot does one thing at a time"
         for action in rest:
@@ -64,5 +64,5 @@ class Office:
         return rest[-1].cycle - cycle + 1 if rest else 0
 
     def fewest(self):
-        """The fewest steps of a plan."""
+        """Return the fewest steps of a plan."""
         return fewest_steps(self.graph, self.capacity, self.robot, tuple(self.packages.values()))

@@ -42,7 +42,7 @@ class Served:
         return f"http://127.0.0.1:{self.port}"
 
     def do(self, job):
-        """Change the view, in the server's thread."""
+        """Change the view in the server's thread."""
         done = threading.Event()
         self.server.put(lambda: (job(self.view), done.set()))
         assert done.wait(PATIENCE)
@@ -51,7 +51,7 @@ class Served:
         return len(self.server.viewers)
 
     def get(self, path="/", **headers):
-        """Status, headers and body of an answer; redirections are not followed."""
+        """Return status, headers and body of an answer; redirections are not followed."""
         try:
             with build_opener(Stay).open(Request(self.address + path, headers=headers), timeout=PATIENCE) as answer:
                 return answer.status, answer.headers, answer.read().decode()
@@ -59,7 +59,7 @@ class Served:
             return error.code, error.headers, error.read().decode()
 
     def shake_hands(self, **headers):
-        """Status and body of the answer to a request for the WebSocket with these headers; its bytes are Latin-1."""
+        """Return status and body of the answer to a WebSocket request with these headers; its bytes are Latin-1."""
         usual = {
             "Host": f"127.0.0.1:{self.port}",
             "Origin": self.address,
@@ -103,7 +103,7 @@ def play(scene):
 
 
 async def told(client):
-    """The next message, None where the server has closed the connection."""
+    """Return the next message, None if the server has closed the connection."""
     text = await asyncio.wait_for(client.read_message(), PATIENCE)
     return None if text is None else json.loads(text)
 
@@ -116,7 +116,7 @@ def wait_until(condition):
 
 
 async def answered(client):
-    """The next answer, None where the connection is closed."""
+    """Return the next answer, None if the connection is closed."""
     while True:
         found = await told(client)
         if found is None or "answer" in found:

@@ -10,5 +10,5 @@ ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
 
 @lru_cache(maxsize=None)
 def shipped(*names: str) -> ReactiveProgram:
-    """The program of these files of the encodings; it is read once for all tests, since no solver changes it."""
+    """Return the program of these encoding files, parsed once for all tests, since no solver changes it."""
     return ReactiveProgram.from_files([ENCODINGS / name for name in names])

@@ -1,4 +1,4 @@
-"""Plays the stream that a core told to a solver of its own, and compares."""
+"""Plays the stream that a core published to a separate solver, and compares."""
 
 from rosoclingo.oclingo import parse_updates
 from rosoclingo.planning.solver import PlanSolver
@@ -8,13 +8,13 @@ from rosoclingo.runs.replay import AGREEING, CycleVerdict, Replay
 
 
 def replayed(program, stream):
-    """The results of all updates of ``stream``."""
+    """Return the results of all updates of ``stream``."""
     solver = PlanSolver(program)
     return [solver.update(update) for update in parse_updates(stream)]
 
 
 def recorded(journal):
-    """The run that a journal of a core's events tells of."""
+    """Return the run that a journal of a core's events describes."""
     collector = RunCollector()
     takes = {
         UpdateSent: lambda event: collector.update(0.0, event.stream),
@@ -31,7 +31,7 @@ def recorded(journal):
 
 
 def check_replay(program, journal, verdicts=(*AGREEING, CycleVerdict.MISSED)):
-    """Each decision is one of the ``verdicts``, and explained where another is found now; updates were told once."""
+    """Check that each decision is one of the ``verdicts``, different answers are explained, and updates occur once."""
     told = journal.of(UpdateSent)
     reports = list(Replay(recorded(journal), program).reports()) if told else []
     odd = [report.line() for report in reports if not report.explained or report.verdict not in verdicts]

@@ -1,4 +1,4 @@
-"""Pages about `check`: their files are written, their commands run, what these print is compared."""
+"""Pages about `check`: their files are written, their commands run, and the outputs compared."""
 
 import re
 import shlex
@@ -21,13 +21,13 @@ FILES = {
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-def test_the_table_is_that_of_the_kinds():
+def test_check_page_table_lists_the_kinds():
     rows = re.findall(r"^\| `([\w-]+)` \| (\w+) \| \S.* \|$", PAGE, re.MULTILINE)
     assert sorted(rows) == sorted(KINDS.items())
 
 
 def matches(shown, printed):
-    """Whether a command has printed what is shown; three dots stand for any lines."""
+    """Return whether a command's output matches the page; three dots stand for any lines."""
     pattern = "".join(r"(.*\n)*" if line == "..." else re.escape(line) + "\n" for line in shown.splitlines())
     return re.fullmatch(pattern, printed) is not None
 
@@ -35,7 +35,7 @@ def matches(shown, printed):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("page", [PAGE, WHY, VERIFY], ids=["check", "why_no_plan", "verify"])
-def test_the_page_is_true(tmp_path, page):
+def test_check_page_shows_the_real_output(tmp_path, page):
     pytest.importorskip("genpy", reason="types of messages are looked at")
     files, commands, end = [], 0, 0
     for match in BLOCK.finditer(page):

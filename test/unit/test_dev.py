@@ -1,4 +1,4 @@
-"""What ``./dev`` says before any set-up."""
+"""The messages of ``./dev`` before any set-up."""
 
 import os
 import shutil
@@ -17,14 +17,14 @@ def dev(*arguments, **variables):
     return done.returncode, done.stderr
 
 
-def test_an_unknown_command_is_told_the_known_ones():
+def test_dev_unknown_command_lists_the_known_ones():
     code, said = dev("nosuch")
     assert code == 1
     assert "unknown command: nosuch" in said
     assert "demo test lint bench docs exec exec-install exec-python38 shell setup help" in said
 
 
-def test_an_unknown_scenario_is_told_the_known_ones_before_any_set_up():
+def test_dev_unknown_scenario_is_refused_before_set_up():
     code, said = dev("demo", "nosuch")
     assert code == 2
     assert "no such scenario: nosuch" in said
@@ -36,7 +36,7 @@ HOUSE = ROOT / "config" / "scenarios" / "house.yaml"
 
 
 @pytest.mark.parametrize("scenario", ["house", str(HOUSE), "--help", "rviz:=true"])
-def test_a_known_scenario_is_set_up_for(scenario):
+def test_dev_known_scenario_starts_set_up(scenario):
     _, said = dev("demo", scenario)
     assert "/proc/no/folder" in said
     assert "scenario" not in said
@@ -50,25 +50,25 @@ def test_a_known_scenario_is_set_up_for(scenario):
         (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
     ],
 )
-def test_a_wrong_bench_is_told_before_any_set_up(arguments, told):
+def test_dev_wrong_bench_is_refused_before_set_up(arguments, told):
     code, said = dev("bench", *arguments)
     assert code == 2
     assert told in said
     assert "/proc/no/folder" not in said
 
 
-def test_a_known_bench_is_set_up_for():
+def test_dev_known_bench_starts_set_up():
     _, said = dev("bench", "oclingo")
     assert "/proc/no/folder" in said
 
 
-def test_help_needs_no_set_up():
+def test_dev_help_needs_no_set_up():
     code, said = dev("bench", "--help")
     assert code == 0
     assert not said
 
 
-def test_what_is_edited_while_it_runs_does_not_reach_it(tmp_path):
+def test_dev_edits_while_it_runs_have_no_effect(tmp_path):
     script = Path(shutil.copy(str(ROOT / "dev"), str(tmp_path)))
     editor = tmp_path / "cat"  # which prints the usage
     editor.write_text(f'#!/bin/sh\necho "echo edited" >>"{script}"\nexec /bin/cat "$@"\n')
@@ -94,18 +94,18 @@ OTHER = 'exec /usr/bin/python3 "$@"'
 
 @pytest.mark.skipif(bool(shutil.which("python3.8", path=SYSTEM)), reason="the distribution has one that works")
 @pytest.mark.parametrize("body", [SHIM, OTHER, "exit 1"])
-def test_a_python38_that_does_not_work_counts_as_none(tmp_path, body):
+def test_dev_ignores_a_python38_that_does_not_work(tmp_path, body):
     code, said = python38(tmp_path, body)
     assert code == 3
     assert "no python3.8" in said
 
 
-def test_one_that_works_is_found_on_path(tmp_path):
+def test_dev_finds_working_python38_on_path(tmp_path):
     code, said = python38(tmp_path, "exit 0")
     assert code != 3 or "ROS's own Python is 3.8" in said
 
 
-# ---- overlays: workspaces of the user's --------------------------------------------------------------------------
+# ---- overlays: the user's workspaces ------------------------------------------------------------------------------
 
 BUILT = Path(os.environ.get("VIRTUAL_ENV", "/none")).parent / "ws" / "devel"
 PACKAGE = """<package format="2"><name>{name}</name><version>1.0.0</version><description>a test's</description>
@@ -113,7 +113,7 @@ PACKAGE = """<package format="2"><name>{name}</name><version>1.0.0</version><des
 
 
 def overlay(path, name, says, below=""):
-    """A catkin workspace with one package, which has a node; ``below``: what it was built on, as Debian's /usr."""
+    """Return a catkin workspace with one package, which has a node; ``below``: its underlay, as Debian's /usr."""
     space = path / "devel"
     (path / "src" / name).mkdir(parents=True)
     (path / "src" / name / "package.xml").write_text(PACKAGE.format(name=name))
@@ -148,7 +148,7 @@ needs_workspace = pytest.mark.skipif(
 @pytest.mark.slow
 @pytest.mark.once
 @needs_workspace
-def test_the_packages_of_overlays_are_found(tmp_path):
+def test_dev_overlay_packages_are_found(tmp_path):
     first = overlay(tmp_path / "first", "stage_ros", "first")
     second = overlay(tmp_path / "second", "stage_ros", "second")
     third = overlay(tmp_path / "third", "rosoclingo", "third")
@@ -162,8 +162,8 @@ def test_the_packages_of_overlays_are_found(tmp_path):
 @pytest.mark.slow
 @pytest.mark.once
 @needs_workspace
-def test_an_overlay_on_top_of_the_distribution_mixes_no_libraries(tmp_path):
-    """Debian's half of cffi and the virtual environment's other half end whatever imports them."""
+def test_dev_overlay_above_distribution_mixes_no_libraries(tmp_path):
+    """Debian's half of cffi with the virtual environment's other half breaks every import of it."""
     debian = "/usr/lib/python3/dist-packages"
     folder = overlay(tmp_path / "one", "stage_ros", "one", below=f"{debian}:/own/modules")
     found, path = in_overlays(
@@ -176,7 +176,7 @@ def test_an_overlay_on_top_of_the_distribution_mixes_no_libraries(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["exec", "demo", "bench"])
-def test_an_overlay_that_is_none_is_told_before_any_set_up(tmp_path, command):
+def test_dev_invalid_overlay_is_refused_before_set_up(tmp_path, command):
     for code, said in (
         dev("--overlay", str(tmp_path), command, "true"),
         dev(command, "true", ROSOCLINGO_OVERLAY=str(tmp_path)),
@@ -187,14 +187,14 @@ def test_an_overlay_that_is_none_is_told_before_any_set_up(tmp_path, command):
 
 
 @pytest.mark.parametrize("arguments", [["--overlay"], ["--overlay", "/tmp", "test"]])
-def test_an_overlay_where_there_can_be_none(arguments):
+def test_dev_overlay_is_refused_where_impossible(arguments):
     code, said = dev(*arguments)
     assert code == 1
     assert "--overlay" in said or "does not support overlays" in said
 
 
-def test_times_of_compiled_files_follow_from_their_contents(tmp_path):
-    """So what numba has compiled is still good in another clone of the same sources."""
+def test_dev_compiled_file_times_follow_from_contents(tmp_path):
+    """So numba's compiled code stays valid in another clone of the same sources."""
     function = (ROOT / "dev").read_text().partition("\nsame_times() {")[2].partition("\n}\n")[0]
     times = []
     for number, text in enumerate(("same", "same", "changed")):

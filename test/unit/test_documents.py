@@ -1,4 +1,4 @@
-"""The documents: every page is in the index, every link leads somewhere, the drawing of a request's way is true."""
+"""The documents: every page is in the index, every link has a target, and the drawing of a request's way is right."""
 
 import ast
 import re
@@ -12,7 +12,7 @@ from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_updates, s
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "rosoclingo"
-SITE = {ROOT / "doc" / "index.md", ROOT / "doc" / "contributing.md"}  # of the site alone: its text comes from the root
+SITE = {ROOT / "doc" / "index.md", ROOT / "doc" / "contributing.md"}  # only for the site: its text comes from the root
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted({*(ROOT / "doc").glob("*.md")} - SITE)]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: A file of the repository, from its root.
@@ -23,13 +23,13 @@ STEP = re.compile(r"(?P<lead>[ |]*)(?:\+(?P<arrow>-->|\.\.>|==>|~~>) )?(?P<file>
 
 
 def prose(path):
-    """A page's text without its blocks of code, fenced or indented."""
+    """Return a page's text without its code blocks, fenced or indented."""
     text = re.sub(r"^```.*?^```$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
     return re.sub(r"^    .*$", "", text, flags=re.MULTILINE)
 
 
 def anchors(path):
-    """The anchors of a page's headings, as GitHub makes them."""
+    """Return the anchors of a page's headings, as GitHub makes them."""
     headings = re.findall(r"^#+ (.*)$", prose(path), flags=re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
@@ -39,7 +39,7 @@ def links(path):
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
-def test_links_lead_somewhere(path):
+def test_documents_links_have_targets(path):
     for link in links(path):
         name, _, anchor = link.partition("#")
         target = (path.parent / name).resolve() if name else path
@@ -48,23 +48,23 @@ def test_links_lead_somewhere(path):
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
-def test_the_files_that_are_named_exist(path):
+def test_documents_name_existing_files(path):
     for name in FILE.findall(path.read_text(encoding="utf-8")):
         from_workspace = name.replace("src/rosoclingo/", "", 1)  # where this folder is src/rosoclingo
         assert (ROOT / name).is_file() or (ROOT / from_workspace).is_file(), name
 
 
-def test_the_index_has_every_page():
+def test_documents_index_has_every_page():
     index = ROOT / "doc" / "README.md"
     listed = {(index.parent / link.partition("#")[0]).resolve() for link in links(index)}
     assert set(PAGES) - {index} <= listed
 
 
-def test_the_index_is_linked_from_the_front_page():
+def test_documents_front_page_links_the_index():
     assert "doc/README.md" in {link.partition("#")[0] for link in links(ROOT / "README.md")}
 
 
-def test_the_site_has_every_page():
+def test_documents_site_has_every_page():
     text = (ROOT / "doc" / "index.md").read_text(encoding="utf-8")
     trees = re.findall(r"^```{toctree}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     listed = [line for tree in trees for line in tree.splitlines() if re.fullmatch(r"\w+", line)]
@@ -72,31 +72,33 @@ def test_the_site_has_every_page():
     assert sorted(listed) == sorted({*own, "api"})
 
 
-# ---- what happens when something dies -------------------------------------------------------------------------------
+# ---- reliability
+# ----------------------------------------------------------------------------------------------------
 
 
 def promises():
-    """Of each line of the tables: what fails, and the names of its tests, which are in the last column."""
+    """Yield for each line of the tables the failure, and the names of its tests, which are in the last column."""
     text = (ROOT / "doc" / "reliability.md").read_text(encoding="utf-8")
     rows = [line.strip("|").split("|") for line in text.splitlines() if re.match(r"\|(?!---| What )", line)]
     return [(row[0].strip(), re.findall(r"`(\w+)`", row[-1])) for row in rows]
 
 
-def test_what_is_promised_is_tested():
+def test_documents_reliability_promises_have_tests():
     assert len(promises()) > 20
     assert [row for row, names in promises() if not names] == []
 
 
 @pytest.mark.parametrize(("row", "name"), [(row, name) for row, names in promises() for name in names])
-def test_the_tests_of_what_is_promised_exist(row, name):
+def test_documents_reliability_tests_exist(row, name):
     folder, file = ("unit", f"{name}.py") if name.startswith("test_") else ("rostest", f"{name}.test")
     assert list((ROOT / "test" / folder).rglob(file)), row
 
 
-# ---- the tree of rooms ----------------------------------------------------------------------------------------------
+# ---- the tree of packages
+# -------------------------------------------------------------------------------------------
 
 
-def test_the_tree_of_rooms_has_each_room_and_its_rooms():
+def test_documents_package_tree_is_complete():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("    src/rosoclingo/\n")[2]
     drawn, room = set(), ""
     for line in text.partition("\n    web/")[0].splitlines():
@@ -112,7 +114,7 @@ def test_the_tree_of_rooms_has_each_room_and_its_rooms():
 
 
 def drawing():
-    """The lines of the drawing: (parent's file, arrow, file, words), the parent empty for the first."""
+    """Return the lines of the drawing: (parent's file, arrow, file, words), the parent empty for the first."""
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## The way of a request")[2]
     block = text.partition("```text\n")[2].partition("```")[0]
     found, above = [], {}
@@ -131,7 +133,7 @@ def module(file):
 
 
 def imports(file, other):
-    """Whether a file imports another one, or what the front of its folder gives of it."""
+    """Return whether a file imports another one, or a name of its package's __init__."""
     found, front = imports_of(PACKAGE / file), (PACKAGE / other).parent / "__init__.py"
     package, name = module(other).rsplit(".", 1)
     given = {one.rsplit(".", 1)[1] for one in imports_of(front) if one.startswith(f"{package}.{name}.")}
@@ -139,7 +141,7 @@ def imports(file, other):
 
 
 def texts_of(file):
-    """The texts in a file and in those that it imports from its own folder."""
+    """Return the texts in a file and in those that it imports from its own folder."""
     beside = [path for path in (PACKAGE / file).parent.glob("*.py") if module_of(path) in imports_of(PACKAGE / file)]
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (PACKAGE / file, *beside)]
     constants = [one.value for tree in trees for one in ast.walk(tree) if isinstance(one, ast.Constant)]
@@ -150,38 +152,38 @@ def module_of(path):
     return module(path.relative_to(PACKAGE).as_posix())
 
 
-def test_the_drawing_shows_the_whole_way():
+def test_documents_drawing_shows_the_whole_way():
     assert len(drawing()) > 10
     assert [line for line in drawing() if not line[1]] == drawing()[:1], "one root"
     assert {line[1] for line in drawing()} == {None, "-->", "..>", "==>", "~~>"}
 
 
 @pytest.mark.parametrize("line", drawing(), ids=lambda line: line[2])
-def test_the_files_of_the_drawing_exist(line):
+def test_documents_drawing_files_exist(line):
     assert (PACKAGE / line[2]).is_file()
 
 
 @pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "-->"], ids=lambda line: line[2])
-def test_what_is_drawn_as_an_import_is_one(line):
+def test_documents_drawing_imports_are_imports(line):
     assert imports(line[0], line[2])
 
 
 @pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "..>"], ids=lambda line: line[2])
-def test_what_is_drawn_as_handed_over_comes_from_the_root(line):
+def test_documents_drawing_handovers_come_from_the_root(line):
     parent, _, file, _ = line
     assert not imports(parent, file), "it is an import: draw -->"
     assert imports(drawing()[0][2], file)
 
 
 @pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "==>"], ids=lambda line: line[2])
-def test_what_is_drawn_as_a_process_is_started_by_its_name(line):
+def test_documents_drawing_processes_are_started_by_name(line):
     parent, _, file, _ = line
     assert not imports(parent, file)
     assert module(file) in texts_of(parent)
 
 
 @pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "~~>"], ids=lambda line: line[2])
-def test_what_is_drawn_as_a_topic_is_named_at_both_ends(line):
+def test_documents_drawing_topics_are_named_at_both_ends(line):
     parent, _, file, words = line
     topic = words.partition(":")[0].split()[-1]
     assert topic in texts_of(parent)
@@ -192,19 +194,19 @@ def test_what_is_drawn_as_a_topic_is_named_at_both_ends(line):
 
 
 def code_of(text):
-    """The indented blocks of a text."""
+    """Return the indented blocks of a text."""
     return textwrap.dedent("\n".join(line for line in text.splitlines() if not line or line.startswith("    ")))
 
 
 def lift():
-    """The program of doc/oclingo_service.md, its stream, and the answers that the page shows."""
+    """Return the program of doc/oclingo_service.md, its stream, and the answers on the page."""
     text = (ROOT / "doc" / "oclingo_service.md").read_text(encoding="utf-8")
     program, stream = text.split("```\n")[1:4:2]
     return ReactiveProgram.from_text(program), parse_updates(stream)
 
 
 def bounded(loop):
-    """The loop, which fails rather than looks ahead for ever."""
+    """Return the loop, which fails instead of looking ahead for ever."""
 
     class Bounded(loop):
         def grow(self):
@@ -214,7 +216,7 @@ def bounded(loop):
     return Bounded
 
 
-def test_the_loop_of_the_solver_runs():
+def test_documents_solver_loop_runs():
     room = {}
     exec(code_of(solving.__doc__), room)  # noqa: S102 it is the code under test
     program, stream = lift()
@@ -225,7 +227,7 @@ def test_the_loop_of_the_solver_runs():
     assert answers == [sorted(map(str, solver.update(update).answers[0])) for update in stream]
 
 
-def test_the_loop_is_short_and_names_its_neighbours():
+def test_documents_solver_loop_is_short_and_names_neighbours():
     assert len([line for line in code_of(solving.__doc__).splitlines() if line.strip()]) <= 40
     here = {path.name for path in (PACKAGE / "oclingo" / "solving").glob("*.py")}
     named = set(re.findall(r"(?<![/\w])\w+\.py\b", solving.__doc__))

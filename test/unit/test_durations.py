@@ -1,4 +1,4 @@
-"""What a run took: by part, the longest first, and the CPU time of commands with all that they started."""
+"""Durations of a run: by part, the longest first, and the CPU time of commands with all their children."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ REPORT = """<testsuites><testsuite name="pytest" tests="2">
 BUSY = "import time\nwhile time.process_time() < 0.6: pass"
 
 
-def test_parts_in_their_order_and_the_longest_tests(tmp_path):
+def test_durations_list_parts_in_order_and_longest_tests(tmp_path):
     report = tmp_path / "unit.xml"
     report.write_text(REPORT)
     durations = [
@@ -33,19 +33,19 @@ def test_parts_in_their_order_and_the_longest_tests(tmp_path):
     ]
 
 
-def test_a_report_that_is_cut_off_counts_as_one(tmp_path):
+def test_durations_truncated_report_counts_as_one_test(tmp_path):
     (tmp_path / "unit.xml").write_text(REPORT[:100])
     assert summary([Duration("unit", "unit", 0.0, 9.0, 1.0, tmp_path / "unit.xml")])[-1] == "       9.0 s: unit"
 
 
 @pytest.mark.slow
-def test_cpu_time_is_that_of_all_that_a_command_starts(tmp_path):
+def test_durations_cpu_time_includes_all_children(tmp_path):
     code = f"import subprocess, sys\nsubprocess.run([sys.executable, '-c', {BUSY!r}])"
     finished = run([sys.executable, "-c", code], tmp_path / "log", 60.0, os.environ)
     assert finished.code == 0, (tmp_path / "log").read_text()
     assert finished.computed >= 0.5  # counted in ticks
 
 
-def test_what_does_not_end_in_time_is_ended(tmp_path):
+def test_durations_end_command_after_its_limit(tmp_path):
     finished = run([sys.executable, "-c", "import time; time.sleep(600)"], tmp_path / "log", 0.1, os.environ)
     assert finished == (None, [], 0.0)

@@ -1,4 +1,4 @@
-"""The rules of the house (CONTRIBUTING.md) that a program can check."""
+"""The rules of CONTRIBUTING.md that a program can check."""
 
 import ast
 import re
@@ -13,8 +13,8 @@ pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ROOT / "src" / "rosoclingo"
 PURE = ("oclingo", "planning", "golog", "reasoning", "checking", "runs", "robot/navigation", "robot/simulation")
-PURE_COMMON = ("database", "labels", "lazy", "reading")  # what pure packages may import of common
-MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
+PURE_COMMON = ("database", "labels", "lazy", "reading")  # modules of common that pure packages can import
+MAY_IMPORT = {  # layer by layer, and within oclingo and robot package by package
     "common": set(),
     "oclingo": {"oclingo/progression", "oclingo/program", "oclingo/solving"},  # errors for all, the front for users
     "oclingo/progression": {"oclingo"},
@@ -23,7 +23,7 @@ MAY_IMPORT = {  # layer by layer, and inside oclingo and robot room by room
     "oclingo/solving": {"oclingo", "oclingo/progression", "oclingo/program"},
     "oclingo/service": {"oclingo", "oclingo/progression", "oclingo/program", "oclingo/solving"},
     "planning": {"oclingo"},
-    "golog": {"oclingo"},  # found by name where a program's files are read
+    "golog": {"oclingo"},  # found by name at the place that reads a program's files
     "reasoning": {"common", "oclingo", "planning"},
     "checking": {"oclingo", "planning", "reasoning"},
     "runs": {"common", "oclingo", "planning", "reasoning", "checking"},
@@ -38,7 +38,7 @@ LAYERS = {name.split("/")[0] for name in MAY_IMPORT}
 GENERATED_FOLDERS = ("msg", "srv")
 ROS_MODULES = re.compile(r"(ros\w*|actionlib|genpy|catkin\w*|tf|tf2\w*|\w+_msgs|\w+_srvs|message_filters)(\..*)?$")
 GENERATED = re.compile(r"rosoclingo\.(msg|srv)(\..*)?$")
-LIBRARIES = {  # the key of package.xml for each library that is imported; clingo comes from PyPI alone
+LIBRARIES = {  # the key in package.xml for each imported library; clingo comes only from PyPI
     "numba": "python3-numba",
     "numpy": "python3-numpy",
     "PIL": "python3-pil",
@@ -62,21 +62,21 @@ def relative(path):
 
 
 def faults(paths, check):
-    """What a check finds in each of some files, for those in which it finds something."""
+    """Return the findings of a check by file, for files with any."""
     found = {relative(path): check(path) for path in paths}
     return {name: one for name, one in found.items() if one}
 
 
 @lru_cache(maxsize=None)
 def nodes_of(path):
-    """The imports, functions and classes of a file."""
+    """Return the imports, functions and classes of a file."""
     kinds = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     return [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, kinds)]
 
 
 @lru_cache(maxsize=None)
 def imports_of(path):
-    """The absolute names of all modules that a file imports; for "from a import b" both a and a.b."""
+    """Return the absolute names of all modules that a file imports; for "from a import b" both a and a.b."""
     package = path.relative_to(ROOT / "src").with_suffix("").parts if path.suffix else ()
     names = set()
     for node in nodes_of(path):
@@ -91,13 +91,13 @@ def imports_of(path):
 
 
 def room_of(parts):
-    """The room of a module by the parts of its path or name below the package: the folder of MAY_IMPORT it lies in."""
+    """Return the room of a module by its path or name below the package: the folder of MAY_IMPORT that contains it."""
     two = "/".join(parts[:2])
     return two if len(parts) > 1 and two in MAY_IMPORT else parts[0]
 
 
 def rooms_of(names, within):
-    """The rooms among imported names; from outside oclingo or robot each of them is one."""
+    """Return the rooms among imported names; from outside oclingo or robot each of them is one."""
     parts = [name.split(".")[1:] for name in names if name.startswith("rosoclingo.")]
     return {
         room_of(one) if one[0] == within.split("/")[0] else one[0]
@@ -111,12 +111,12 @@ def dependencies():
     return {element.text.strip() for element in root if element.tag.endswith("depend")}
 
 
-def test_imports_go_one_way():
+def test_house_imports_go_one_way():
     assert not faults(SOURCES, forbidden_rooms)
 
 
 def forbidden_rooms(path):
-    """The rooms from which a module imports though it may not; modules beside the packages import none of them."""
+    """Return the rooms from which a module must not import but does; top-level modules import none of them."""
     parts = path.relative_to(PACKAGES).with_suffix("").parts
     if len(parts) == 1:
         return rooms_of(imports_of(path), "")
@@ -125,13 +125,13 @@ def forbidden_rooms(path):
     return rooms_of(imports_of(path), room) - allowed
 
 
-def test_no_modules_import_each_other():
+def test_house_modules_have_no_import_cycle():
     modules = {".".join(path.relative_to(ROOT / "src").with_suffix("").parts): path for path in SOURCES}
     modules = {
         name[: -len(".__init__")] if name.endswith(".__init__") else name: path for name, path in modules.items()
     }
     left = {name: imported_modules(path, modules) - {name} for name, path in modules.items()}
-    while True:  # modules without an import that is left are part of no circle; imports for types count as well
+    while True:  # modules without a remaining import are part of no cycle; imports for types count as well
         last = {name for name, imports in left.items() if not imports & left.keys()}
         if not last:
             break
@@ -140,7 +140,7 @@ def test_no_modules_import_each_other():
 
 
 def imported_modules(path, modules):
-    """The modules that a file imports; for "from a import b" a.b if that is a module, else a."""
+    """Return the modules that a file imports; for "from a import b" a.b if that is a module, else a."""
     found = set()
     for node in nodes_of(path):
         if isinstance(node, ast.Import):
@@ -151,12 +151,12 @@ def imported_modules(path, modules):
     return found & modules.keys()
 
 
-def test_pure_packages_know_nothing_of_ros_and_start_no_threads():
+def test_house_pure_packages_use_neither_ros_nor_threads():
     assert not faults(PURE_SOURCES, impure_imports)
 
 
 def impure_imports(path):
-    """What a pure module imports though it may not."""
+    """Return the forbidden imports of a pure module."""
     names = imports_of(path)
     impure = {name for name in names if ROS_MODULES.match(name) and not name.startswith("rosoclingo")}
     impure |= {name for name in names if GENERATED.match(name)}
@@ -164,35 +164,35 @@ def impure_imports(path):
     return impure | {name.split(".")[2] for name in names if name.startswith("rosoclingo.common.")} - {*PURE_COMMON}
 
 
-def test_every_subpackage_is_in_the_layers():
+def test_house_layers_contain_every_subpackage():
     assert {path.name for path in PACKAGES.iterdir() if (path / "__init__.py").exists()} == LAYERS
 
 
-def test_rostests_lie_in_rooms_and_no_two_have_one_name():
+def test_house_rostests_have_folders_and_unique_names():
     rooms = {path.parent.relative_to(ROOT / "test" / "rostest").as_posix() for path in ROSTESTS}
     assert rooms == {"core", "interfaces", "nodes", "robot", "scenarios"}
     names = [path.name for path in (ROOT / "test" / "rostest").rglob("*") if path.suffix in (".py", ".test")]
     assert not {name for name in names if names.count(name) > 1}, "rostest finds scripts by their names"
 
 
-def test_no_family_of_names_is_a_folder_in_disguise():
+def test_house_name_families_are_folders():
     assert not faults({path.parent for path in SOURCES}, families)
 
 
 def families(folder):
-    """The first words of more than two modules' names."""
+    """Return the first words that more than two modules' names share."""
     first = [path.stem.split("_")[0] for path in folder.glob("*.py") if path.stem != "__init__"]
     return {word for word in first if first.count(word) > 2}
 
 
-def test_setup_py_lists_every_subpackage():
+def test_house_setup_py_lists_every_subpackage():
     setuptools = pytest.importorskip("setuptools")
     folders = {".".join(path.parent.relative_to(ROOT / "src").parts) for path in SOURCES}
     assert set(setuptools.find_packages(str(ROOT / "src"))) == folders, "a folder with modules lacks __init__.py"
     assert 'find_packages("src")' in (ROOT / "setup.py").read_text()
 
 
-def test_the_version_is_in_package_xml_only():
+def test_house_version_is_only_in_package_xml():
     version = ElementTree.parse(ROOT / "package.xml").getroot().findtext("version")
     for path in [ROOT / "setup.py", ROOT / "CMakeLists.txt", ROOT / "pyproject.toml", *SOURCES, *SCRIPTS]:
         text = path.read_text()
@@ -200,7 +200,7 @@ def test_the_version_is_in_package_xml_only():
         assert f'"{version}"' not in text, path
 
 
-def test_scripts_and_functions_are_short():
+def test_house_scripts_and_functions_are_short():
     assert not [relative(path) for path in SCRIPTS if len(path.read_text().splitlines()) > 40]
     assert not faults(SOURCES + SCRIPTS + TESTS, long_functions)
 
@@ -210,7 +210,7 @@ def long_functions(path):
     return [node.name for node in functions if node.end_lineno - node.lineno >= 50]
 
 
-def test_no_named_tuple_has_another_base_before_python_3_11():
+def test_house_named_tuples_have_no_other_base():
     assert not faults(SOURCES + SCRIPTS, mixed_named_tuples)
 
 
@@ -219,7 +219,7 @@ def mixed_named_tuples(path):
     return [node.name for node in classes if any("NamedTuple" in ast.dump(base) for base in node.bases)]
 
 
-def test_scripts_are_executables():
+def test_house_scripts_are_executable():
     for path in SCRIPTS:
         assert path.suffix == ""
         assert path.name != "rosoclingo", "it would shadow the package"
@@ -227,32 +227,32 @@ def test_scripts_are_executables():
         assert path.read_text().startswith("#!/usr/bin/env python3\n"), path
 
 
-def test_every_script_is_installed():
+def test_house_scripts_are_all_installed():
     listed = re.findall(r"^\s+scripts/(\S+)$", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
     assert listed == sorted(listed)
     assert listed == [path.name for path in SCRIPTS], "catkin_install_python in CMakeLists.txt lists all of scripts/"
 
 
-def test_every_interface_file_is_generated():
+def test_house_interface_files_are_all_generated():
     for folder in ("action", "msg", "srv"):
         listed = re.findall(rf"^\s+(\w+\.{folder})$", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
         assert listed == sorted(path.name for path in (ROOT / folder).glob(f"*.{folder}"))
 
 
-def test_every_data_folder_is_installed():
+def test_house_data_folders_are_all_installed():
     install = re.search(r"install\(DIRECTORY ([^)]*?)\s+DESTINATION", (ROOT / "CMakeLists.txt").read_text()).group(1)
     assert install.split() == ["config", "doc", "encodings", "launch", "templates", "web", "worlds"]
     for folder in install.split():
         assert any((ROOT / folder).iterdir()), folder
 
 
-def test_package_xml_names_what_is_imported():
+def test_house_package_xml_names_the_imports():
     names = {name.split(".")[0] for path in SOURCES + SCRIPTS for name in imports_of(path)}
     needed = {LIBRARIES.get(name, name) for name in names if name in LIBRARIES or ROS_MODULES.match(name)}
     assert needed - {"rosoclingo", ""} <= dependencies()
 
 
-def test_dev_knows_the_debian_package_of_each_dependency():
+def test_house_dev_knows_debian_package_of_dependencies():
     arrays = "\n".join(re.findall(r"^\w+_PACKAGES=\([^)]*\)", (ROOT / "dev").read_text(), re.MULTILINE))
     script = f'{arrays}\necho "${{DEBIAN_PACKAGES[@]}}" "${{COMMON_PACKAGES[@]}}"'
     packages = set(subprocess.run(["bash", "-c", script], check=True, capture_output=True, text=True).stdout.split())
@@ -261,18 +261,18 @@ def test_dev_knows_the_debian_package_of_each_dependency():
         assert packages & {name, f"python3-{name}", f"ros-{name}", f"lib{name}-dev", f"python3-{name}-python"}, key
 
 
-def test_every_launch_argument_is_documented():
+def test_house_launch_arguments_are_documented():
     for path in LAUNCH_FILES:
         for argument in ElementTree.parse(path).getroot().findall("arg"):
             assert argument.get("doc") or "value" in argument.attrib, f"{path}: {argument.get('name')} lacks a doc text"
 
 
-def test_launch_files_refer_to_what_there_is():
+def test_house_launch_files_refer_to_existing_files():
     assert not faults(LAUNCH_FILES + ROSTESTS, missing_files)
 
 
 def missing_files(path):
-    """The files and nodes of this package that a launch file names though there are none."""
+    """Return the files and nodes of this package that a launch file names but that do not exist."""
     elements = list(ElementTree.parse(path).getroot().iter())
     values = " ".join(value for element in elements for value in element.attrib.values())
     files = {ROOT / name for name in re.findall(r"\$\(find rosoclingo\)/([\w./-]+)", values)}
@@ -284,7 +284,7 @@ def missing_files(path):
     return [str(file) for file in files if not file.exists()]
 
 
-def test_each_rostest_has_a_time_limit():
+def test_house_rostests_have_a_time_limit():
     for path in ROSTESTS:
         for element in ElementTree.parse(path).getroot().iter("test"):
             assert element.get("time-limit"), f"{path}: {element.get('test-name')} has no time limit"

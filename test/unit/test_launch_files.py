@@ -1,4 +1,4 @@
-"""The launch arguments that put the real stage_ros, move_base, map_server, or a user's own robot in their place."""
+"""The launch arguments that select the real stage_ros, move_base, map_server, or a user's own robot."""
 
 import itertools
 import os
@@ -29,7 +29,7 @@ LOCALIZATION = {
 }
 OWN = {("rosoclingo", name) for name in ("core", "office", "move_base_interface", "pickup_interface")}
 
-# What move_base, costmap_2d and the two planners read on noetic; other names would be dead letters.
+# The parameters that move_base, costmap_2d and the two planners read on noetic; others would have no effect.
 KNOWN = {
     "": {"base_global_planner", "base_local_planner", "controller_frequency", "planner_frequency"},
     "NavfnROS": {"allow_unknown", "default_tolerance"},
@@ -48,7 +48,7 @@ KNOWN = {
 
 
 def load(name, **arguments):
-    """The configuration that roslaunch makes of a launch file and its arguments."""
+    """Return the configuration that roslaunch makes of a launch file and its arguments."""
     words = [f"{key}:={value}" for key, value in arguments.items()]
     config = ROSLaunchConfig()
     XmlLoader(resolve_anon=False).load(str(ROOT / "launch" / name), config, argv=words, verbose=False)
@@ -59,13 +59,13 @@ def load(name, **arguments):
     ("encoding", "files"),
     [({}, ["mailbot.lp", "office.lp"]), ({"encoding": "paper"}, ["paper.lp"]), ({"programs": "[a/b.lp]"}, ["b.lp"])],
 )
-def test_the_encoding_of_the_mailbot(encoding, files):
+def test_launch_mailbot_has_its_encoding(encoding, files):
     programs = parameters(load("mailbot.launch", **encoding), "/rosoclingo/program_files")[""]
     assert [Path(file).name for file in programs] == files
 
 
 def template(monkeypatch, folder, **arguments):
-    """The configuration of a new package's launch file."""
+    """Return the configuration of a new package's launch file."""
     new_package("guard", folder, ROOT / "templates" / "package")
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}")
     monkeypatch.setattr(roslaunch.substitution_args, "_rospack", None)
@@ -111,21 +111,21 @@ def parameters(config, prefix):
 
 
 @pytest.mark.parametrize("sim", SIM)
-def test_the_simulation(sim):
+def test_launch_simulation_can_be_replaced(sim):
     config = load("simulation.launch", sim=sim)
     assert nodes(config) == ({SIM[sim]} - {None})
     assert ("/use_sim_time" in config.params) == (sim != "none")
 
 
 @pytest.mark.parametrize(("nav", "server", "localization"), list(itertools.product(NAV, MAP, LOCALIZATION)))
-def test_navigation(nav, server, localization):
+def test_launch_navigation_can_be_replaced(nav, server, localization):
     config = load("navigation.launch", nav=nav, map_server=server, localization=localization)
     assert nodes(config) == {NAV[nav], MAP[server], LOCALIZATION[localization]} - {None}
     assert {node.namespace for node in config.nodes} <= {"/"}
 
 
 @pytest.mark.parametrize(("sim", "nav"), list(itertools.product(SIM, NAV)))
-def test_the_mailbot_passes_its_arguments_through(sim, nav):
+def test_launch_mailbot_passes_its_arguments_through(sim, nav):
     server, localization = ("map_server", "fake") if nav == "move_base" else ("none", "none")
     config = load("mailbot.launch", sim=sim, nav=nav, map_server=server, localization=localization)
     found = nodes(config)
@@ -135,7 +135,7 @@ def test_the_mailbot_passes_its_arguments_through(sim, nav):
     assert found & unwanted == {SIM[sim], NAV[nav], MAP[server], LOCALIZATION[localization]} - {None}
 
 
-def test_the_mailbot_in_another_world():
+def test_launch_mailbot_accepts_another_world():
     config = load("mailbot.launch", sim="stage", localization="amcl", stage_world="/a.world", initial_pose="3 2 1")
     assert node(config, "stageros").args.split() == ["--speed", "1.0", "/a.world"]
     assert parameters(config, "/amcl/")["initial_pose_x"] == 3.0
@@ -160,7 +160,7 @@ LAUNCH_FILES = {
         ({"RESPAWN": "true", "journal": "none"}, True, "none"),
     ],
 )
-def test_the_core_goes_on_or_everything_ends_with_it(file, given, again, journal):
+def test_launch_core_respawns_or_ends_the_launch(file, given, again, journal):
     config = load(file, **{LAUNCH_FILES[file] if key == "RESPAWN" else key: value for key, value in given.items()})
     core = node(config, "rosoclingo")
     assert (core.respawn, core.required) == (again, not again)
@@ -172,7 +172,7 @@ def test_the_core_goes_on_or_everything_ends_with_it(file, given, again, journal
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_the_floor_of_a_map():
+def test_launch_floor_is_made_of_a_map():
     found = parameters(
         load("mailbot.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office1"), "/rosoclingo/"
     )
@@ -183,12 +183,12 @@ def test_the_floor_of_a_map():
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_a_floor_that_cannot_be_made():
+def test_launch_reports_a_floor_that_cannot_be_made():
     with pytest.raises(RLException, match="places"):
         load("core.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office9")
 
 
-def test_a_journal_of_ones_own():
+def test_launch_accepts_a_journal_folder():
     found = parameters(load("mailbot.launch", journal="/tmp/kept", resume="yes"), "/rosoclingo/")
     assert (found["journal"], found["resume"]) == ("/tmp/kept", "yes")
 
@@ -204,7 +204,7 @@ def test_a_journal_of_ones_own():
         ("mailbot.launch", "nav"),
     ],
 )
-def test_an_unknown_word_is_refused_with_those_that_are_known(file, argument):
+def test_launch_unknown_choice_lists_the_known_ones(file, argument):
     with pytest.raises(roslaunch.xmlloader.XmlParseException) as caught:
         load(file, **{argument: "gazebo"})
     assert "gazebo" in str(caught.value)
@@ -212,7 +212,7 @@ def test_an_unknown_word_is_refused_with_those_that_are_known(file, argument):
     assert "rosoclingo" in str(caught.value)
 
 
-def test_what_stage_is_told():
+def test_launch_passes_arguments_to_stage():
     config = load("simulation.launch", sim="stage", base_watchdog_timeout="0.5")
     stage = node(config, "stageros")
     *pace, world = stage.args.split()
@@ -222,13 +222,13 @@ def test_what_stage_is_told():
     assert not stage.remap_args
 
 
-def test_stage_names_topics_after_the_models_where_it_is_asked_to():
+def test_launch_stage_can_name_topics_after_models():
     stage = node(load("simulation.launch", sim="stage", use_model_names="true", stage_world="/a.world"), "stageros")
     assert stage.args.split() == ["--speed", "1.0", "-u", "/a.world"]
 
 
 @pytest.mark.parametrize("file", ["simulation.launch", "mailbot.launch", "house.launch"])
-def test_the_pace_of_stage(file):
+def test_launch_sets_the_pace_of_stage(file):
     def args(**more):
         return node(load(file, sim="stage", stage_world="/a.world", **more), "stageros").args.split()
 
@@ -238,19 +238,19 @@ def test_the_pace_of_stage(file):
     assert args(stage_window="true", stage_args="") == ["--speed", "1.0", "--window", "/a.world"]
 
 
-def test_scans_that_are_late():
+def test_launch_delays_the_scans():
     for file in ("simulation.launch", "mailbot.launch", "house.launch"):
         assert "/simulator/scan_delay" not in load(file).params
         assert load(file, scan_delay="0.1").params["/simulator/scan_delay"].value == 0.1
 
 
-def test_what_fake_localization_is_told():
-    """Its own default of the map's frame begins with a slash, which tf2 refuses to look up."""
+def test_launch_passes_frames_to_fake_localization():
+    """Its own default for the map's frame begins with a slash, which tf2 refuses to look up."""
     found = parameters(load("navigation.launch", localization="fake"), "/fake_localization/")
     assert found == {"global_frame_id": "map", "odom_frame_id": "odom", "base_frame_id": "base_link"}
 
 
-def test_what_amcl_is_told():
+def test_launch_passes_frames_to_amcl():
     config = load("navigation.launch", localization="amcl", initial_pose="1 -2 0.5")
     found = parameters(config, "/amcl/")
     assert (found["initial_pose_x"], found["initial_pose_y"], found["initial_pose_a"]) == (1.0, -2.0, 0.5)
@@ -259,14 +259,14 @@ def test_what_amcl_is_told():
 
 
 @pytest.mark.parametrize("server", ["rosoclingo", "map_server"])
-def test_the_map_server_gets_the_map(server):
+def test_launch_passes_map_to_map_server(server):
     config = load("navigation.launch", map_server=server, map="/some/where.yaml")
     assert node(config, "map_server").args == "/some/where.yaml"
 
 
 @pytest.mark.parametrize("nav", ["rosoclingo", "move_base"])
 @pytest.mark.parametrize("localization", ["rosoclingo", "fake", "amcl"])
-def test_one_of_several_robots(nav, localization):
+def test_launch_starts_one_of_several_robots(nav, localization):
     config = load("navigation.launch", nav=nav, localization=localization, frame_prefix="robot_1/")
     name = "amcl" if localization == "amcl" else "fake_localization"
     found = parameters(config, f"/{name}/")
@@ -277,14 +277,14 @@ def test_one_of_several_robots(nav, localization):
     assert found["local_costmap/global_frame"] == "robot_1/odom"
 
 
-def test_a_configuration_of_ones_own_keeps_its_frames(tmp_path):
+def test_launch_custom_configuration_keeps_its_frames(tmp_path):
     (tmp_path / "own.yaml").write_text("global_costmap: {robot_base_frame: base_footprint}")
     for nav, argument in (("rosoclingo", "navigation_config"), ("move_base", "move_base_config")):
         config = load("navigation.launch", nav=nav, **{argument: tmp_path / "own.yaml"})
         assert parameters(config, "/move_base/") == {"global_costmap/robot_base_frame": "base_footprint"}
 
 
-def test_the_real_move_base_reads_every_parameter_of_its_file():
+def test_launch_real_move_base_reads_every_parameter():
     values = yaml.safe_load((ROOT / "config" / "real_move_base.yaml").read_text())
     for key, value in values.items():
         if not key.endswith("_costmap"):
@@ -293,7 +293,7 @@ def test_the_real_move_base_reads_every_parameter_of_its_file():
             continue
         layers = {plugin["name"] for plugin in value["plugins"]}
         assert set(value) - layers <= KNOWN["costmap"]
-        # clear_costmap_recovery clears the layer "obstacles" unless told otherwise.
+        # clear_costmap_recovery clears the layer "obstacles" unless configured otherwise.
         assert "obstacles" in layers
         for layer in layers & set(value):
             sources = set(value[layer].get("observation_sources", "").split())
@@ -301,7 +301,7 @@ def test_the_real_move_base_reads_every_parameter_of_its_file():
             assert all(set(value[layer][source]) <= KNOWN["source"] for source in sources)
 
 
-def test_both_configurations_are_for_the_same_robot():
+def test_launch_both_configurations_describe_same_robot():
     own, real = (
         yaml.safe_load((ROOT / "config" / name).read_text()) for name in ("navigation.yaml", "real_move_base.yaml")
     )
@@ -312,8 +312,8 @@ def test_both_configurations_are_for_the_same_robot():
     assert own["RolloutFollower"]["max_vel_x"] <= world["max_speed"]
 
 
-def test_labels_and_packages_of_an_earlier_launch_do_not_stay():
-    """Maps of parameters are merged on the server: a house's things would be in the office of the next launch."""
+def test_launch_removes_labels_and_packages_of_earlier_launch():
+    """The server merges maps of parameters: a house's things would be in the office of the next launch."""
     config = load("mailbot.launch", rviz="true")
     keys = [key.split("/") for key in config.params if key.count("/") > 1]
     loaded = {key[1] for key in keys if key[2] in ("labels", "packages", "interfaces")}

@@ -26,7 +26,7 @@ def reports(folder: Path, **texts: str):
     return sorted(folder.glob("*.xml"))
 
 
-def test_failures_of_pytest_are_named_as_it_takes_them(tmp_path):
+def test_outcome_names_pytest_failures_for_reruns(tmp_path):
     outcome = count(reports(tmp_path, unit=PYTEST))
     assert outcome.failures == (
         "test/unit/test_a.py::test_bad[1-2]",
@@ -37,27 +37,27 @@ def test_failures_of_pytest_are_named_as_it_takes_them(tmp_path):
     assert str(outcome) == "2 passed, 3 failed, 1 skipped"
 
 
-def test_rostests_are_counted_once(tmp_path):
+def test_outcome_counts_rostests_once(tmp_path):
     outcome = count(reports(tmp_path, rosunit_core=ROSUNIT, rostest_core=ROSTEST))
     assert outcome.passed == 1
     assert outcome.failures == ("rostest.runner.RosTest.testcore", "CoreTest.test_goal")
 
 
-def test_a_report_that_cannot_be_read_is_a_failure(tmp_path):
+def test_outcome_unreadable_report_is_a_failure(tmp_path):
     (failure,) = count(reports(tmp_path, unit="<testsuite")).failures
     assert str(tmp_path / "unit.xml") in failure
 
 
-def test_a_failure_that_the_report_does_not_name_is_counted(tmp_path):
+def test_outcome_counts_failure_missing_in_report(tmp_path):
     outcome = count(reports(tmp_path, unit='<testsuite name="some" tests="3" failures="1" errors="0"/>'))
     assert (outcome.passed, len(outcome.failures)) == (2, 1)
 
 
-def test_each_failure_tells_what_it_is_of():
+def test_outcome_failure_names_its_part():
     assert judge("unit", Finished(1, []), Outcome(2, ("test_x",))).failures == ("unit: test_x",)
 
 
-def test_what_ends_badly_without_a_failed_test_has_failed():
+def test_outcome_bad_end_without_failed_test_is_failure():
     assert judge("a", Finished(0, []), Outcome(1)).failures == ()
     assert judge("a", Finished(7, []), Outcome(1)).failures == ("a: ended with exit code 7",)
     assert judge("a", Finished(None, []), Outcome(1)).failures == ("a: did not end in time",)

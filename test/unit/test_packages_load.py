@@ -1,4 +1,4 @@
-"""The packages' fronts: every name is there, and who wants little loads, and needs, little."""
+"""The packages' __init__ modules: every name exists, and small imports load little."""
 
 import importlib
 import importlib.util
@@ -15,7 +15,7 @@ OTHERS = ("common", "interfaces", "nodes", "oclingo", "runs")
 
 
 @pytest.mark.parametrize("package", ["rosoclingo.robot.navigation", "rosoclingo.robot.simulation"])
-def test_every_name_is_there(package):
+def test_packages_export_every_name(package):
     module = importlib.import_module(package)
     for name in module.__all__:
         assert getattr(module, name).__name__ == name or not hasattr(getattr(module, name), "__name__")
@@ -26,12 +26,12 @@ def test_every_name_is_there(package):
 @pytest.mark.parametrize(
     "module", ["rosoclingo.robot.simulation.office_packages", "rosoclingo.robot.navigation.geometry"]
 )
-def test_what_needs_no_compiler_loads_none(module):
+def test_packages_without_compiled_code_load_no_compiler(module):
     code = f"import sys, {module}; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=str(SOURCES), check=False, timeout=120).returncode == 0
 
 
-def test_command_that_plays_a_stream_loads_no_more_than_it_needs(tmp_path):
+def test_packages_stream_command_loads_only_its_needs(tmp_path):
     """A new process loads and compiles each module that it imports."""
     (tmp_path / "program.lp").write_text("#program cumulative(t).\n#external e(t).\n#program volatile(t).\n")
     (tmp_path / "updates.str").write_text("#step 1. e(1). #endstep.")
@@ -78,8 +78,8 @@ for name in sys.argv[2].split(","):
     "package",
     ["reasoning", *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in OTHERS)],
 )
-def test_who_has_a_robot_of_his_own_needs_nothing_of_the_stand_ins(package):
-    """numpy is the rviz tools' too."""
+def test_packages_for_own_robot_need_no_simulation(package):
+    """the rviz tools use numpy as well"""
     if subprocess.run([sys.executable, "-c", "import rospy, rosoclingo.msg"], check=False, timeout=120).returncode:
         pytest.skip("there is no built workspace")
     front = importlib.import_module(f"rosoclingo.{package}")

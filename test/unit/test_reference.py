@@ -1,4 +1,4 @@
-"""doc/reference.md: it is what the docstrings say, and what they say of parameters is what the nodes read."""
+"""doc/reference.md equals the docstrings, and the parameters in it are those that the nodes read."""
 
 import importlib
 import runpy
@@ -14,17 +14,17 @@ ROOT = Path(__file__).resolve().parents[2]
 MAKER = runpy.run_path(str(ROOT / "doc" / "make_reference.py"))
 NODES = {node.scripts[0]: node for node in MAKER["NODES"]}
 KINDS = {"str": str, "int": int, "float": float, "bool": bool, "list": list, "list of str": list, "map": dict}
-#: What is in place of a name that the parameters tell.
+#: The value that stands in for a name that the parameters give.
 GIVEN_NAMES = {"SOURCE": "base_scan"}
 
 
-class Read(Exception):  # noqa: N818 it ends a node's start, not an error
-    """Thrown when a node has read all its parameters."""
+class ParametersReadError(Exception):  # noqa: N818 it ends a node's start, not an error
+    """Raised when a node has read all its parameters."""
 
 
 @pytest.fixture
 def workspace(monkeypatch):
-    """The messages that the build has made; unit tests take the package from its sources, where they are not."""
+    """The built messages, where unit tests import the package from its sources, without messages."""
     pytest.importorskip("rospy")
     monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
     pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
@@ -32,7 +32,7 @@ def workspace(monkeypatch):
 
 @pytest.fixture
 def read_parameters(monkeypatch, workspace):
-    """Starts a node of some class up to where it has read its parameters; gives their names and the defaults."""
+    """Start a node of a class until it has read its parameters; return their names and the defaults."""
     import rospy
 
     tf2_ros = pytest.importorskip("tf2_ros", reason="compiled, and not for this Python")
@@ -48,7 +48,7 @@ def read_parameters(monkeypatch, workspace):
             return read(reader, wanted, fit, default, empty)
 
         def stop(given, error=None):
-            raise Read
+            raise ParametersReadError
 
         monkeypatch.setattr(parameters, "_READ", seen)
         monkeypatch.setattr(rospy, "get_param", lambda name, default=None: default)
@@ -57,7 +57,7 @@ def read_parameters(monkeypatch, workspace):
         monkeypatch.setattr(Reader, "read", noting)
         monkeypatch.setattr(parameters.Parameters, "check", stop)
         module = importlib.import_module("rosoclingo." + file[:-3].replace("/", "."))
-        with pytest.raises(Read):
+        with pytest.raises(ParametersReadError):
             getattr(module, name)()
         return seen, defaults
 
@@ -65,7 +65,7 @@ def read_parameters(monkeypatch, workspace):
 
 
 def documented(node):
-    """The parameters of a node by their names, each with what stands in brackets."""
+    """Return the parameters of a node by name, each with the text in its brackets."""
     entries = MAKER["entries"](MAKER["descriptions"](node.places), "Parameters")
     return {concrete(name): spec for entry in entries for name, spec in entry.names}
 
@@ -76,24 +76,24 @@ def concrete(name):
     return name
 
 
-def test_the_page_is_made_of_the_docstrings(workspace):
+def test_reference_page_equals_the_docstrings(workspace):
     assert MAKER["page"]() == MAKER["PAGE"].read_text(encoding="utf-8"), "make it anew: doc/make_reference.py"
 
 
-def test_every_script_is_on_the_page():
+def test_reference_page_has_every_script():
     scripts = [script for node in MAKER["NODES"] for script in node.scripts] + list(MAKER["COMMANDS"])
     assert sorted(scripts) == sorted(path.name for path in (ROOT / "scripts").iterdir() if path.is_file())
 
 
 @pytest.mark.parametrize("script", sorted(NODES))
-def test_a_script_starts_the_node_of_its_docstring(script):
+def test_reference_script_starts_node_of_its_docstring(script):
     file, name = NODES[script].places[0]
     text = (ROOT / "scripts" / script).read_text() + (ROOT / "src" / "rosoclingo" / file).read_text()
     assert f"node_arguments({name}, " in text
 
 
 @pytest.mark.parametrize("script", sorted(NODES))
-def test_the_parameters_are_those_that_the_node_reads(script, read_parameters):
+def test_reference_parameters_are_those_of_the_node(script, read_parameters):
     seen, defaults = read_parameters(*NODES[script].places[0])
     names = {"~" + name for name in seen} | {place for place in defaults if place.startswith("~")}
     groups = {name for name in names if any(other.startswith(name + "/") for other in names)}
@@ -101,7 +101,7 @@ def test_the_parameters_are_those_that_the_node_reads(script, read_parameters):
 
 
 @pytest.mark.parametrize("script", sorted(NODES))
-def test_the_defaults_are_those_of_the_code(script, read_parameters):
+def test_reference_defaults_are_those_of_the_code(script, read_parameters):
     _, defaults = read_parameters(*NODES[script].places[0])
     from rosoclingo.common.reading import MISSING
 

@@ -1,4 +1,4 @@
-"""What ``./dev test`` runs: every group, and so many at a time as there are cores for."""
+"""The groups that ``./dev test`` runs: all of them, with as many at a time as there are cores."""
 
 import ipaddress
 import itertools
@@ -13,8 +13,8 @@ FIRST, BURST = "rostest core", "rostest crowd"
 ON_BOTH = ("rostest goal_server on Python 3.8", AGAIN)
 
 
-class Notes(run_tests.Tests):
-    """Notes what is run and what of it is at work at the same time, and runs nothing; what is in ``bad`` fails."""
+class RecordedTests(run_tests.Tests):
+    """Records the commands and their concurrency instead of running them; commands in ``bad`` fail."""
 
     def __init__(self, bad):
         self.bad, self.done, self.at_work = bad, [], set()
@@ -24,7 +24,7 @@ class Notes(run_tests.Tests):
         self.beside = {name: threading.Barrier(2) for name in (FIRST, BURST)}
 
     def note(self, name, meeting=None):
-        """``meeting`` is the one of ``beside`` that has to be at work now."""
+        """Record a command; ``meeting`` is the one of ``beside`` that has to run at the same time."""
         with self.lock:
             self.at_work.add(name)
             for lane in self.most:
@@ -38,7 +38,7 @@ class Notes(run_tests.Tests):
 
     @staticmethod
     def lane(name):
-        """Where it runs."""
+        """Return the lane of a command."""
         kind, _, rest = name.partition(" ")
         if kind != "rostest":
             return "beside"
@@ -50,10 +50,10 @@ class Notes(run_tests.Tests):
 
 @pytest.fixture
 def whole(monkeypatch, tmp_path):
-    """Runs all, with a Python 3.8 or without."""
+    """Return a run of all groups, with a Python 3.8 or without."""
 
     def run(bad=(), found=True):
-        notes = Notes(bad)
+        notes = RecordedTests(bad)
         notes.work = notes.results = tmp_path
 
         def environment():
@@ -66,7 +66,7 @@ def whole(monkeypatch, tmp_path):
     return run
 
 
-def test_all_groups_are_run(whole):
+def test_run_tests_runs_all_groups(whole):
     notes, outcome = whole()
     names = [path.stem for path in run_tests.ROSTESTS]
     every = [*run_tests.LINTERS, HERE, "set-up", AGAIN, "install", "pip", *(f"rostest {name}" for name in names)]
@@ -80,25 +80,25 @@ def test_all_groups_are_run(whole):
 
 
 @pytest.mark.parametrize("bad", ["mypy", HERE, BURST, *ON_BOTH, "install", "pip"])
-def test_each_failure_is_told_and_the_others_are_run(whole, bad):
+def test_run_tests_reports_failures_and_continues(whole, bad):
     notes, outcome = whole(bad=[bad])
     assert outcome.failures == (bad,)
     assert notes.done.count("install") == 1
 
 
-def test_without_python38_the_rest_is_run(whole, capsys):
+def test_run_tests_without_python38_runs_the_rest(whole, capsys):
     notes, outcome = whole(found=False)
     assert "none   python38" in capsys.readouterr().out
     assert set(ON_BOTH).isdisjoint(notes.done)
     assert outcome.passed == len(run_tests.LINTERS) + len(run_tests.ROSTESTS) + 3
 
 
-def test_what_is_named_is_there():
+def test_run_tests_names_only_existing_files():
     named = {*run_tests.WAITING, *run_tests.ON_BOTH, *run_tests.QUICK_ROSTESTS}
     assert named <= {path.stem for path in run_tests.ROSTESTS}
 
 
-def test_unit_tests_run_in_a_folder_with_a_blank(monkeypatch, tmp_path):
+def test_run_tests_accepts_a_folder_with_a_blank(monkeypatch, tmp_path):
     root = tmp_path / "a clone"
     (root / "test" / "unit").mkdir(parents=True)
     (root / "test" / "of_the_runner.py").write_text("VALUE = 1\n")
@@ -113,7 +113,7 @@ def test_unit_tests_run_in_a_folder_with_a_blank(monkeypatch, tmp_path):
     assert (outcome.passed, outcome.failures) == (1, ())
 
 
-def test_loopback_addresses_differ_and_are_no_names_of_the_machine():
+def test_run_tests_loopback_addresses_differ_from_machine_names():
     for seed in (0, 1, 65535, 4194304):
         some = list(itertools.islice(run_tests.loopback_addresses(seed), 600))
         assert len(set(some)) == 600
@@ -122,7 +122,7 @@ def test_loopback_addresses_differ_and_are_no_names_of_the_machine():
             assert address not in ipaddress.ip_network("127.0.0.0/16")
 
 
-def test_what_gives_way_is_not_starved():
+def test_run_tests_low_priority_groups_do_not_starve():
     """The kernel divides a processor by weights, which fall by a fifth with each step of nice."""
     assert run_tests.GIVING_WAY[:2] == ("nice", "-n")
     assert 1.25 ** -int(run_tests.GIVING_WAY[2]) > 0.3

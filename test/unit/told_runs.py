@@ -1,4 +1,4 @@
-"""Runs for tests of what pages show, told as topics tell them."""
+"""Runs for tests of pages, as the topics publish them."""
 
 import numpy as np
 
@@ -10,12 +10,12 @@ GOAL = "goal(office2,office1,1)"
 
 
 def plan_of(*words):
-    """Actions one after the other from cycle 1 on, each "interface parameter"."""
+    """Return actions one after the other from cycle 1 on, each "interface parameter"."""
     return ["_action_lib({},{},{})".format(*word.split(), cycle) for cycle, word in enumerate(words, 1)]
 
 
 def delivery():
-    """One goal that is met after four actions, the third of which failed once; it begins 100 s after time did."""
+    """Return one goal that is met after four actions, the third of which failed once, beginning at 100 s."""
     view = RunView({"labels": LABELS, "title": "A delivery"})
     cells = np.zeros((40, 120), np.int8)
     cells[0] = cells[-1] = cells[:, 0] = cells[:, -1] = 100
@@ -48,20 +48,20 @@ def delivery():
 
 
 def act(view, time, cycle, plan):
-    """A plan is told and its action of a cycle goes out."""
+    """Publish a plan, and send its action of a cycle."""
     view.plan(time, cycle, len(plan), plan, (0.02, 0.01))
     view.dispatched(time, [plan[cycle - 1]])
 
 
 def back(view, time, action, value, cycle):
-    """An action returns, and the core feeds that."""
+    """Return an action to the core, which feeds the return."""
     text = f"_return({action.split('(')[1].split(',')[0]},{value},{cycle})"
     view.returned(time, "tests", [text])
     view.update(time, f"#step {cycle + 1}.\n:- not {action}.\n{text}.\n#end step.\n")
 
 
 def long_run(goals=200):
-    """Many goals after each other, each a minute long, with a robot that is seen ten times a second."""
+    """Return many consecutive goals, each a minute long, with ten robot poses per second."""
     view = RunView({"labels": LABELS, "title": "Many goals"})
     cycle = 0
     for number in range(goals):

@@ -1,4 +1,4 @@
-"""Workloads that depend on the profile: the standing run takes smaller ones than ``random`` and ``thorough``."""
+"""Workloads that depend on the profile: the standing run uses smaller ones than ``random`` and ``thorough``."""
 
 from hypothesis import settings
 
@@ -7,5 +7,5 @@ FULL = 100
 
 
 def sized(standing, full):
-    """Return the workload ``full`` where the profile has many examples, otherwise the one of the standing run."""
+    """Return the workload ``full`` if the profile has many examples, otherwise the one of the standing run."""
     return full if settings.default.max_examples >= FULL else standing

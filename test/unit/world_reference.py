@@ -1,4 +1,4 @@
-"""What the tests hold against the simulated world: its geometry once more, slowly, from its definition, in metres."""
+"""The reference for the simulated world: its geometry computed again, slowly, from its definition, in metres."""
 
 import math
 
@@ -6,18 +6,18 @@ import numpy as np
 
 from rosoclingo.robot.navigation import Pose2D
 
-DEEP = 1e-6  # m: who overlaps by less touches
+DEEP = 1e-6  # m: bodies that overlap by less only touch
 
 
 def squares(grid):
-    """The occupied cells as (n, 4): x0, y0, x1, y1."""
+    """Return the occupied cells as (n, 4): x0, y0, x1, y1."""
     rows, columns = np.nonzero(grid.cells >= 100)
     x, y = grid.origin_x + columns * grid.resolution, grid.origin_y + rows * grid.resolution
     return np.stack([x, y, x + grid.resolution, y + grid.resolution], axis=1)
 
 
 def place(corners, pose):
-    """Points (n, 2) of a body's frame where the body stands."""
+    """Return points (n, 2) of a body's frame at the body's pose."""
     return np.array([pose.compose(Pose2D(x, y))[:2] for x, y in corners]).reshape(-1, 2)
 
 
@@ -27,12 +27,12 @@ def box_corners(at, box):
 
 
 def edges(corners):
-    """The edges (n, 4) of a polygon."""
+    """Return the edges (n, 4) of a polygon."""
     return np.concatenate([corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
 def to_segments(points, segments):
-    """The distance of each point (n, 2) from the nearest of some segments (m, 4)."""
+    """Return the distance of each point (n, 2) from the nearest of some segments (m, 4)."""
     if not len(segments) or not len(points):
         return np.full(len(points), math.inf)
     a, d = segments[None, :, :2], segments[None, :, 2:] - segments[None, :, :2]
@@ -42,7 +42,7 @@ def to_segments(points, segments):
 
 
 def within(points, corners):
-    """Which points (n, 2) are inside of a polygon, deeper than DEEP: by the turns of its edges around each."""
+    """Return which points (n, 2) are inside a polygon, deeper than DEEP: by the turns of its edges around each."""
     a = corners[None] - points[:, None]
     b = np.roll(a, -1, axis=1)
     turn = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2)).sum(axis=1)
@@ -50,7 +50,7 @@ def within(points, corners):
 
 
 def along(corners, gap=0.004):
-    """Points of a polygon's sides, at most ``gap`` m apart."""
+    """Return points of a polygon's sides, at most ``gap`` m apart."""
     parts = []
     for x0, y0, x1, y1 in edges(corners):
         t = np.linspace(0.0, 1.0, 2 + int(math.hypot(x1 - x0, y1 - y0) / gap))[:-1, None]
@@ -59,7 +59,7 @@ def along(corners, gap=0.004):
 
 
 class Things:
-    """All that one robot of a simulation could be in, where it is now; ``others``: the other robots, too."""
+    """All objects that a robot could be inside at its present pose; ``others``: also the other robots."""
 
     def __init__(self, world, robot, others=True):
         self.squares = squares(world.spec.grid)
@@ -74,7 +74,7 @@ class Things:
         self.discs = np.array(self.discs).reshape(-1, 3)
 
     def overlap_disc(self, x, y, radius):
-        """What a disc overlaps, empty for nothing."""
+        """Return the objects that a disc overlaps, empty for none."""
         point, s = np.array([[x, y]]), self.squares
         gaps = np.maximum(np.maximum(s[:, :2] - point, point - s[:, 2:]), 0.0)
         if (np.hypot(*gaps.T) < radius - DEEP).any():
@@ -87,7 +87,7 @@ class Things:
         return "disc" if (apart < radius - DEEP).any() else ""
 
     def overlap_polygon(self, corners):
-        """What a polygon overlaps, empty for nothing."""
+        """Return the objects that a polygon overlaps, empty for none."""
         sides, s = along(corners), self.squares
         deep = (sides[:, None] > s[None, :, :2] + DEEP) & (sides[:, None] < s[None, :, 2:] - DEEP)
         if deep.all(axis=2).any() or within((s[:, :2] + s[:, 2:]) / 2, corners).any():
@@ -101,7 +101,7 @@ class Things:
         return "disc" if (inside | (away < self.discs[:, 2] - DEEP)).any() else ""
 
     def overlap(self, robot, pose=None):
-        """What a robot overlaps at a pose, where it is now if none is given."""
+        """Return the objects that a robot overlaps at a pose, by default the present one."""
         pose = pose or robot.pose
         if robot.outline:
             return self.overlap_polygon(place(robot.outline, pose))
@@ -109,7 +109,7 @@ class Things:
 
 
 def cast(things, x, y, angles, reach, grown):
-    """How far rays from a point run (m), with everything ``grown`` by so many metres."""
+    """Return how far rays from a point run (m), with all objects ``grown`` by some metres."""
     out = np.full(len(angles), float(reach))
     dx, dy = np.cos(angles)[:, None], np.sin(angles)[:, None]
     if len(things.squares):

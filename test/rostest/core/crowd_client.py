@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One client of the crowd: all its goals at once, many of them cancelled; prints how each of them ended, as JSON.
 
-It says when it is connected, and begins when it is told to.
+It reports its connection, and begins on command.
 """
 
 import collections
@@ -24,7 +24,7 @@ from interface_helpers import init_node, wait_for_server
 
 
 class CrowdClient:
-    """Sends its errands and notes how they end: number to terminal state and message."""
+    """Sends its errands and records their ends: number to terminal state and message."""
 
     def __init__(self, *kind):
         self._errands = errands(*kind)
@@ -33,7 +33,7 @@ class CrowdClient:
         self.ends = {}
 
     def run(self):
-        """Return when all have ended."""
+        """Return once all have ended."""
         news = queue.Queue()
         handles = [self._send(errand, news) for errand in self._errands]
         heard = collections.Counter()
@@ -48,7 +48,7 @@ class CrowdClient:
                 cancel_goal(self._client, handle)
 
     def _send(self, errand, news):
-        """The errand and its goal's handle; the news are the errand's place and states, None for feedback."""
+        """Send an errand and return its handle; the news are the errand's place and states, None for feedback."""
         number = self._errands.index(errand)
         handle = self._client.send_goal(
             ROSoClingoGoal(errand.request),

@@ -1,4 +1,4 @@
-"""What the clients of the crowd want: the same in every process, as it is drawn with a seed."""
+"""The errands of the crowd's clients, drawn from a seed, so that they are the same in every process."""
 
 import random
 from typing import List, NamedTuple, Optional
@@ -7,7 +7,7 @@ CLIENTS = 4
 
 
 class Errand(NamedTuple):
-    """Bring a package; `patience` is how many feedbacks are heard before it is cancelled, None: it is not."""
+    """Bring a package; `patience` is the number of feedbacks before its cancel, None for no cancel."""
 
     number: int
     origin: str
@@ -16,17 +16,17 @@ class Errand(NamedTuple):
 
     @property
     def request(self) -> str:
-        """The text of the goal."""
+        """Return the text of the goal."""
         return f"goal({self.origin},{self.destination},{self.number})"
 
 
 def names(offices: int) -> List[str]:
-    """The offices by name, in a row."""
+    """Return the offices by name, in a row."""
     return [f"office{number}" for number in range(1, offices + 1)]
 
 
 def errands(client: int, offices: int, cancels: bool, goals: int) -> List[Errand]:
-    """So many errands of one client, 0 to CLIENTS - 1, all to be met or some to be cancelled."""
+    """Return ``count`` errands of one client, 0 to CLIENTS - 1, all to be met or some to be cancelled."""
     draw = random.Random(client)
     patience = [None, None, 0, 1, 2, 4] if cancels else [None]
     return [_errand(draw, client * goals + number, offices, patience) for number in range(1, goals + 1)]

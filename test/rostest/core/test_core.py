@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core node: goals of several clients, refusals, cancels, stray facts, late comers; with the interfaces by hand."""
+"""The core with manual interfaces: goals of several clients, rejections, cancels, stray facts, late subscribers."""
 
 import random
 import subprocess
@@ -46,7 +46,7 @@ class Core(unittest.TestCase):
 
     @classmethod
     def errand(cls, what="walk"):
-        """A goal text with an identity of its own."""
+        """Return a goal text with an identity of its own."""
         cls.number += 1
         return f"do({what},{cls.number})"
 
@@ -85,7 +85,7 @@ class Core(unittest.TestCase):
         blocking.ends_as(SUCCEEDED)
         kept.ends_as(SUCCEEDED)
 
-    def test_goals_that_cannot_be_taken(self):
+    def test_goals_that_cannot_be_read_are_rejected(self):
         good_text = self.errand()
         good = self.client.send(good_text)
         command = self.hands.take()
@@ -103,7 +103,7 @@ class Core(unittest.TestCase):
         self.hands.succeed(command)
         good.ends_as(SUCCEEDED)
 
-    def test_goal_that_cannot_be_met(self):
+    def test_goal_that_cannot_be_met_is_aborted(self):
         text = self.errand("never")
         self.assertIn("there is no plan of at most 60 steps", self.client.send(text).ends_as(ABORTED))
 
@@ -175,7 +175,7 @@ class Core(unittest.TestCase):
         facts = [str(fact) for fact in parse_update(self.updates.texts[-1]).items[-2:]]
         self.assertEqual(facts, ["_seen(ball).", command.replace("_action_lib", "_return") + "."])
 
-    def test_stray_return_while_idle(self):
+    def test_stray_return_while_idle_changes_nothing(self):
         before = len(self.updates.texts)
         self.hands.tell("_return(walk,1,1)")
         self.hands.at_once = True
@@ -184,7 +184,7 @@ class Core(unittest.TestCase):
         self.updates.wait_for(f"_request({goal.text},")
         self.assertNotIn("_return(walk,1,1)", "".join(self.updates.texts[before:]))
 
-    def test_message_for_an_unknown_interface_is_nobodys_business(self):
+    def test_message_for_unknown_interface_is_ignored(self):
         publisher = rospy.Publisher("out_rosoclingo", InterfaceIO, queue_size=1)
         wait_until(lambda: publisher.get_num_connections() > 0, "a reader")
         publisher.publish(InterfaceIO("nobody", ["_action_lib(nobody,x,1)"]))
@@ -192,7 +192,7 @@ class Core(unittest.TestCase):
         self.hands.at_once = True
         self.client.send(self.errand()).ends_as(SUCCEEDED)
 
-    def test_each_listener_hears_first_which_run_it_is(self):
+    def test_each_listener_first_receives_the_run(self):
         self.assertRegex(self.hands.runs[0], r'^_run\("[-:T0-9]+-[0-9a-f]{8}"\)$')
         self.hands.at_once = True
         echo = ["rostopic", "echo", "-n", "2", "/out_rosoclingo"]  # a subscriber with a connection of its own
@@ -205,7 +205,7 @@ class Core(unittest.TestCase):
             self.assertEqual(first, {"interface": "rosoclingo", "facts": self.hands.runs[:1]})
             self.assertEqual(second["interface"], "walk")
 
-    def test_late_interface_is_sent_what_is_under_way_and_nothing_old(self):
+    def test_late_interface_receives_only_actions_under_way(self):
         self.hands.at_once = True
         self.client.send(self.errand()).ends_as(SUCCEEDED)
         self.hands.at_once = False
@@ -236,7 +236,7 @@ class Core(unittest.TestCase):
         goal.ends_as(SUCCEEDED)
         self.latched("rosoclingo/state", State, lambda state: state.atoms == [])
 
-    def test_goals_are_latched_as_actionlib_has_them(self):
+    def test_goals_are_latched_as_by_actionlib(self):
         goal = self.client.send(self.errand())
         command = self.hands.take()
         one = self.told(self.latched("rosoclingo/goals", GoalStates, lambda told: self.told(told, goal).request), goal)
@@ -256,7 +256,7 @@ class Core(unittest.TestCase):
 
     @staticmethod
     def latched(topic, kind, fit):
-        """What a topic has for those who come late, once that is fit: it is told soon after the goals' own news."""
+        """Wait for a latched message that fits: it is published soon after the goals' own news."""
         found = []
         wait_until(lambda: found.append(rospy.wait_for_message(topic, kind, PATIENCE)) or fit(found[-1]), topic)
         return found[-1]
@@ -266,10 +266,10 @@ class Core(unittest.TestCase):
         return goal.handle.comm_state_machine.action_goal.goal_id
 
     def told(self, goals, goal):
-        """What is told of a goal."""
+        """Return the published state of a goal."""
         return next((one for one in goals.goals if one.id == self.key_of(goal)), GoalState())
 
-    def test_request_from_the_command_line(self):
+    def test_request_from_the_command_line_succeeds(self):
         self.hands.at_once = True
         run = [[executable("request"), text] for text in (self.errand(), "do(", self.errand("never"))]
         codes = [subprocess.run(command, stdout=subprocess.DEVNULL, timeout=PATIENCE).returncode for command in run]
@@ -279,8 +279,8 @@ class Core(unittest.TestCase):
         )
         self.assertEqual(nobody.returncode, 5)
 
-    def test_request_in_plain_words(self):
-        self.hands.tell(origin="walk")  # announced, as another test has announced an interface of this node
+    def test_request_in_plain_words_is_understood(self):
+        self.hands.tell(origin="walk")  # announced, since another test has announced an interface of this node
         text = self.errand()
         with Told("request", "--plain", text) as client:
             command = self.hands.take()
@@ -309,7 +309,7 @@ class Core(unittest.TestCase):
             code, rest = watch.rest()
         self.assertEqual(code, 0)
         self.assertIn(f"{goal.text}: succeeded", rest)
-        begin = rest.index(f"{goal.text}: succeeded")  # behind what was told until the interrupt came
+        begin = rest.index(f"{goal.text}: succeeded")  # after the output that preceded the interrupt
         self.assertEqual((rest[begin - 1], rest[begin + 1]), ("", f"actions: walk {number}"))
 
     def test_many_goals_of_many_clients(self):

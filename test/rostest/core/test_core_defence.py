@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core's self-defence: /diagnostics, floods of nonsense, nobody there, several actions in a cycle, odd cancels."""
+"""The core's self-defence: /diagnostics, floods of nonsense, missing interfaces, concurrent actions, odd cancels."""
 
 import sys
 import unittest
@@ -22,7 +22,7 @@ ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 
 
 class Diagnostics:
-    """What the cores say of themselves, latest last."""
+    """The diagnostics of the cores, latest last."""
 
     def __init__(self):
         self.reports = []
@@ -33,7 +33,7 @@ class Diagnostics:
         self.reports += message.status
 
     def wait_for(self, condition, what, name="rosoclingo: core"):
-        """The first report from now on of which the condition holds, with its values as a dict."""
+        """Return the next report that meets the condition, with its values as a dict."""
         start, found = len(self.reports), []
 
         def look():
@@ -63,7 +63,7 @@ class CoreDefence(unittest.TestCase):
         self.hands.clear()
         self.arms.clear()
 
-    def test_the_state_is_on_diagnostics(self):
+    def test_diagnostics_show_the_state(self):
         goal = self.client.send("do(walk,1)")
         command = self.hands.take()
         status, values = self.diagnostics.wait_for(lambda _, one: one["awaited actions"] == command, "the action")
@@ -76,11 +76,11 @@ class CoreDefence(unittest.TestCase):
         goal.ends_as(GoalStatus.SUCCEEDED)
         self.diagnostics.wait_for(lambda _, one: one["open goals"] == "0", "the end")
 
-    def test_it_comes_though_nothing_changes(self):
+    def test_diagnostics_are_repeated_without_a_change(self):
         for _ in range(3):
             self.diagnostics.wait_for(lambda *_: True, "a report")
 
-    def test_nonsense_is_said_once_and_counted(self):
+    def test_nonsense_is_reported_once_and_counted(self):
         lines = []
         log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=10000)
         wait_to_hear(log, nodes=["/rosoclingo"])
@@ -99,7 +99,7 @@ class CoreDefence(unittest.TestCase):
         self.hands.succeed(self.hands.take())
         goal.ends_as(GoalStatus.SUCCEEDED)
 
-    def test_what_is_too_large_is_refused(self):
+    def test_oversized_messages_are_refused(self):
         for text, reason in (
             ("do(" + "x" * 1_000_000 + ",1)", "is too long for a goal: write at most 65536 characters"),
             ("do(" + "f(" * 10_000 + "1" + ")" * 10_000 + ",1)", "nested deeper than 256 levels"),
@@ -114,7 +114,7 @@ class CoreDefence(unittest.TestCase):
         self.hands.succeed(self.hands.take())
         goal.ends_as(GoalStatus.SUCCEEDED)
 
-    def test_an_interface_that_never_appears(self):
+    def test_interface_that_never_appears_is_reported(self):
         name = "lonely/rosoclingo: core"
         client = Client("lonely/rosoclingo")
         goal = client.send("do(walk,1)")
@@ -130,7 +130,7 @@ class CoreDefence(unittest.TestCase):
     def take_all(self, number):
         return sorted(self.arms.take() for _ in range(number))
 
-    def test_actions_of_one_cycle_one_fails_the_others_succeed(self):
+    def test_actions_of_one_cycle_can_fail_alone(self):
         messages = []
         wait_to_hear(rospy.Subscriber("/arms/out_rosoclingo", InterfaceIO, messages.append))
         goal = Client("arms/rosoclingo").send("both(1)")
@@ -152,7 +152,7 @@ class CoreDefence(unittest.TestCase):
         first = [sorted(one.facts) for one in messages[:2]]
         self.assertIn([left, right], first, "what is for one interface comes in one message")
 
-    def test_a_failure_that_names_no_action(self):
+    def test_failure_that_names_no_action_is_ambiguous(self):
         goal = Client("arms/rosoclingo").send("both(2)")
         left, _, head = self.take_all(3)
         cycle = head.rsplit(",", 1)[1][:-1]
@@ -164,7 +164,7 @@ class CoreDefence(unittest.TestCase):
         self.arms.succeed(again)
         goal.ends_as(GoalStatus.SUCCEEDED)
 
-    def test_cancel_of_an_unknown_goal(self):
+    def test_cancel_of_an_unknown_goal_is_accepted(self):
         cancel = rospy.Publisher("rosoclingo/cancel", GoalID, queue_size=10)
         wait_until(lambda: cancel.get_num_connections() > 0, "the server")
         goal = self.client.send("do(walk,3)")
@@ -177,7 +177,7 @@ class CoreDefence(unittest.TestCase):
         self.updates.wait_for("cancel(3)")
         self.assertEqual(sum("cancel(3)" in text for text in self.updates.texts), 1)
 
-    def test_cancel_by_time_stamp_takes_the_older_ones(self):
+    def test_cancel_by_time_stamp_ends_the_older_goals(self):
         blocking = self.client.send("do(walk,4)")
         command = self.hands.take()
         older = self.client.send("do(run,5)")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core while its solver works without end: time limit, cancel, Ctrl-C and the node's sudden death."""
+"""The core during an endless search or grounding: time limit, cancel, Ctrl-C and sudden death of the node."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ from interface_helpers import PATIENCE, Process, executable, init_node, process_
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
 
-#: The errand boom is ground without end, the errand pigeons is searched without end, maze also if it is cancelled.
+#: The errand boom is grounded without end, the errand pigeons is searched without end, maze also if it is cancelled.
 ENDLESS = """
 #program cumulative(t).
 n(0,t) :- asked(boom,_,C), C <= t+1.
@@ -36,7 +36,7 @@ dropped(I) :- _request(cancel(I),_).
 
 @contextmanager
 def core(namespace, **parameters):
-    """A core with endless errands; its topics are /NAMESPACE/..."""
+    """Start a core with endless errands; its topics are /NAMESPACE/..."""
     with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
         file.write(ERRANDS.read_text() + ENDLESS)
         file.flush()
@@ -47,7 +47,7 @@ def core(namespace, **parameters):
 
 
 def stat(pid):
-    """State and parent of a process, None where there is none."""
+    """Return state and parent of a process, None if it does not exist."""
     with suppress(OSError):
         state, parent = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[:2]
         return state, int(parent)
@@ -55,7 +55,7 @@ def stat(pid):
 
 
 def children(node):
-    """Process ids of a node's children."""
+    """Return the process ids of a node's children."""
     pid = process_of(node)
     pids = [int(path.name) for path in Path("/proc").glob("[0-9]*")]
     return [one for one in pids if (stat(one) or ("", 0))[1] == pid]
@@ -66,7 +66,7 @@ def gone(pid):
 
 
 def worked(node):
-    """Seconds of processor time that each child of a node has taken: an update is told only once it is in force."""
+    """Return the processor time in seconds of each child of a node: an update is published only once it is in force."""
     ticks = {}
     for pid in children(node):
         with suppress(OSError):
@@ -76,7 +76,7 @@ def worked(node):
 
 @contextmanager
 def kept_busy(node):
-    """Wait at the end until a child has worked for more than what its start takes: it is no other one in reserve."""
+    """Wait until a child has used more time than its start takes, so that it is not another standby."""
     before = worked(node)
     yield
     wait_until(
@@ -91,7 +91,7 @@ class CoreInterrupted(unittest.TestCase):
         init_node("core_interrupted_test")
 
     def serves(self, namespace, goal, updates):
-        """The core serves another goal."""
+        """Check that the core serves another goal."""
         sent = Client(f"{namespace}/rosoclingo").send(goal)
         action = goal.replace("do(", "_action_lib(")[:-1]
         updates.wait_for(goal)
@@ -105,7 +105,7 @@ class CoreInterrupted(unittest.TestCase):
         return [text for feedback in sent.feedback for text in feedback.task_plan]
 
     def test_time_limit_ends_grounding(self):
-        with core("timed", search_timeout=3.0):  # in which also a busy machine can plan for the other goal
+        with core("timed", search_timeout=3.0):  # in which even a busy machine can plan for the other goal
             updates = Updates("timed/rosoclingo")
             goal = Client("timed/rosoclingo").send("do(boom,1)")
             wait_until(lambda: goal.feedback, "word that the goal waits")
@@ -125,7 +125,7 @@ class CoreInterrupted(unittest.TestCase):
                 self.assertLessEqual(len(children("/cancelled/rosoclingo")), 2, "more than one in reserve")
             self.serves("cancelled", "do(walk,3)", updates)
 
-    def test_a_goal_whose_search_never_ends_waits_and_is_cancelled(self):
+    def test_endless_search_goal_waits_and_is_cancelled(self):
         with core("alone", search_timeout=2.0, horizon_limit=4):
             updates = Updates("alone/rosoclingo")
             goal = Client("alone/rosoclingo").send("do(maze,1)")
@@ -135,7 +135,7 @@ class CoreInterrupted(unittest.TestCase):
             goal.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
 
-    def test_goals_cancelled_while_a_search_goes_on_end_at_once(self):
+    def test_goals_cancelled_during_a_search_end_at_once(self):
         with core("during", search_timeout=0, horizon_limit=4):
             client = Client("during/rosoclingo")
             with kept_busy("/during/rosoclingo"):
@@ -158,7 +158,7 @@ class CoreInterrupted(unittest.TestCase):
             self.assertNotIn("Traceback", error)
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
-    def test_ctrl_c_cancels_what_is_under_way_and_death_does_not(self):
+    def test_ctrl_c_cancels_running_actions_but_death_does_not(self):
         hands = Hands("moving/")
         with tempfile.TemporaryDirectory() as folder:
             settings = {"journal": folder, "resume": "yes", "action_timeout": 0}
@@ -197,7 +197,7 @@ class CoreInterrupted(unittest.TestCase):
             process.signal(signal.SIGKILL)
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
-    def test_death_of_the_solver_costs_one_update_at_most(self):
+    def test_worker_death_costs_at_most_one_update(self):
         with core("robbed") as process:
             updates = Updates("robbed/rosoclingo")
             self.serves("robbed", "do(walk,1)", updates)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core is killed, also while its journal cannot be written: it goes on, or says that it cannot."""
+"""The core is killed, also while its journal cannot be written: it resumes, or reports that it cannot."""
 
 import os
 import re
@@ -56,24 +56,24 @@ class CoreKilled(unittest.TestCase):
         self.said.clear()
 
     def begin(self, text):
-        """A goal, and its first action."""
+        """Send a goal and wait for its first action."""
         goal = self.client.send(text)
         wait_until(goal.has_arrived, "the goal to arrive")
         return goal, self.hands.take()
 
     def kill(self):
-        """Kill the core and wait for the next one; returns the runs that there have been before."""
+        """Kill the core and wait for the next one; return the earlier runs."""
         process, runs = process_of(NODE), set(self.hands.runs)
         os.kill(process, signal.SIGKILL)
         wait_until(lambda: is_another(NODE, process), "the core to be started again")
         return runs
 
     def answer_until(self, command, condition):
-        """Answer a command again and again, as a new core may not hear yet."""
+        """Answer a command repeatedly, since a new core is perhaps not yet connected."""
         self.hands.at_once = True
         wait_until(lambda: self.hands.succeed(command) or condition(), "the goal to end")
 
-    def test_a_core_that_goes_on_tells_at_once_what_it_believes(self):
+    def test_resumed_core_publishes_its_beliefs_at_once(self):
         goal, command = self.begin("do(walk,20)")
         before = rospy.wait_for_message("rosoclingo/state", State, PATIENCE)
         self.kill()
@@ -89,8 +89,8 @@ class CoreKilled(unittest.TestCase):
         self.answer_until(command, lambda: CommState.DONE in goal.states)
         goal.ends_as(GoalStatus.SUCCEEDED)
 
-    def test_a_client_that_connects_late_has_the_result_too(self):
-        """A core that goes on may have met a goal before the client's connection for results is there again."""
+    def test_late_client_receives_the_result_too(self):
+        """A resumed core can meet a goal before the client's connection for results exists again."""
         raw = self.client.raw
         goal, command = self.begin("do(quick,10)")
         raw.result_sub.unregister()
@@ -104,7 +104,7 @@ class CoreKilled(unittest.TestCase):
             "rosoclingo: core", warns(f"the journal {self.journal} cannot be written: disk I/O error"), "the trouble"
         )
 
-    def test_the_robot_goes_on_and_the_journal_is_back_when_there_is_room(self):
+    def test_full_disk_stops_neither_robot_nor_later_journal(self):
         with full_disk(process_of(NODE)):
             first, command = self.begin("do(walk,1)")
             self.wait_for_trouble()
@@ -122,7 +122,7 @@ class CoreKilled(unittest.TestCase):
         second.ends_as(GoalStatus.SUCCEEDED)
         self.assertEqual(set(self.hands.runs), runs)
 
-    def test_a_core_that_is_killed_on_a_full_disk_begins_anew_and_says_so(self):
+    def test_core_killed_on_full_disk_begins_a_new_run(self):
         with full_disk(process_of(NODE)):
             lost, _ = self.begin("do(walk,3)")
             self.wait_for_trouble()
@@ -134,7 +134,7 @@ class CoreKilled(unittest.TestCase):
         self.answer_until(command, lambda: CommState.DONE in goal.states)
         goal.ends_as(GoalStatus.SUCCEEDED)
 
-    def test_a_folder_that_cannot_be_made(self):
+    def test_folder_that_cannot_be_created_is_reported(self):
         values = [f"_program_files:=[{ERRANDS}]", "_journal:=/proc/rosoclingo"]
         with Process(executable("core"), "__name:=rosoclingo", "__ns:=nowhere", *values) as process:
             hands = Hands("nowhere/")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""core.launch as it stands: a core that was killed comes back, one that cannot start ends its roslaunch."""
+"""core.launch as it stands: a killed core comes back, a core that cannot start ends its roslaunch."""
 
 import contextlib
 import os
@@ -28,7 +28,7 @@ NODE = "/rosoclingo"
 
 
 class Launched:
-    """A roslaunch of core.launch; ``text`` is what it has written so far."""
+    """A roslaunch of core.launch; ``text`` is its output so far."""
 
     def __init__(self, folder, arguments, environment, port):
         self._log = Path(folder) / "roslaunch.log"
@@ -56,16 +56,16 @@ class Launched:
 
     @property
     def starts(self):
-        """How often it has started the core."""
+        """Return how often it has started the core."""
         return self.text.count("process[rosoclingo-")
 
     def ends(self):
-        """Wait until it has ended by itself, and all it has started."""
+        """Wait until it has ended by itself, with all its children."""
         self._process.wait(PATIENCE)
         return self
 
     def end(self):
-        """Ctrl-C; whatever does not heed it is killed."""
+        """Press Ctrl-C, and kill it if it ignores that."""
         try:
             os.killpg(self._process.pid, signal.SIGINT)
             self._process.wait(PATIENCE)
@@ -81,7 +81,7 @@ def free_port():
 
 @contextlib.contextmanager
 def core_launch(environment=None, port=None, **arguments):
-    """A roslaunch of core.launch, with a master of its own where a port is given for that."""
+    """Start a roslaunch of core.launch, with its own master if a port is given."""
     with tempfile.TemporaryDirectory() as folder:
         launched = Launched(folder, arguments, environment or {}, port)
         try:
@@ -106,14 +106,14 @@ class CoreLaunch(unittest.TestCase):
         wait_until(lambda: is_another(NODE, process), "the core to be started again")
 
     def ends_at_once(self, launched, *words):
-        """It has ended after one start, and has said why."""
+        """Check that it has ended after one start, and has given the reason."""
         text = launched.ends().text
         for word in words:
             self.assertIn(word, text)
         self.assertEqual(launched.starts, 1, text)
         self.assertIn("a restart cannot help: ends roslaunch", text)
 
-    def test_a_program_with_a_fault(self):
+    def test_program_with_a_fault_ends_roslaunch(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write("#program base.\na(X).\n")
             file.flush()
@@ -121,18 +121,18 @@ class CoreLaunch(unittest.TestCase):
                 with core_launch(port=port, programs=f"[{file.name}]") as launched:
                     self.ends_at_once(launched, f"{file.name}:2", "unsafe")
 
-    def test_bad_parameters(self):
+    def test_bad_parameters_end_roslaunch(self):
         with core_launch(core_params="{horizon_limit: 0}") as launched:
             self.ends_at_once(launched, "~horizon_limit: must be a whole number from 1 on, not 0")
 
-    def test_a_module_that_is_missing(self):
+    def test_missing_module_ends_roslaunch(self):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "clingo.py").write_text("raise ModuleNotFoundError('no clingo', name='clingo')\n")
             path = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
             with core_launch({"PYTHONPATH": path}) as launched:
                 self.ends_at_once(launched, "core: clingo is not installed for")
 
-    def test_a_core_that_was_killed_goes_on_until_another_one_has_its_name(self):
+    def test_killed_core_resumes_until_its_name_is_taken(self):
         with core_launch(programs=f"[{ERRANDS}]") as launched:
             hands, client = Hands(), Client()
             hands.wait_for(NODE)
@@ -140,7 +140,7 @@ class CoreLaunch(unittest.TestCase):
             command = hands.take()
             self.kill()
             self.assertEqual(hands.take(), command)
-            hands.at_once = True  # and again, as the new core may not hear yet
+            hands.at_once = True  # repeatedly, as the new core is perhaps not yet connected
             wait_until(lambda: hands.succeed(command) or CommState.DONE in goal.states, "the goal to end")
             goal.ends_as(GoalStatus.SUCCEEDED)
             self.assertEqual(len(set(hands.runs)), 1)
@@ -150,7 +150,7 @@ class CoreLaunch(unittest.TestCase):
                 self.assertIn("new node registered with same name", launched.ends().text)
             self.assertEqual(launched.starts, 2)
 
-    def test_a_journal_that_is_refused(self):
+    def test_refused_journal_ends_roslaunch(self):
         with tempfile.TemporaryDirectory() as folder, core_launch(programs=f"[{ERRANDS}]", journal=folder) as launched:
             self.wait_for_core()
             with contextlib.closing(sqlite3.connect(str(Path(folder) / "journal.db"))) as journal, journal:
@@ -159,7 +159,7 @@ class CoreLaunch(unittest.TestCase):
             self.assertIn("the header is missing or corrupt", launched.ends().text)
             self.assertEqual(launched.starts, 2)
 
-    def test_without_a_journal_everything_ends_with_the_core(self):
+    def test_core_without_a_journal_ends_everything(self):
         with core_launch(programs=f"[{ERRANDS}]", journal="none") as launched:
             self.wait_for_core()
             os.kill(process_of(NODE), signal.SIGKILL)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A goal is cancelled while the robot drives: with ~preempt it stops at once."""
+"""With ~preempt the robot stops at once if its goal is cancelled while it drives."""
 
 import sys
 import unittest
@@ -20,12 +20,12 @@ from navigation_helpers import Driver
 
 
 class CorePreempt(unittest.TestCase):
-    def test_cancel_while_driving(self):
+    def test_cancel_while_driving_stops_the_robot(self):
         office2 = rospy.get_param("/rosoclingo/labels")["office2"]
         commands = []
 
         def note(message):
-            """Note what is for interfaces, but for which run this is."""
+            """Record the messages to interfaces, except those that announce the run."""
             if message.interface != CORE:
                 commands.extend(message.facts)
 

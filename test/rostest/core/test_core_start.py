@@ -21,7 +21,7 @@ ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
 
 def core(namespace, **parameters):
-    """A core in a process of its own; its topics are /NAMESPACE/..."""
+    """Start a core as a process; its topics are /NAMESPACE/..."""
     values = [f"_{name}:={value}" for name, value in parameters.items()]
     return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values)
 
@@ -38,7 +38,7 @@ class CoreStart(unittest.TestCase):
         self.assertIn(text, error)
         self.assertNotIn("Traceback", error)
 
-    def test_bad_parameters(self):
+    def test_bad_parameters_end_the_start(self):
         self.fails_with("~program_files", "none")
         self.fails_with("there is no file '/no/such/file.lp'", "missing", program_files="[/no/such/file.lp]")
         self.fails_with(
@@ -49,7 +49,7 @@ class CoreStart(unittest.TestCase):
         )
         self.fails_with("no #const nosuch", "constant", program_files=f"[{ERRANDS}]", constants="{nosuch: 3}")
 
-    def test_what_a_program_lacks_is_told_at_the_start(self):
+    def test_program_gaps_are_reported_at_the_start(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write("#const n = 2.\n#program cumulative(t).\n{ _action_lib(go,n,t) }.\n")
             file.flush()
@@ -60,13 +60,13 @@ class CoreStart(unittest.TestCase):
         for text in ("no external _request/2 (write", "no external _return/3 (write", "no volatile part", "n is -2"):
             self.assertEqual(error.count(text), 1, error)
 
-    def test_bad_program(self):
+    def test_bad_program_ends_the_start(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write("#program base.\na(X).\n")
             file.flush()
             self.fails_with(f"{file.name}:2", "unsafe", program_files=f"[{file.name}]")
 
-    def test_action_timeout(self):
+    def test_action_timeout_fails_the_action(self):
         with core("patient", program_files=f"[{ERRANDS}]", action_timeout=0.5):
             client, updates = Client("patient/rosoclingo"), Updates("patient/rosoclingo")
             goal = client.send("do(walk,1)")
@@ -74,7 +74,7 @@ class CoreStart(unittest.TestCase):
             goal.cancel()
             self.assertIn(goal.wait()[0], (GoalStatus.PREEMPTED, GoalStatus.RECALLED))
 
-    def test_search_timeout(self):
+    def test_search_timeout_aborts_no_goal(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             pigeons = (
                 "#external _request/2.\n#program cumulative(t).\n"
@@ -86,13 +86,13 @@ class CoreStart(unittest.TestCase):
             file.flush()
             with core("hard", program_files=f"[{file.name}]", search_timeout=0.5, horizon_limit=1):
                 updates, goal = Updates("hard/rosoclingo"), Client("hard/rosoclingo").send("hard(1)")
-                # the first search is over, another goes on: nothing is given up
+                # the first search is over, another one runs: no goal is aborted
                 updates.wait_for("_request(hard(1),2).")
                 self.assertNotIn(GoalStatus.ABORTED, goal.states)
                 goal.cancel()
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
 
-    def test_constants_and_labels(self):
+    def test_constants_and_labels_reach_the_program(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write(
                 "#const n = 1.\n#external _return/3.\n#program cumulative(t).\n"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What clients hear of their goals in the program's words, and of goals that no rule of the program hears."""
+"""Texts of the program that clients receive about their goals, and goals that no rule of the program sees."""
 
 import os
 import subprocess
@@ -29,7 +29,7 @@ class CoreWords(unittest.TestCase):
         cls.goals = GoalStates()
         cls.subscriber = rospy.Subscriber("rosoclingo/goals", GoalStates, lambda told: setattr(cls, "goals", told))
         updates = Updates()
-        cls.hands.tell("_lift(3,now)", origin="lift")  # else the program gives goals no status, and they are rejected
+        cls.hands.tell("_lift(3,now)", origin="lift")  # without it the program rejects goals
         updates.wait_for("_lift(3,")
 
     def test_text_of_an_accepted_goal_reaches_its_client(self):
@@ -48,7 +48,7 @@ class CoreWords(unittest.TestCase):
         first = Client().send("ride(2)")
         self.hands.tell("_lift(0,now)", origin="lift")
         command = self.hands.take()
-        for floor in (2, 7, 4):  # while it rides
+        for floor in (2, 7, 4):  # while the package is on the robot
             self.hands.tell(f"_lift({floor},now)", origin="lift")
         second = Client().send("ride(3)")
         second.arrived()
@@ -59,7 +59,7 @@ class CoreWords(unittest.TestCase):
         second.ends_as(GoalStatus.PREEMPTED)
 
     def expect(self, goal, text, state):
-        """Wait until the goal's status, its feedback and the topic of all goals say so."""
+        """Wait until the goal's status, its feedback and the topic of all goals agree."""
         key = goal.handle.comm_state_machine.action_goal.goal_id
 
         def told():
@@ -69,7 +69,7 @@ class CoreWords(unittest.TestCase):
         wait_until(lambda: goal.feedback and goal.feedback[-1].status == state, f"the feedback to say '{state}'")
         wait_until(lambda: (told().status, told().reason) == (ACTIVE, text), f"the topic to say '{text}'")
 
-    def test_goal_that_no_rule_hears_is_rejected(self):
+    def test_goal_that_no_rule_sees_is_rejected(self):
         client = Client("paper/rosoclingo")
         found = client.send("gaol(office3,office2,1)").ends_as(GoalStatus.REJECTED)
         self.assertEqual(
@@ -78,7 +78,7 @@ class CoreWords(unittest.TestCase):
         found = client.send("goal(office3,office2)").ends_as(GoalStatus.REJECTED)
         self.assertIn("rules look at goal(From,To,Id)", found)
 
-    def test_request_for_a_goal_that_no_rule_hears_fails(self):
+    def test_request_fails_for_a_goal_that_no_rule_sees(self):
         command = ["rosrun", "rosoclingo", "request", "gaol(office3,office2,1)", "--wait", "40"]
         done = subprocess.run(
             command,

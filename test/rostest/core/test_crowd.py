@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Many goals from four clients at once, some of them cancelled: all are accounted for, no package is lost.
+"""Many goals from four clients at once, some of them cancelled: each has a result, and no package is lost.
 
-Parameters: ``~offices``, how many there are, ``~cancels``, whether some goals are cancelled; if not, all are met, and
-``~goals``, how many each client has.
+Parameters: ``~offices``, the number of offices; ``~cancels``, whether some goals are cancelled, otherwise all are
+met; ``~goals``, the number of goals per client.
 """
 
 import collections
@@ -35,7 +35,7 @@ CANCELED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 
 
 class QuickRobot:
-    """The servers of the robot, with an office behind them; whatever is asked is done at once."""
+    """The servers of the robot, with an office behind them; every action ends at once."""
 
     def __init__(self, labels, packages, offices):
         self._labels = labels
@@ -72,7 +72,7 @@ class QuickRobot:
 
 
 class Crowd(unittest.TestCase):
-    def test_all_are_accounted_for(self):
+    def test_crowd_goals_all_have_a_result(self):
         self.kind = tuple(map(rospy.get_param, ("~offices", "~cancels", "~goals")))
         offices = names(self.kind[0])
         wanted = [errand for client in range(CLIENTS) for errand in errands(client, *self.kind)]
@@ -94,10 +94,10 @@ class Crowd(unittest.TestCase):
         self.assertEqual(set(results.values()), {1}, "a goal has ended twice")
 
     def play(self):
-        """Number to status and message, of all goals.
+        """Return number to status and message, of all goals.
 
-        The clients connect one after the other: of those that connect at once rospy connects to some twice, and drops
-        what came by the first connection.
+        The clients connect one after the other: if they connect at once, rospy connects to some twice and drops the
+        messages of the first connection.
         """
         client = str(Path(__file__).with_name("crowd_client.py"))
         clients, ends = [], {}
@@ -114,7 +114,7 @@ class Crowd(unittest.TestCase):
         return ends
 
     def judge(self, errand, status, message, place):
-        """A status is true: it was possible, and the package is where it says."""
+        """Check that a status is true: it was possible, and the package is where it says."""
         if status == SUCCEEDED:
             self.assertEqual(place, errand.destination, errand)
         else:

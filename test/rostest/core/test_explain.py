@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core's service ~explain: why a goal was given up, while the core goes on."""
+"""The core's service ~explain: why a goal was aborted, while the core continues."""
 
 import json
 import os
@@ -34,14 +34,14 @@ class ExplainGoals(unittest.TestCase):
         self.explain = rospy.ServiceProxy("/rosoclingo/explain", Explain)
 
     def asked(self, goal):
-        """What the service says; as the machine may be slow, it is asked again where time ran out."""
+        """Return the service's answer; on a slow machine repeat the question after a time-out."""
         for _ in range(10):
             found = self.explain(goal)
             if found.success or "found out in" not in found.message:
                 return found
         return found
 
-    def test_a_goal_that_was_given_up_is_explained_while_others_are_served(self):
+    def test_aborted_goal_is_explained_while_others_are_served(self):
         unknown = self.explain("7")
         self.assertFalse(unknown.success)
         self.assertEqual(unknown.message, "no goal '7' was aborted for lack of a plan; aborted goals: none")
@@ -82,7 +82,7 @@ class ExplainGoals(unittest.TestCase):
 
     @staticmethod
     def service():
-        """Where the service is, None where there is none."""
+        """Return the address of the service, None without one."""
         try:
             return rosgraph.Master("/explain_test").lookupService("/rosoclingo/explain")
         except rosgraph.MasterException:

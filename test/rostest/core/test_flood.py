@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that send facts as fast as they can: goals, cancels, returns and diagnostics go on all the same."""
+"""Nodes that flood the core with facts: goals, cancels, returns and diagnostics continue."""
 
 import itertools
 import signal
@@ -19,12 +19,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client, Hands
 from interface_helpers import Process, init_node, wait_to_hear, wait_until
 
-#: What a node floods the core with, by a running number.
+#: The messages of a flood, with a running number.
 FLOODS = {"undeclared": "reading({})", "declared": "_seen({})", "garbage": "x{}((", "returns": "_return(walk,{},1)"}
 
 
 def flood(kind):
-    """Be the node that sends facts as fast as it can."""
+    """Run as the node that floods the core."""
     rospy.init_node("flood", anonymous=True)
     publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=10)
     numbers = itertools.count()
@@ -46,12 +46,12 @@ class Flood(unittest.TestCase):
             self.addCleanup(subscriber.unregister)
 
     def note(self, message):
-        """Note a report of the core, as a table."""
+        """Record a report of the core, as a table."""
         found = [one for one in message.status if one.name == "rosoclingo: core"]
         self.reports += [{pair.key: pair.value for pair in one.values} for one in found]
 
     def problems(self):
-        """How many problems there were so far."""
+        """Return the number of problems so far."""
         return int(self.reports[-1]["problems"]) if self.reports else 0
 
     def goes_on_during(self, kinds, number):
@@ -59,7 +59,7 @@ class Flood(unittest.TestCase):
         before, updates = self.problems(), len(self.updates)
 
         def taken():
-            """How many facts of the flood the core has taken or ignored."""
+            """Return how many facts of the flood the core has accepted or ignored."""
             return self.problems() - before + sum(one.count("_seen(") for one in self.updates[updates:])
 
         commands = [[sys.executable, str(Path(__file__).resolve()), "--flood", kind] for kind in kinds]

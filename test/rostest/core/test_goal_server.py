@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core's action server by itself: what a status tells while arrivals wait, and how actionlib's own ends look."""
+"""The core's action server alone: statuses while arrivals wait, and ends that actionlib decides by itself."""
 
 import sys
 import unittest
@@ -25,7 +25,7 @@ CANCELED = ROSoClingoResult.CANCELED
 
 
 class Core:
-    """The core's side of a server: the test is its worker, which takes arrivals when the test says so."""
+    """The core's side of a server: the test is its worker, and takes arrivals on demand."""
 
     def __init__(self, name):
         self.handles, self.cancelled, self.journal, self.calls = [], [], [], 0
@@ -37,17 +37,17 @@ class Core:
         self.calls += 1
 
     def take(self):
-        """Take what waits, as the worker does."""
+        """Take the queued arrivals, as the worker does."""
         while self.server.arrivals:
             self.server.take(self.keep)
 
     def keep(self):
-        """Note what the journal has."""
+        """Record the content of the journal."""
         self.journal = [one.get_goal_id().id for one in self.handles]
 
 
 class Statuses:
-    """All statuses from now on, the goals in each, and what the journal had when it came."""
+    """All statuses from now on, the goals in each, and the content of the journal at their arrival."""
 
     def __init__(self, name):
         self.messages, self.results = [], []
@@ -56,17 +56,17 @@ class Statuses:
 
     @property
     def goals(self):
-        """The goals that were ever in a status."""
+        """Return the goals that were ever in a status."""
         return {one.goal_id.id for message in self.messages for one in message.status_list}
 
 
 class GoalServerTest(unittest.TestCase):
     def start(self, name):
-        """A server, a client of it, and all statuses."""
+        """Start a server, a client of it, and a recorder of all statuses."""
         core, statuses = Core(name), Statuses(name)
         return core, Client(name), statuses
 
-    def test_a_goal_cancelled_before_the_worker_takes_it_is_not_lost(self):
+    def test_goal_cancelled_before_worker_takes_it_is_not_lost(self):
         core, client, statuses = self.start("waits")
         other = client.send("do(walk,0)")
         wait_until(lambda: core.server.arrivals, "the first goal")
@@ -74,7 +74,7 @@ class GoalServerTest(unittest.TestCase):
         goal = client.send("do(walk,1)")
         wait_until(lambda: core.server.arrivals, "the goal")
         goal.handle.cancel()
-        core.handles[0].set_accepted("it")  # each of these tells the status
+        core.handles[0].set_accepted("it")  # each of these publishes the status
         core.server.publish_status()
         core.server.publish_status_async(None)
         wait_until(lambda: core.server.arrivals == 2, "the cancel")
@@ -86,7 +86,7 @@ class GoalServerTest(unittest.TestCase):
         core.handles[0].set_succeeded(ROSoClingoResult(), "met")
         other.ends_as(GoalStatus.SUCCEEDED)
 
-    def test_a_status_tells_of_a_goal_and_a_cancel_once_the_journal_has_them(self):
+    def test_status_has_goals_and_cancels_once_in_journal(self):
         core, client, statuses = self.start("keeps")
         goals, told = [client.send(f"do(walk,{number})") for number in range(3)], []
         core.keep = lambda: (told.append(set(statuses.goals)), core.server.publish_status())
@@ -101,7 +101,7 @@ class GoalServerTest(unittest.TestCase):
         for goal in goals:
             goal.ends_as(GoalStatus.RECALLED)
 
-    def test_a_result_follows_the_status_of_its_end(self):
+    def test_result_follows_the_status_of_its_end(self):
         core, client, _ = self.start("ends")
         order = []
         goal = client.send("do(walk,1)")
@@ -115,7 +115,7 @@ class GoalServerTest(unittest.TestCase):
         self.assertEqual(order.count("result"), 1)
         goal.ends_as(GoalStatus.RECALLED)
 
-    def test_what_actionlib_ends_by_itself_has_outcome_and_words(self):
+    def test_ends_by_actionlib_have_outcome_and_text(self):
         core, client, statuses = self.start("recalled")
         raw = client.raw
         raw.pub_cancel.publish(GoalID(id="early"))
@@ -138,7 +138,7 @@ class GoalServerTest(unittest.TestCase):
             self.assertTrue(one.result.message and one.status.text)
         self.assertEqual(core.handles, [], "neither was a goal of the core's")
 
-    def test_one_node_has_a_bounded_number_of_arrivals_and_loses_none(self):
+    def test_arrivals_of_one_node_are_bounded_without_loss(self):
         core, client, _ = self.start("floods")
         raw = client.raw
         raw.pub_goal.publish(ROSoClingoActionGoal(goal_id=GoalID(id="x" * (LONGEST_ID + 1))))  # is dropped
@@ -150,7 +150,7 @@ class GoalServerTest(unittest.TestCase):
         wait_until(lambda: core.take() or len(core.handles) == number, "the rest, as there is room again")
         self.assertEqual([one.get_goal_id().id for one in core.handles], [str(one) for one in range(number)])
 
-    def test_one_node_has_a_bounded_number_of_open_goals_and_long_texts_are_shortened(self):
+    def test_open_goals_of_one_node_are_bounded(self):
         core, client, _ = self.start("crowds")
         board = []
         rospy.Subscriber("~goals", GoalStates, board.append)
@@ -178,7 +178,7 @@ class GoalServerTest(unittest.TestCase):
             handles.add(handle.get_goal_id().id, handle)
         return goal
 
-    def test_a_restored_goal_is_in_the_first_status(self):
+    def test_restored_goal_is_in_the_first_status(self):
         core = Core.__new__(Core)
         core.handles = []
         core.server = GoalServer("restored", core.handles.append, core.handles.append, lambda: None, lambda *_: None)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Facts that come late, or for now, at two core nodes; and the stream they publish, played to the command oclingo."""
+"""Facts of past cycles and of now at two core nodes; and their published stream, played to the command oclingo."""
 
 import json
 import os
@@ -26,7 +26,7 @@ DATA = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data")
 
 
 class Side:
-    """A core with its interfaces, a client, and all that it tells."""
+    """A core with its interfaces, a client, and all published messages."""
 
     def __init__(self, namespace):
         self.hands = Hands(namespace + "/")
@@ -42,7 +42,7 @@ class Side:
 
 
 def ahead(atoms, cycle):
-    """The actions of a cycle and later."""
+    """Return the actions of a cycle and later."""
     actions = [atom for atom in atoms if atom.startswith("_action_lib(")]
     return [atom for atom in actions if int(atom[:-1].rsplit(",", 1)[1]) >= cycle]
 
@@ -56,7 +56,7 @@ class LateFacts(unittest.TestCase):
         cls.battery, cls.house = Side(""), Side("/house")
         wait_to_hear(cls.log, nodes=["/house/rosoclingo"])
 
-    def test_the_house_after_a_late_fact(self):
+    def test_house_continues_after_a_late_fact(self):
         side = self.house
         side.hands.at_once = True
         side.client.send("bring(bedroom,newspaper)").ends_as(GoalStatus.SUCCEEDED)
@@ -65,7 +65,7 @@ class LateFacts(unittest.TestCase):
         side.hands.tell("_blocked(hallway,living_room,now)", origin="door")
         side.client.send("bring(bedroom,cup)").ends_as(GoalStatus.SUCCEEDED)
 
-    def test_the_house_where_robot_and_thing_are_corrected(self):
+    def test_house_uses_corrections_of_robot_and_thing(self):
         side = self.house
         side.hands.at_once = True
         done = len(side.hands.seen)
@@ -78,7 +78,7 @@ class LateFacts(unittest.TestCase):
         self.assertEqual(found, ["move_base,study", "pickup,cup", "move_base,hallway", "deliver,cup"])
         wait_until(lambda: any("there is no place cellar" in text for text in self.said), "the core to refuse it")
 
-    def test_the_battery_and_the_stream(self):
+    def test_battery_stream_gives_same_answers_by_command(self):
         side = self.battery
         self.assertEqual(rospy.wait_for_message("rosoclingo/cycle", UInt32, PATIENCE).data, 1)
         goal = side.client.send("do(walk,1)")

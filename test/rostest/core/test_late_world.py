@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Office and house, fed by the two topics alone: what is told late, twice or falsely makes no action and no end untrue.
+"""Office and house under late, repeated and false facts: every action and every end is right.
 
-ROSOCLINGO_SEED chooses another course of things, ROSOCLINGO_GOALS how many goals there are in each of the two.
+ROSOCLINGO_SEED chooses another course of events, ROSOCLINGO_GOALS the number of goals in each of the two worlds.
 """
 
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Core and interfaces are killed in the middle of actions: each package is where it belongs, nothing is done twice.
+"""Kill core and interfaces during actions: each package is at the right place, and no action runs twice.
 
-ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS how many there are.
+ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS the number of kills.
 """
 
 import os
@@ -35,7 +35,7 @@ ALL, NODE = tuple(INTERFACES.values()), "rosoclingo"
 
 
 class Base:
-    """A move_base that is where it was sent after a moment, which tf tells."""
+    """A move_base that reaches each target after a moment, and publishes it to tf."""
 
     def __init__(self):
         self._broadcaster = tf2_ros.StaticTransformBroadcaster()
@@ -66,7 +66,7 @@ class Base:
 
 
 class World:
-    """What the office shows: the way of each package, which server is at work, and what it has refused."""
+    """The observable office: the way of each package, the active server, and the refused actions."""
 
     def __init__(self):
         self.ways, self.refused, self.runs, self.most = {}, [], set(), 0
@@ -99,11 +99,11 @@ class World:
             self.runs.update(message.facts)
 
     def begun(self, server):
-        """How often a server has begun to work."""
+        """Return how often a server has begun an action."""
         return len(self._begun[server])
 
     def way(self, package, origin):
-        """Where a package has been since it lay in its office."""
+        """Return where a package has been since it lay in its office."""
         way = self.ways.get(str(package), [])
         return way[1:] if way[:1] == [origin] else way
 
@@ -115,7 +115,7 @@ class MailbotKilled(unittest.TestCase):
         wait_for_server(self.client.raw)
         self.goals, self.cancelled = [], set()
 
-    def test_killed_again_and_again(self):
+    def test_mailbot_survives_repeated_kills(self):
         for number in range(KILLS):
             if self.source.random() < 0.5:
                 self.cancel(self.send())
@@ -146,10 +146,10 @@ class MailbotKilled(unittest.TestCase):
         goal.cancel()
 
     def all_have_arrived(self):
-        return not [goal for goal, *_ in self.goals if not goal.has_arrived()]  # each is looked at
+        return not [goal for goal, *_ in self.goals if not goal.has_arrived()]  # each is examined
 
     def kill_at(self, number):
-        """Kill interfaces, alone or with the core, as a server has begun to work or at any instant."""
+        """Kill interfaces, alone or with the core, when a server has begun an action or at any instant."""
         server = (*INTERFACES, None)[number % 4]
         own = [INTERFACES[server]] if server else self.source.sample(ALL, 1)
         core_too = (number + number // 4) % 2
@@ -161,7 +161,7 @@ class MailbotKilled(unittest.TestCase):
         kill(*victims)
 
     def check(self, goal, status, package, origin, target):
-        """A goal has ended once, and its package is where the end says."""
+        """Check that a goal has ended once, and that its package is where the end says."""
         way, told = self.world.way(package, origin), f"{goal.text}: {self.world.ways.get(str(package))}"
         self.assertEqual(goal.states.count(CommState.DONE), 1, told)
         if status == GoalStatus.SUCCEEDED:
@@ -169,7 +169,7 @@ class MailbotKilled(unittest.TestCase):
         else:
             self.assertIn(status, (GoalStatus.RECALLED, GoalStatus.PREEMPTED), told)
             self.assertIn(goal, self.cancelled, told)
-            self.assertIn(way, ([], ["robot", origin], ["robot", target]), told)  # the last: cancelled while put down
+            self.assertIn(way, ([], ["robot", origin], ["robot", target]), told)  # last: a late cancel
 
 
 if __name__ == "__main__":

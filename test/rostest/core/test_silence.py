@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is missing is told within seconds: interfaces, on diagnostics and once in the log."""
+"""Missing parts are reported within seconds: interfaces, on diagnostics and once in the log."""
 
 import importlib.util
 import sys
@@ -38,7 +38,7 @@ class Silence(unittest.TestCase):
     def interfaces(self):
         return {pair.key: pair.value for pair in self.report.values}.get("interfaces")
 
-    def test_an_action_without_an_interface_until_there_is_one(self):
+    def test_missing_interface_is_reported_until_it_appears(self):
         server = Server("hold", TestAction)
         wait_until(lambda: self.interfaces() == "run, walk", "the interfaces to announce themselves")
         goal = Client().send("do(hold,1)")
@@ -61,7 +61,7 @@ class Silence(unittest.TestCase):
 
 
 class Misspelt(unittest.TestCase):
-    """Each node tells once at its start which of its private parameters it does not read."""
+    """Each node reports once at its start which of its private parameters it does not read."""
 
     def told(self, script, *values):
         command = (executable(script), f"__name:=misspelt_{script}", "_zzz:=1", *values)
@@ -70,31 +70,31 @@ class Misspelt(unittest.TestCase):
         self.assertEqual(len([line for line in lines if "that it does not read" in line]), 1)
         return lines[-1]
 
-    def test_core(self):
+    def test_unread_parameters_of_core(self):
         line = self.told("core", f"_program_files:=[{DATA / 'errands.lp'}]", "_horizon_limt:=7", "_labels:={hall: {}}")
         self.assertIn("~horizon_limt (is ~horizon_limit meant?), ~zzz", line)
 
-    def test_an_interface_node_that_was_given_nothing(self):
+    def test_unread_parameters_of_bare_interface_node(self):
         with Process(executable("interface"), "__name:=given_nothing") as process:
             lines = process.lines_until("move_base asks for labels, but ~labels is empty: each of its actions will")
         self.assertIn("~interfaces is not set: the entries are those of ", "".join(lines))
 
-    def test_interface(self):
+    def test_unread_parameters_of_interface(self):
         entry = "{arm: {type: actionlib/TestAction}}"
         line = self.told("interface", f"_interfaces:={entry}", "_server_timout:=3", "_retries:=1")
         self.assertIn("~server_timout (is ~server_timeout meant?), ~zzz", line)
 
     @NEEDS_TF2
-    def test_office(self):
+    def test_unread_parameters_of_office(self):
         line = self.told("office", "_labels:={hall: [1, 2]}", "_capacty:=3")
         self.assertIn("~capacty (is ~capacity meant?), ~zzz", line)
 
-    def test_map_server(self):
+    def test_unread_parameters_of_map_server(self):
         line = self.told("map_server", f"_map:={DATA.parents[1] / 'worlds' / 'office.yaml'}", "_frame:=x")
         self.assertIn("~frame (is ~frame_id meant?), ~zzz", line)
 
     @NEEDS_TF2
-    def test_move_base(self):
+    def test_unread_parameters_of_move_base(self):
         values = ("_controler_frequency:=10", "_global_costmap:={robot_radius: 0.2, robot_radus: 0.3}")
         line = self.told("move_base", *values)
         self.assertIn("~controler_frequency (is ~controller_frequency meant?)", line)

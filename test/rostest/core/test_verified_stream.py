@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A stream that verification has found is played to a core node, which shows what was found."""
+"""A stream found by verification is played to a core node, which shows the finding."""
 
 import os
 import sys
@@ -34,7 +34,7 @@ class VerifiedStream(unittest.TestCase):
         self.client, self.updates = Client(), Updates()
         wait_to_hear(log, nodes=["/rosoclingo"])
 
-    def test_the_core_shows_what_was_found(self):
+    def test_core_shows_the_finding_of_verification(self):
         verdict = verify(
             ReactiveProgram.from_files([PROGRAM]), limits=VerifyLimits(events=2, together=1, steps=12), seconds=250
         )

@@ -55,7 +55,7 @@ class ConfiguredInterfaces(unittest.TestCase):
     def tearDown(self):
         self.assertTrue(self.core.silent(), "exactly one message answers an action")
 
-    def test_goal_fields_and_answer(self):
+    def test_goal_fields_and_answer_follow_the_entry(self):
         self.core.send("ask", '_action_lib(ask,q(42,"some words",true,"1.5"),2)')
         handle = self.oracle.accept()
         goal = handle.get_goal()
@@ -64,7 +64,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         handle.set_succeeded(TestRequestResult(the_result=43), "seen(cup)")
         self.assertEqual(self.core.receive(), ["said(42,2)", "seen(cup)", "_return(ask,answer(43),2)"])
 
-    def test_rules_by_result_and_text(self):
+    def test_rules_match_result_and_text(self):
         self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
         self.oracle.accept().set_aborted(TestRequestResult(the_result=7), "No Term")
         self.assertEqual(self.core.receive(), ['_return(ask,"No Term",2)'])
@@ -72,51 +72,51 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.oracle.accept().set_aborted(TestRequestResult(the_result=8), "No Term")
         self.assertEqual(self.core.receive(), ["_return(ask,failed,2)"])
 
-    def test_a_fact_that_is_no_atom_is_left_out(self):
+    def test_fact_that_is_no_atom_is_left_out(self):
         self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
         self.oracle.accept().set_succeeded(TestRequestResult(the_result=1), "No Atom")
         self.assertEqual(self.core.receive(), ["said(1,2)", "_return(ask,answer(1),2)"])
 
-    def test_parameters_that_do_not_fit(self):
+    def test_unsuitable_parameters_are_refused(self):
         for parameter in ("q(1,a,false)", "q(much,a,false,0)", "q(1,a,perhaps,0)", 'q(1,a,false,"1e300")', "alone"):
             self.assertEqual(
                 self.core.run("ask", f"_action_lib(ask,{parameter},2)"), ["_return(ask,bad_parameter,2)"], parameter
             )
 
-    def test_a_failed_goal_is_sent_again(self):
+    def test_failed_goal_is_sent_again(self):
         self.core.send("count", "_action_lib(count,5,1)")
         self.count.accept().set_aborted()
         self.count.accept().set_aborted()
         self.count.accept().set_succeeded()
         self.assertEqual(self.core.receive(), ["_return(count,5,1)"])
 
-    def test_retries_come_to_an_end(self):
+    def test_retries_are_limited(self):
         self.core.send("count", "_action_lib(count,5,1)")
         for _ in range(3):
             self.count.accept().set_aborted()
         self.assertEqual(self.core.receive(), ["_return(count,failed,1)"])
 
-    def test_other_reasons_are_not_tried_again(self):
+    def test_other_reasons_are_not_retried(self):
         self.core.send("count", "_action_lib(count,5,1)")
         self.count.take().set_rejected()
         self.assertEqual(self.core.receive(), ["_return(count,rejected,1)"])
 
-    def test_time_out(self):
+    def test_timeout_cancels_the_goal(self):
         self.core.send("hasty", "_action_lib(hasty,a,1)")
         self.hasty.accept()
         self.hasty.cancelled().set_canceled()
         self.assertEqual(self.core.receive(), ["_return(hasty,timeout,1)"])
 
-    def test_time_out_of_a_server_that_does_not_heed_the_cancellation(self):
+    def test_timeout_of_server_that_ignores_the_cancel(self):
         self.core.send("hasty", "_action_lib(hasty,a,2)")
         handle = self.hasty.accept()
         self.hasty.cancelled()
         self.assertEqual(self.core.receive(), ["_return(hasty,server_lost,2)"])
         self.assertTrue(self.hasty.idle(), "it is not sent again to a server that still has it")
-        handle.set_succeeded()  # too late: it must not be heard
+        handle.set_succeeded()  # too late: it must be ignored
         self.assertEqual(self.core.run("absent", "_action_lib(absent,a,3)"), ["_return(absent,server_lost,3)"])
 
-    def test_a_reason_is_no_success_though_the_parameter_is_named_like_it(self):
+    def test_reason_is_no_success_despite_equal_parameter(self):
         ends = (
             (lambda goal: goal.set_rejected(), "rejected", "failed(rejected)"),
             (lambda goal: goal.set_rejected(), '"rejected"', "rejected"),
@@ -131,11 +131,11 @@ class ConfiguredInterfaces(unittest.TestCase):
             end(self.count.take() if "rejected" in parameter else self.count.accept())
             self.assertEqual(self.core.receive(), [f"_return(belt,{value},{cycle})"])
         self.core.send("belt", "_action_lib(belt,failed,1)")
-        for _ in range(2):  # it is tried again for its reason
+        for _ in range(2):  # it is retried because of its reason
             self.count.accept().set_aborted()
         self.assertEqual(self.core.receive(), ["_return(belt,failed(failed),1)"])
 
-    def test_a_reason_is_no_success_of_another_action_of_the_cycle(self):
+    def test_reason_is_no_success_of_concurrent_action(self):
         self.core.send("belt", "_action_lib(belt,right,7)", "_action_lib(belt,rejected,7)")
         right, rejected = self.count.take(), self.count.accept()
         rejected.set_succeeded(TestResult(2))
@@ -143,12 +143,12 @@ class ConfiguredInterfaces(unittest.TestCase):
         right.set_rejected()
         self.assertEqual(self.core.receive(), ["_return(belt,failed(rejected,right),7)"])
 
-    def test_an_entry_may_call_an_end_a_success(self):
+    def test_entry_can_treat_an_end_as_success(self):
         self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
         self.oracle.accept().set_aborted(TestRequestResult(the_result=9), "it was there already")
         self.assertEqual(self.core.receive(), ["_return(ask,q(1,a,false,0),2)"])
 
-    def test_any_words_of_a_server_in_a_fact(self):
+    def test_server_words_of_any_kind_in_a_fact(self):
         words = 'two "words", a\\b\nc ä'
         self.core.send("ask", "_action_lib(ask,q(1,a,false,0),2)")
         goal = self.oracle.accept()
@@ -157,7 +157,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         goal.set_canceled(None, words)
         self.assertEqual(self.core.receive(), [f"heard({String(words)},now)", "_return(ask,preempted,2)"])
 
-    def test_a_cancelled_goal_ends_as_its_server_says(self):
+    def test_cancelled_goal_ends_as_its_server_says(self):
         for end, value in (
             (lambda goal: goal.set_canceled(), "preempted"),
             (lambda goal: goal.set_aborted(), "failed"),
@@ -170,7 +170,7 @@ class ConfiguredInterfaces(unittest.TestCase):
             end(goal)
             self.assertEqual(self.core.receive(), [f"_return(count,{value},1)"])
 
-    def test_a_cancel_that_is_not_heeded_is_no_preemption(self):
+    def test_ignored_cancel_is_no_preemption(self):
         self.core.send("deaf", "_action_lib(deaf,a,1)")
         self.count.accept()
         self.core.send("deaf", "_cancel(deaf,a,1)")
@@ -178,13 +178,13 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.assertEqual(self.core.receive(), ["_return(deaf,server_lost,1)"])
         self.assertTrue(self.count.idle(), "it is not sent again: nobody wants it")
 
-    def test_a_server_that_is_absent(self):
+    def test_absent_server_fails_the_action(self):
         self.assertEqual(self.core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
         self.core.send("absent", "_action_lib(absent,a,2)", "_cancel(absent,a,2)")
         self.assertEqual(self.core.receive(), ["_return(absent,preempted,2)"])
 
-    def test_a_goal_waits_until_its_result_will_be_heard(self):
-        """rospy counts a connection at its reading end first: before the server does, its result would be lost."""
+    def test_goal_waits_until_its_result_can_be_received(self):
+        """rospy counts a connection at its reading end first: results sent before the server knows it are lost."""
         counts, add, lines = threading.Event(), _PublisherImpl.add_connection, []
 
         def late(topic, connection):
@@ -201,7 +201,7 @@ class ConfiguredInterfaces(unittest.TestCase):
             server.take().set_rejected()
             self.assertEqual(self.core.receive(), ["_return(late,rejected,1)"])
 
-    def test_a_server_that_never_acknowledges(self):
+    def test_server_that_never_acknowledges_fails_the_action(self):
         goals, cancels = [], []
         topics = [
             rospy.Publisher("mute/status", GoalStatusArray, queue_size=1),
@@ -214,10 +214,10 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.assertEqual(self.core.run("mute", "_action_lib(mute,a,1)"), ["_return(mute,server_lost,1)"])
         self.core.send("mute", "_action_lib(mute,a,2)", "_cancel(mute,a,2)")
         wait_until(lambda: goals[1:] and cancels and cancels[-1].id == goals[-1].goal_id.id, "goal and cancel")
-        topics[0].publish(GoalStatusArray())  # says nothing of the goal, which is not lost for that
+        topics[0].publish(GoalStatusArray())  # does not report the goal, which is not lost for that reason
         self.assertEqual(self.core.receive(), ["_return(mute,server_lost,2)"])
 
-    def test_a_server_that_dies_and_comes_back(self):
+    def test_server_that_dies_comes_back(self):
         for end in (signal.SIGKILL, signal.SIGINT):
             with Process(sys.executable, MORTAL) as server:
                 self.core.send("mortal", "_action_lib(mortal,a,1)")
@@ -233,7 +233,7 @@ class ConfiguredInterfaces(unittest.TestCase):
 
 
 class SumInterface(Interface):
-    """What a user writes who needs code: two numbers in a term, their sum in the return."""
+    """An interface in code: two numbers in a term, their sum in the return."""
 
     def make_goal(self, action):
         if not action.parameter.arguments:
@@ -248,14 +248,14 @@ class SumInterface(Interface):
 
 
 class Reports:
-    """What the interfaces say on /diagnostics."""
+    """The interfaces' reports on /diagnostics."""
 
     def __init__(self):
         self._found = []
         wait_to_hear(rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: self._found.extend(one.status)))
 
     def wait_for(self, name, condition):
-        """The first report of an interface of which the condition holds, and its values as a dict."""
+        """Return the first report of an interface that meets the condition, with its values as a dict."""
         found = []
 
         def look():
@@ -270,7 +270,7 @@ class Reports:
 
 
 class SubclassedInterface(unittest.TestCase):
-    def test_code_where_configuration_does_not_do(self):
+    def test_subclass_computes_goal_and_answer(self):
         core, server, worker = CoreSide(), Server("adder", TwoIntsAction), Worker()
         SumInterface("sum", TwoIntsAction, "adder", worker=worker)
         worker.start()
@@ -310,7 +310,7 @@ class SubclassedInterface(unittest.TestCase):
         status, _ = reports.wait_for("absent", lambda *_: True)
         self.assertEqual((status.level, status.message), (DiagnosticStatus.WARN, "server absent is not connected"))
 
-    def test_a_fault_costs_its_actions_and_nothing_else(self):
+    def test_subclass_fault_affects_only_its_actions(self):
         core, server, worker, lines = CoreSide(), Server("trader", TwoIntsAction), Worker(), []
         log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
         SumInterface("odd", TwoIntsAction, "trader", ActionLimits(timeout="soon"), worker=worker)
@@ -340,13 +340,13 @@ class SubclassedInterface(unittest.TestCase):
 class InterfaceNode(unittest.TestCase):
     """The node as a process: its parameters, and its end."""
 
-    def test_names_that_are_no_list(self):
+    def test_names_must_be_a_list(self):
         rospy.set_param("~names", "pickup")
         with self.assertRaisesRegex(ConfigError, "~names: must be a list of interface names, not 'pickup'"):
             InterfacesNode()
         rospy.delete_param("~names")
 
-    def test_all_faults_are_told_at_once(self):
+    def test_faults_are_reported_all_at_once(self):
         rules = [{"when": {"outcome": "NOT_THERE"}, "return": "$result.y"}, {"stratus": "aborted"}]
         entries = {
             "pickup": {"type": "rosoclingo/PickupAction", "timeout": -1, "goal": {"pack": 1}, "returns": rules},
@@ -394,13 +394,13 @@ class InterfaceNode(unittest.TestCase):
             self.assertEqual(len([fault for fault in faults if fault.startswith(beginning)]), 1, (beginning, faults))
         self.assertEqual(len(faults), len(beginnings), faults)
 
-    def test_a_node_without_entries_does_not_start(self):
+    def test_node_without_entries_does_not_start(self):
         with Process(executable("interface"), "__name:=empty", "_interfaces:={}") as node:
             code, error = node.wait()
         self.assertEqual(code, 1)
         self.assertIn("~interfaces: has no entries; write one for each action", error)
 
-    def test_an_interface_that_ends_says_so(self):
+    def test_interface_that_ends_says_so(self):
         core = CoreSide()
         server = Server("elsewhere", TestAction)
         entry = "_interfaces:={arm: {type: actionlib/TestAction, goal: {goal: $parameter}}}"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Interface and core are killed in the middle of actions: each action is done once, and answered."""
+"""Kill interface and core during actions: each action runs once, and is answered."""
 
 import itertools
 import os
@@ -64,7 +64,7 @@ class ExactlyOnce(unittest.TestCase):
         return core
 
     def begin(self, name, cycle=3):
-        """An action of an interface, begun; what the core has sent, the return that answers it, the server's goal."""
+        """Begin an action of an interface; return the core's message, its return, and the server's goal."""
         number = next(GOALS)
         fact = f"_action_lib({name},{number},{cycle})"
         self.core.begin(name, fact)
@@ -77,7 +77,7 @@ class ExactlyOnce(unittest.TestCase):
         self.core = self.start_core(self.run_id, under_way)
 
     def kill_node(self, before_it_dies=lambda: None):
-        """Kill the interface node and wait for the next; what is done before it dies it does not hear."""
+        """Kill the interface node and wait for the next one; the old one misses later events."""
         self.kill_deaf_node(before_it_dies)
         self.core.wait_for(NODE)
 
@@ -92,19 +92,19 @@ class ExactlyOnce(unittest.TestCase):
         wait_until(lambda: is_another(NODE, process), "the node to be started again")
 
     def settle(self):
-        """Wait until the node has done what it was told before."""
+        """Wait until the node has processed its earlier messages."""
         number = next(GOALS)
         self.core.send("drive", f"_action_lib(drive,{number},99)")
         self.servers["drive"].accept().set_succeeded()
         self.assertEqual(self.core.receive(), [f"_return(drive,{number},99)"])
 
     def wait_until_idle(self, name):
-        """Wait until the interface says that nothing is under way."""
+        """Wait until the interface reports no action under way."""
         wait_for_diagnosis(f"rosoclingo: interface {name}", is_idle, f"{name} to be idle")
 
     # ---- the core is killed ---------------------------------------------------------------------------------------
 
-    def test_what_is_under_way_goes_on_under_a_resumed_core(self):
+    def test_resumed_core_continues_action_under_way(self):
         fact, answer, number, goal = self.begin("arm")
         self.kill_core()
         self.resume(("arm", fact))
@@ -112,14 +112,14 @@ class ExactlyOnce(unittest.TestCase):
         goal.set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_what_ended_while_there_was_no_core_is_answered_when_it_asks_again(self):
+    def test_end_without_core_is_answered_on_repeat(self):
         fact, answer, _, goal = self.begin("arm")
         self.kill_core()
         goal.set_aborted()
         self.resume(("arm", fact))
         self.assertEqual(self.core.receive(), [answer.format("failed")])
 
-    def test_what_was_answered_is_answered_again(self):
+    def test_answered_action_is_answered_again(self):
         fact, answer, number, goal = self.begin("arm")
         goal.set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
@@ -127,7 +127,7 @@ class ExactlyOnce(unittest.TestCase):
         self.resume(("arm", fact))
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_what_a_former_run_has_begun_is_cancelled_and_its_return_is_not_sent(self):
+    def test_former_run_action_is_cancelled_without_return(self):
         fact, answer, number, _ = self.begin("arm")
         self.kill_core()
         self.core = self.start_core(uuid.uuid4().hex)
@@ -137,7 +137,7 @@ class ExactlyOnce(unittest.TestCase):
         self.servers["arm"].accept().set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_what_a_former_run_was_answered_is_done_in_another(self):
+    def test_former_run_answer_does_not_count_in_another(self):
         fact, answer, number, goal = self.begin("arm")
         goal.set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
@@ -146,7 +146,7 @@ class ExactlyOnce(unittest.TestCase):
         self.servers["arm"].accept().set_aborted()
         self.assertEqual(self.core.receive(), [answer.format("failed")])
 
-    def test_a_core_that_announces_no_run_is_obeyed(self):
+    def test_core_without_a_run_is_obeyed(self):
         self.core.die()
         self.core = self.start_core(None)
         fact, answer, number, goal = self.begin("arm")
@@ -158,14 +158,14 @@ class ExactlyOnce(unittest.TestCase):
 
     # ---- the interface node is killed -----------------------------------------------------------------------------
 
-    def test_a_goal_that_the_server_still_has_is_taken_up(self):
+    def test_goal_known_to_server_is_taken_over(self):
         _, answer, number, goal = self.begin("arm")
         self.kill_node()
         self.servers["arm"].wait_for_new_reader(NODE, self.readers)
         goal.set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_a_goal_that_was_taken_up_can_be_cancelled(self):
+    def test_goal_taken_over_can_be_cancelled(self):
         fact, answer, _, _ = self.begin("arm")
         self.kill_node()
         self.core.cancel("arm", fact)
@@ -173,31 +173,31 @@ class ExactlyOnce(unittest.TestCase):
         self.servers["arm"].cancelled().set_canceled()
         self.assertEqual(self.core.receive(), [answer.format("preempted")])
 
-    def test_what_nobody_knows_of_is_answered_as_interrupted(self):
+    def test_action_unknown_to_all_is_interrupted(self):
         _, answer, _, goal = self.begin("arm")
         self.kill_node(goal.set_succeeded)
         self.assertEqual(self.core.receive(), [answer.format("interrupted")])
 
-    def test_what_is_harmless_is_done_again(self):
+    def test_harmless_action_is_repeated(self):
         _, answer, number, goal = self.begin("drive")
         self.kill_node(goal.set_succeeded)
         self.servers["drive"].accept().set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_the_world_tells_that_it_was_done(self):
+    def test_world_tells_that_action_was_executed(self):
         _, answer, number, goal = self.begin("shelf")
         self.shelved.publish(Int32MultiArray(data=[0, number]))
         self.kill_node(goal.set_succeeded)
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_the_world_tells_that_it_was_not_done(self):
+    def test_world_tells_that_action_was_not_executed(self):
         _, answer, number, goal = self.begin("shelf")
         self.shelved.publish(Int32MultiArray(data=[0]))
         self.kill_node(goal.set_aborted)
         self.servers["shelf"].accept().set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_what_was_not_begun_is_done(self):
+    def test_action_not_begun_is_executed(self):
         def send():
             self.core.begin("arm", "_action_lib(arm,0,4)")
 
@@ -205,7 +205,7 @@ class ExactlyOnce(unittest.TestCase):
         self.servers["arm"].accept().set_succeeded()
         self.assertEqual(self.core.receive(), ["_return(arm,0,4)"])
 
-    def test_a_disk_that_was_full_is_written_as_soon_as_there_is_room(self):
+    def test_full_disk_is_written_once_it_has_room(self):
         with full_disk(process_of(NODE)):
             _, answer, number, goal = self.begin("arm")
             goal.set_succeeded()
@@ -218,7 +218,7 @@ class ExactlyOnce(unittest.TestCase):
 
     # ---- the action is cancelled ----------------------------------------------------------------------------------
 
-    def test_the_world_tells_what_became_of_a_cancel_that_is_not_heeded(self):
+    def test_world_tells_result_of_an_ignored_cancel(self):
         for done in (True, False):
             fact, answer, number, _ = self.begin("shelf")
             self.shelved.publish(Int32MultiArray(data=[0, number] if done else [0]))
@@ -226,7 +226,7 @@ class ExactlyOnce(unittest.TestCase):
             self.servers["shelf"].cancelled()
             self.assertEqual(self.core.receive(), [answer.format(number if done else "server_lost")])
 
-    def test_a_goal_that_may_have_been_done_before_is_not_preempted(self):
+    def test_goal_that_was_perhaps_executed_is_not_preempted(self):
         fact, answer, _, goal = self.begin("drive")
         self.kill_node(goal.set_succeeded)
         again = self.servers["drive"].accept()
@@ -238,7 +238,7 @@ class ExactlyOnce(unittest.TestCase):
     # ---- the server is killed -------------------------------------------------------------------------------------
 
     def kill_server(self, number, *shelved):
-        """Kill a server that has a goal, with these on the shelf, and start another; what the core is told."""
+        """Kill a server that has a goal, with these packages on the shelf, and restart it; return the core's facts."""
         with Process(sys.executable, MORTAL) as server:
             active = []
             topic = rospy.Subscriber("mortal/status", GoalStatusArray, lambda one: active.extend(one.status_list))
@@ -250,16 +250,16 @@ class ExactlyOnce(unittest.TestCase):
         with Process(sys.executable, MORTAL):
             return self.core.receive()
 
-    def test_what_was_done_although_its_server_died_has_succeeded(self):
+    def test_server_death_after_effect_is_success(self):
         number = next(GOALS)
         self.assertEqual(self.kill_server(number, 0, number), [f"_return(mortal,{number},5)"])
 
-    def test_what_was_not_done_when_its_server_died_has_failed(self):
+    def test_server_death_before_effect_is_failure(self):
         self.assertEqual(self.kill_server(next(GOALS), 0), ["_return(mortal,server_lost,5)"])
 
     # ---- both are killed ------------------------------------------------------------------------------------------
 
-    def test_an_answer_outlives_the_node_that_gave_it_and_the_core_that_did_not_hear_it(self):
+    def test_answer_survives_node_and_core_without_receipt(self):
         fact, answer, number, goal = self.begin("arm")
         self.kill_core()
         goal.set_succeeded()
@@ -268,7 +268,7 @@ class ExactlyOnce(unittest.TestCase):
         self.resume(("arm", fact))
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
-    def test_a_goal_is_taken_up_after_both_were_killed(self):
+    def test_goal_is_taken_over_after_both_were_killed(self):
         fact, answer, number, goal = self.begin("arm")
         self.kill_core()
         self.kill_deaf_node()

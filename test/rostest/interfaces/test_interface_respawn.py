@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A goal ends with the reason while servers are absent; an interface that is killed is started again, and serves."""
+"""A goal ends with the reason while servers are absent; an interface that is killed restarts and serves."""
 
 import os
 import signal
@@ -32,23 +32,23 @@ class InterfaceRespawn(unittest.TestCase):
         cls.returns = CoreSide()
         cls.returns.wait_for("move_base_interface")
 
-    def test_a_goal_without_servers_is_aborted(self):
+    def test_goal_without_servers_is_aborted(self):
         self.assertIn("package 1 could not be picked up at office1: server_lost", self.absent)
 
-    def test_killed_and_started_again(self):
+    def test_interface_is_killed_and_restarted(self):
         sent = self.client.send(GOAL)
         goal, readers = self.pickup.accept(), self.pickup.readers()
         os.kill(process_of("pickup_interface"), signal.SIGKILL)
         self.pickup.wait_for_new_reader("pickup_interface", readers)
         goal.set_succeeded()  # the core has asked the new node again, which has found the goal at its server
-        self.move_base.accept()  # the core has heard the new node
+        self.move_base.accept()  # the core is connected with the new node
         os.kill(process_of("move_base_interface"), signal.SIGINT)
         self.move_base.cancelled().set_canceled()
         told = self.returns.receive()
-        if told[0].startswith("_return(pickup,1,"):  # the new node may have told it before it was connected to the test
+        if told[0].startswith("_return(pickup,1,"):  # the new node perhaps sent it before it was connected to the test
             told = self.returns.receive()
         self.assertRegex(told[0], r"^_return\(move_base,interface_lost,\d+\)$")
-        self.move_base.accept().set_succeeded()  # planned anew
+        self.move_base.accept().set_succeeded()  # replanned
         self.deliver.accept().set_succeeded()
         sent.ends_as(GoalStatus.SUCCEEDED)
 

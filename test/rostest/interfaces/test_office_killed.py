@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The office or an interface is killed while a package is handled: it is handled once, and the core hears the truth."""
+"""The office or an interface is killed during pickup or delivery: it happens once, and the core receives the truth."""
 
 import sys
 import unittest
@@ -22,7 +22,7 @@ OFFICE3 = (9.9, 0.0)
 
 
 def stand_at(x, y):
-    """Have the robot stand there, for all time."""
+    """Let the robot stand there, for all time."""
     transform = TransformStamped(child_frame_id="base_link")
     transform.header.frame_id = "map"
     transform.transform.translation.x, transform.transform.translation.y = x, y
@@ -78,20 +78,20 @@ class OfficeKilled(unittest.TestCase):
     def run_action(self, name, cycle):
         self.assertEqual(self.core.run(name, f"_action_lib({name},1,{cycle})"), [f"_return({name},1,{cycle})"])
 
-    def test_an_interface_is_killed_while_a_package_is_picked_up_and_put_down(self):
+    def test_interface_killed_during_pickup_and_delivery(self):
         for cycle, name in enumerate(("pickup", "deliver"), 1):
             self.begin(name, cycle)
             self.kill(name + "_interface")
             self.assertEqual(self.core.receive(), [f"_return({name},1,{cycle})"])
 
-    def test_an_office_that_was_killed_has_the_packages_where_they_were(self):
+    def test_killed_office_keeps_packages_in_place(self):
         self.run_action("pickup", 1)
         self.kill("office")
         self.wait_for_place("carried")
         self.core.wait_for("deliver_interface")
         self.run_action("deliver", 2)
 
-    def test_an_office_is_killed_while_a_package_is_picked_up(self):
+    def test_office_killed_during_pickup(self):
         self.begin("pickup", 1)
         self.kill("office")
         answer = self.core.receive()
@@ -99,10 +99,10 @@ class OfficeKilled(unittest.TestCase):
         done = self.places["1"] == "carried"
         self.assertEqual(answer, ["_return(pickup,1,1)" if done else "_return(pickup,server_lost,1)"])
 
-    def test_office_and_interface_are_killed_while_a_package_is_picked_up(self):
+    def test_office_and_interface_killed_during_pickup(self):
         self.begin("pickup", 1)
         self.kill("office", "pickup_interface")
-        self.assertEqual(self.core.receive(), ["_return(pickup,1,1)"])  # seen not to be done, thus done again; or done
+        self.assertEqual(self.core.receive(), ["_return(pickup,1,1)"])  # executed before the kill, or repeated after it
         self.wait_for_place("carried")
 
 

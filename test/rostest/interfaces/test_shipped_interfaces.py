@@ -58,12 +58,12 @@ class ShippedInterfaces(unittest.TestCase):
             self.move_base.accept().set_aborted(text=text)
             self.assertEqual(self.core.receive(), [f"_return(move_base,{reason},{cycle})"])
 
-    def test_unknown_label(self):
+    def test_unknown_label_is_a_reason(self):
         self.assertEqual(
             self.core.run("move_base", "_action_lib(move_base,cellar,1)"), ["_return(move_base,unknown_label,1)"]
         )
 
-    def test_several_at_once_each_with_its_own_answer(self):
+    def test_concurrent_actions_have_separate_answers(self):
         self.core.send("move_base", "_action_lib(move_base,office1,4)", "_action_lib(move_base,office2,4)")
         first, second = self.move_base.accept(), self.move_base.accept()
         first.set_canceled()
@@ -71,7 +71,7 @@ class ShippedInterfaces(unittest.TestCase):
         second.set_succeeded()
         self.assertEqual(self.core.receive(), ["_return(move_base,office2,4)"])
 
-    def test_what_cannot_be_read_is_dropped_and_nothing_else(self):
+    def test_unreadable_message_is_dropped_alone(self):
         self.core.send(
             "move_base", "nonsense(", "_action_lib(move_base,office1)", "_action_lib(move_base,office1,1)", ""
         )
@@ -86,7 +86,7 @@ class ShippedInterfaces(unittest.TestCase):
         self.move_base.accept().set_succeeded()
         self.assertEqual(self.core.receive(), ["_return(move_base,office2,2)"])
 
-    def test_a_repeated_command_is_run_once(self):
+    def test_repeated_command_is_run_once(self):
         self.move(1)
         handle = self.move_base.accept()
         self.move(1)
@@ -98,7 +98,7 @@ class ShippedInterfaces(unittest.TestCase):
         handle.set_succeeded()
         self.assertEqual(self.core.receive(), ["_return(move_base,office2,1)"])
 
-    def test_packages(self):
+    def test_packages_are_picked_up_and_delivered(self):
         for server, name, result in ((self.pickup, "pickup", PickupResult), (self.deliver, "deliver", DeliverResult)):
             self.core.send(name, f"_action_lib({name},7,3)")
             handle = server.accept()

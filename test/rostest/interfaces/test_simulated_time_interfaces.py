@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Simulated time, which the test publishes: it begins late, flies, stands still, is reset."""
+"""Simulated time, published by the test: it begins late, runs fast, stands still, is reset."""
 
 import sys
 import unittest
@@ -24,10 +24,10 @@ class SimulatedTimeInterfaces(unittest.TestCase):
     def note(self, message):
         self.told = message.header.stamp.to_sec()
 
-    def test_a_day_in_simulated_time(self):
+    def test_interface_survives_a_day_in_simulated_time(self):
         init_node("core_side")
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
-        self.told = None  # the interface's time, which it tells once a second of wall time
+        self.told = None  # the interface's time, which it publishes once a second of wall time
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.note)
         core = CoreSide()
         server = Server("slow", TestAction)
@@ -39,7 +39,7 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         self.assertEqual(core.receive(), ["_return(slow,a,1)"])
         self.assertEqual(core.run("absent", "_action_lib(absent,a,1)"), ["_return(absent,server_lost,1)"])
 
-        # an action that was begun then is not over because the clock begins with a large number
+        # an action that began then has not timed out just because the clock begins with a large number
         core.send("slow", "_action_lib(slow,a,2)")
         handle = server.accept()
         self.set_clock(100000)
@@ -54,7 +54,7 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         server.cancelled().set_canceled()
         self.assertEqual(core.receive(), ["_return(slow,timeout,3)"])
 
-        # a reset of simulated time ends nothing, and goals go on
+        # a reset of simulated time ends nothing, and goals continue
         core.send("slow", "_action_lib(slow,a,4)")
         handle = server.accept()
         self.set_clock(5)
@@ -64,7 +64,7 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         server.accept().set_succeeded()
         self.assertEqual(core.receive(), ["_return(slow,a,5)"])
 
-        # while time stands still, a server that is absent is noticed nevertheless
+        # while time stands still, an absent server is noticed nevertheless
         self.assertEqual(core.run("absent", "_action_lib(absent,a,6)"), ["_return(absent,server_lost,6)"])
         self.assertTrue(core.silent())
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Publishes numbers on last_words: as many as it is told to by ~words, when it is ended."""
+"""Publishes ~words numbers on last_words when it is ended."""
 
 import rospy
 from std_msgs.msg import String

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes what it hears of news to standard error; rospy misses the first publisher that the master tells it of.
+"""Writes the received news to standard error; rospy misses the first publisher that the master reports to it.
 
-So it does where the master's reply to a subscription, with no publisher yet, comes after the news of one.
+This is what happens if the master's reply to a subscription, still without a publisher, arrives after the update.
 """
 
 import sys
@@ -16,7 +16,7 @@ if __name__ == "__main__":
     take, missed = RegManager.publisher_update, []
 
     def miss(manager, topic, addresses):
-        """Take the first publisher of news for none."""
+        """Miss the first publisher of news."""
         if topic == "/news" and addresses and not missed:
             missed.extend(addresses)
             addresses = []

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""With an empty cache of compiled code the first goal of the first launch succeeds, and is told what takes so long."""
+"""With an empty cache of compiled code the first goal of the first launch succeeds, and the delay is explained."""
 
 import os
 import shutil
@@ -16,11 +16,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
 
-LIMIT = 500.0  # seconds of wall time: a minute of computing, on however busy a machine
+LIMIT = 500.0  # seconds of wall time: a minute of computing, on any busy machine
 
 
 class FirstLaunch(unittest.TestCase):
-    def test_a_goal_that_is_sent_at_once_succeeds(self):
+    def test_goal_sent_at_once_succeeds(self):
         said = []
         rospy.Subscriber("/rosout", Log, lambda message: said.append((message.name, message.msg)), queue_size=None)
         goal = Client("rosoclingo").send("goal(office1,office2,3)")

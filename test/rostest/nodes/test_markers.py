@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The markers node draws labels, packages and plan anew at each change."""
+"""The markers node redraws labels, packages and plan at each change."""
 
 import sys
 import unittest
@@ -41,7 +41,7 @@ class Markers(unittest.TestCase):
             ns: [marker.text for marker in message.markers if marker.ns == ns and marker.text] for ns, _ in ids
         }
 
-    def test_goals_and_what_the_program_has_drawn(self):
+    def test_goals_and_drawings_of_the_program_are_shown(self):
         self.goals.publish(
             goals=[GoalState(request="g(1)", status=1), GoalState(request="g(2)", status=5, reason="no")]
         )
@@ -56,7 +56,7 @@ class Markers(unittest.TestCase):
         self.state.publish(cycle=2, atoms=[])
         wait_until(lambda: not self.texts.get("drawn"), "nothing to be blocked")
 
-    def test_labels_packages_and_plan(self):
+    def test_labels_packages_and_plan_are_shown(self):
         wait_until(lambda: self.texts.get("labels") == ["office1", "office2"], "the labels")
         self.packages.publish(packages=[PackageState("1", "office2", False), PackageState("2", "", True)])
         wait_until(lambda: self.texts.get("packages") == ["1", "2"], "the packages")
@@ -67,7 +67,7 @@ class Markers(unittest.TestCase):
         self.plan.publish(cycle=3, actions=[])
         wait_until(lambda: self.texts.get("plan") == ["cycle 3: idle"], "the idle plan")
 
-    def test_parameters_that_cannot_be_used(self):
+    def test_unusable_parameters_are_refused(self):
         rospy.set_param("~labels", {"a": [1, 2]})
         for name, value in (("panel", [1]), ("panel", 3), ("robot_radius", "wide")):
             rospy.set_param("~" + name, value)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A roscore that dies and comes back: what was under way goes on, who comes anew finds the nodes; and missed news."""
+"""A restarted roscore: activities continue, newcomers find the nodes, and missed publishers are found."""
 
 import importlib.util
 import os
@@ -57,7 +57,7 @@ class MasterRestarted(unittest.TestCase):
         self.stack.enter_context(Process(executable(script), *arguments))
 
     def known(self, *entries):
-        """Whether the master lists each of these (0 publisher, 1 subscriber, 2 service; topic or service; node)."""
+        """Return whether the master lists all of these (0 publisher, 1 subscriber, 2 service; name; node)."""
         state = rosgraph.Master("/test").getSystemState()
         return all(node in dict(state[kind]).get(name, []) for kind, name, node in entries)
 
@@ -73,7 +73,7 @@ class MasterRestarted(unittest.TestCase):
         self.stack.callback(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
         return process
 
-    def test_the_core_goes_on_and_is_found_again(self):
+    def test_core_continues_and_is_found_again(self):
         entries = [(1, "/in_rosoclingo", "/rosoclingo"), (0, "/out_rosoclingo", "/rosoclingo")]
         self.run_node("core", f"_program_files:=[{ERRANDS}]")
         wait_until(lambda: self.known(*entries), "the core")
@@ -97,7 +97,7 @@ class MasterRestarted(unittest.TestCase):
         self.assertIn("width: 348", found.stdout)
 
     @unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "the office needs tf2_ros, which is compiled")
-    def test_what_an_office_keeps_for_its_successor_is_kept_again(self):
+    def test_state_of_the_office_is_persisted_again(self):
         self.run_node("office", "_labels:={hall: [0, 0], attic: [9, 9]}", "_packages:={hall: ['1', '2']}")
         wait_until(lambda: self.known((2, "/office/put_package", "/office")), "the office")
         call = ["rosservice", "call", "/office/put_package", "{package: '1', location: attic}"]
@@ -108,8 +108,8 @@ class MasterRestarted(unittest.TestCase):
         wait_until(lambda: rosgraph.Master("/test").hasParam("/office/kept"), "the packages at the new master")
         self.assertEqual(rosgraph.Master("/test").getParam("/office/kept"), kept)
 
-    def test_a_publisher_that_rospy_missed_is_heard(self):
-        """Its node is connected though the master has told of it only once, and rospy forgot it."""
+    def test_publisher_missed_by_rospy_is_found(self):
+        """Its node is connected although the master has reported it only once, and rospy missed that."""
         with Process(str(Path(__file__).with_name("missing_listener.py"))) as listener:
             wait_until(lambda: self.known((1, "/news", "/listener")), "the listener")
             with Process("rostopic", "pub", "-r", "2", "news", "std_msgs/String", "hello"):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The command new: what it makes is built by catkin, passes its own test, and shows that test's failure."""
+"""The command new: catkin builds the package, its own test passes, and a failure of that test is shown."""
 
 import subprocess
 import sys
@@ -19,7 +19,7 @@ TEST = 'source "$1/devel/setup.bash" && rostest guard scenarios.test'
 
 
 class NewPackage(unittest.TestCase):
-    def test_it_is_built_and_passes_its_test(self):
+    def test_new_package_builds_and_passes_its_test(self):
         with tempfile.TemporaryDirectory() as workspace:
             sources = Path(workspace, "src")
             sources.mkdir()
@@ -33,7 +33,7 @@ class NewPackage(unittest.TestCase):
             self.assertIn("expected ['aborted', 'rejected'", output)
 
     def run_until_done(self, command, fails=False):
-        """What a command prints, with the exit code that is wanted."""
+        """Return a command's output, with the expected exit code."""
         done = subprocess.run(
             command, check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE
         )

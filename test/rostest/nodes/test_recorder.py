@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The recorder: a bag holds everything up to the end of a run, and of one that is killed up to then."""
+"""The recorder: a bag holds everything up to the end of a run, or up to the recorder's death."""
 
 import os
 import re
@@ -58,14 +58,14 @@ class Recorder(unittest.TestCase):
         self.bag = Path(folder.name, "run.bag")
 
     def holds(self, bag=None):
-        """The texts of the recorded topic, and what the bag says about itself."""
+        """Return the texts of the recorded topic, and the bag's notes about itself."""
         with rosbag.Bag(str(bag or self.bag)) as read:
             messages = [(topic, message.data) for topic, message, _ in read.read_messages()]
         notes = [text for topic, text in messages if topic == NOTES]
         return [text for topic, text in messages if topic == "/last_words"], notes
 
-    def test_of_all_it_ends_last(self):
-        """As roslaunch does: all are told to end at once, and the recorder is the first that does it."""
+    def test_recorder_ends_last_of_all(self):
+        """As with roslaunch, all nodes are asked to end at once, and the recorder would be the first to do so."""
         with recorder(self.bag) as record, speaker() as speaking:
             wait_until(recording, "the recorder to be connected")
             wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
@@ -76,7 +76,7 @@ class Recorder(unittest.TestCase):
         self.assertEqual(words, ["hello", *map(str, range(WORDS))])
         self.assertEqual(notes, ["begins", "ends, with the run: complete"])
 
-    def test_recorder_without_topics_has_a_list_of_its_own(self):
+    def test_recorder_without_topics_has_its_own_list(self):
         if rospy.has_param("/record/topics"):  # another test's
             rospy.delete_param("/record/topics")
         with Process(executable("record"), f"_bag:={self.bag}") as record:
@@ -94,7 +94,7 @@ class Recorder(unittest.TestCase):
         for topic in TOPICS:
             self.assertIn((topic.rpartition("/plan")[0] and "plans") or topic.rpartition("/")[2], help_text)
 
-    def test_who_does_not_end_is_named(self):
+    def test_recorder_names_node_that_does_not_end(self):
         with recorder(self.bag) as record, speaker():
             wait_until(recording, "the recorder to be connected")
             wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
@@ -104,7 +104,7 @@ class Recorder(unittest.TestCase):
             self.assertEqual(record.wait()[0], 0)
         self.assertEqual(self.holds(), (["hello"], ["begins", "ends, later messages are missing on /last_words"]))
 
-    def test_rosnode_kill(self):
+    def test_rosnode_kill_completes_the_bag(self):
         with recorder(self.bag) as record, speaker():
             wait_until(recording, "the recorder to be connected")
             wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
@@ -112,7 +112,7 @@ class Recorder(unittest.TestCase):
             self.assertEqual(record.wait()[0], 0)
         self.assertEqual(self.holds()[0], ["hello"])
 
-    def test_a_killed_recorder_leaves_what_came_before(self):
+    def test_killed_recorder_leaves_earlier_messages(self):
         publisher = rospy.Publisher("last_words", String, queue_size=None, latch=True)
         with recorder(self.bag) as record:
             wait_until(lambda: publisher.get_num_connections() > 0, "the recorder")
@@ -131,7 +131,7 @@ class Recorder(unittest.TestCase):
         self.assertIn("repaired: the recorder was killed; messages after", notes[-1])
         self.assertEqual(self.holds()[1], ["begins", "ends, with the run: complete"])
 
-    def test_a_full_disk_is_told_once_and_the_bag_goes_on_when_there_is_room(self):
+    def test_full_disk_is_reported_once_and_recording_resumes(self):
         publisher = rospy.Publisher("last_words", String, queue_size=None)
         with recorder(self.bag) as record:
             wait_until(recording, "the recorder to be connected")
@@ -152,7 +152,7 @@ class Recorder(unittest.TestCase):
         self.assertRegex(notes[1], r"^messages from .* s to .* s are missing: the bag .* cannot be written: ")
         self.assertEqual((notes[0], notes[2]), ("begins", "ends, with the run: with the gaps noted before"))
 
-    def test_messages_stay_in_order_when_simulated_time_goes_back(self):
+    def test_messages_stay_ordered_when_time_goes_back(self):
         publisher = rospy.Publisher("last_words", String, queue_size=None)
         clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
         self.addCleanup(clock.unregister)
@@ -176,7 +176,7 @@ class Recorder(unittest.TestCase):
             moments = [moment.to_sec() for _, _, moment in bag.read_messages(["/last_words"])]
         self.assertEqual(moments, [100.0, 100.0, 102.0])
 
-    def test_bad_parameters_and_files(self):
+    def test_bad_parameters_and_files_are_refused(self):
         for arguments, text in (
             (("_topics:=[]",), "~topics: must be a list of topics, not []"),
             (("_topics:=[a]", "_bag:=/proc/no/run.bag"), "the bag /proc/no/run.bag cannot be written"),
@@ -198,7 +198,7 @@ class Recorder(unittest.TestCase):
             os.killpg(process.pid, signal.SIGINT)
             process.wait(PATIENCE)
 
-    def test_ctrl_c_and_the_bag_has_the_results_of_the_end(self):
+    def test_ctrl_c_bag_has_the_results_of_the_end(self):
         """Without world and navigation: the goal's first action waits for a server when Ctrl-C comes."""
         nothing = [f"{layer}:=none" for layer in ("sim", "nav", "map_server", "localization")]
         bag = ("record:=true", f"bag:={self.bag}")

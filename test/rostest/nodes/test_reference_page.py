@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Core, interface, office and markers have the topics, services and actions of the reference page, and no others."""
+"""Core, interface, office and markers have exactly the topics, services and actions of the reference page."""
 
 import sys
 import time
@@ -20,22 +20,22 @@ class ReferencePage(unittest.TestCase):
     maxDiff = None
 
     def look(self, script, node, given):
-        """Wait until the node is up and has what is documented, or say what differs."""
+        """Wait until the node is up and has the documented names, or report the differences."""
         wanted, end = documented(script, node, given), time.monotonic() + 300.0
         while offered(node) != wanted and time.monotonic() < end and not rospy.is_shutdown():
             rospy.rostime.wallsleep(0.1)
         self.assertEqual(offered(node), wanted)
 
-    def test_the_core(self):
+    def test_core_names_match_the_page(self):
         self.look("core", "/rosoclingo", {})
 
-    def test_an_interface(self):
+    def test_interface_names_match_the_page(self):
         self.look("interface", "/legs", WALK)
 
-    def test_the_office(self):
+    def test_office_names_match_the_page(self):
         self.look("office", "/office", {})
 
-    def test_the_markers(self):
+    def test_markers_names_match_the_page(self):
         self.look("markers", "/markers", {})
 
 

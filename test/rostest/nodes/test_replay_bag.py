@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A recorded run replays with no unexplained difference, and its stream gives the same answers by the command.
 
-ROSOCLINGO_SEED chooses another course of things, ROSOCLINGO_GOALS how many goals there are in each of the two worlds.
+ROSOCLINGO_SEED chooses another course of events, ROSOCLINGO_GOALS the number of goals in each of the two worlds.
 """
 
 import json
@@ -48,7 +48,7 @@ LIMIT = 1500  # seconds of wall time for a command, on the slowest machine
 
 
 def command(*words):
-    """Run one of the package's commands without a master; its exit code and what it wrote."""
+    """Run one of the package's commands without a master; return its exit code and output."""
     environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1"}
     words = (executable(words[0]), *map(str, words[1:]))
     done = subprocess.run(words, env=environment, text=True, timeout=LIMIT, capture_output=True, check=False)
@@ -56,7 +56,7 @@ def command(*words):
 
 
 def all_ended(world):
-    """Whether the latest ~goals of a core, which comes after the results, has no open goal."""
+    """Return whether the latest ~goals of a core, which comes after the results, has no open goal."""
     states = rospy.wait_for_message(f"/{world}/rosoclingo/goals", GoalStates, 10.0)
     return all(goal.ended.to_sec() for goal in states.goals)
 
@@ -85,26 +85,26 @@ class ReplayBag(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def test_the_bag_holds_what_it_should(self):
+    def test_bag_holds_the_expected_topics(self):
         self.assertEqual((self.ended, self.over), (0, [True, True]))
         with rosbag.Bag(str(self.bag)) as bag:
             self.assertLessEqual(set(TOPICS), set(bag.get_type_and_topic_info().topics))
 
-    def test_no_difference_is_unexplained(self):
+    def test_differences_are_all_explained(self):
         for world in WORLDS:
             code, text, error = command("replay", self.bag, "--core", f"{world}/rosoclingo")
             self.assertEqual((code, error), (0, ""), text)
             self.assertTrue(text.endswith("no unexplained difference\n"), text)
             print(f"{world}: {text}")
 
-    def test_the_stream_gives_the_same_answers(self):
+    def test_stream_gives_the_same_answers(self):
         core, stream, folder = ("--core", "house/rosoclingo"), f"{self.bag}.stream", f"{self.bag}_program"
         code, text, error = command("replay", self.bag, *core, "--stream", stream, "--program-to", folder)
         self.assertEqual((code, error), (0, ""))
         self.assertTrue(text.startswith("rosrun rosoclingo oclingo "), text)
         code, text, _ = command(*text.split()[2:], "--json")
         results = list(map(json.loads, text.splitlines()))
-        unmet = any(one["outcome"] == SolveOutcome.UNSATISFIABLE.value for one in results)  # so a goal was given up
+        unmet = any(one["outcome"] == SolveOutcome.UNSATISFIABLE.value for one in results)  # so a goal was aborted
         self.assertEqual(code, UNSATISFIABLE if unmet else 0)
         with rosbag.Bag(str(self.bag)) as bag:
             told = {one.cycle: one for _, one, _ in bag.read_messages(["/house/rosoclingo/task_plan"])}
@@ -116,7 +116,7 @@ class ReplayBag(unittest.TestCase):
                 compared += 1
         self.assertGreaterEqual(compared, 5)
 
-    def test_it_has_a_report_of_some_megabytes_at_most(self):
+    def test_report_has_at_most_some_megabytes(self):
         for world in WORLDS:
             page = Path(f"{self.bag}_{world}.html")
             code, text, error = command("report", self.bag, "--core", f"{world}/rosoclingo", "-o", page)

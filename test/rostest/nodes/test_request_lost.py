@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A request from the command line ends as lost once its core is gone, whatever ROS time does, and no sooner."""
+"""A request from the command line ends as lost once its core is gone, with any ROS time, and not before."""
 
 import os
 import signal
@@ -26,7 +26,7 @@ ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 
 
 def core(namespace, *arguments):
-    """A core in a process of its own; its topics are /NAMESPACE/..."""
+    """Start a core as a process; its topics are /NAMESPACE/..."""
     files = f"_program_files:=[{ERRANDS}]"
     return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", files, *arguments)
 
@@ -41,7 +41,7 @@ class Request:
         )
 
     def end(self):
-        """Exit code and what it said."""
+        """Return exit code and output."""
         said = self._process.communicate(timeout=2 * PATIENCE)[0]
         return self._process.returncode, said
 
@@ -70,7 +70,7 @@ class RequestLost(unittest.TestCase):
 
     @classmethod
     def tick(cls):
-        """Simulated time goes on while ``running`` is set."""
+        """Let simulated time run while ``running`` is set."""
         seconds = 1.0
         while True:
             cls.running.wait()
@@ -82,7 +82,7 @@ class RequestLost(unittest.TestCase):
         self.running.set()
 
     def asks(self, namespace):
-        """A request whose action is under way."""
+        """Start a request whose action is under way."""
         hands = Hands(f"{namespace}/")
         hands.wait_for(f"/{namespace}/rosoclingo")
         request = Request(f"{namespace}/rosoclingo", PATIENCE)
@@ -113,7 +113,7 @@ class RequestLost(unittest.TestCase):
                 self.is_lost(request)
             self.assertTrue(command and hands)
 
-    def test_a_core_whose_time_stands_still_ends_its_goals(self):
+    def test_core_ends_its_goals_while_time_stands_still(self):
         with core("paused"):
             hands, command, request = self.asks("paused")
             with request:
@@ -121,7 +121,7 @@ class RequestLost(unittest.TestCase):
                 hands.succeed(command)
                 self.assertEqual(request.end()[0], 0)
 
-    def test_time_that_has_not_begun_is_waited_for(self):
+    def test_request_waits_for_time_to_begin(self):
         other = "/clock:=/late_clock"
         with core("early", other), Request("early/rosoclingo", PATIENCE, other) as request:
             hands = Hands("early/")
@@ -137,7 +137,7 @@ class RequestLost(unittest.TestCase):
         self.assertEqual(code, 0, said)
         self.assertIn("ROS time has not begun", said)
 
-    def test_core_is_started_anew(self):
+    def test_core_is_restarted(self):
         with core("anew") as process:
             _, _, request = self.asks("anew")
             with request:
@@ -148,7 +148,7 @@ class RequestLost(unittest.TestCase):
                     self.assertEqual(code, 5, said)
                     self.assertIn("lost:", said)
 
-    def test_the_goal_of_a_request_that_is_killed_goes_on(self):
+    def test_goal_of_a_killed_request_continues(self):
         results = []
         subscriber = rospy.Subscriber("orphan/rosoclingo/result", ROSoClingoActionResult, results.append)
         with core("orphan"):
@@ -160,7 +160,7 @@ class RequestLost(unittest.TestCase):
             wait_until(lambda: results, "the goal to end")
         self.assertEqual(results[0].status.status, GoalStatus.SUCCEEDED)
 
-    def test_core_was_never_there(self):
+    def test_core_never_existed(self):
         for running in (True, False):
             if not running:
                 self.running.clear()
@@ -169,7 +169,7 @@ class RequestLost(unittest.TestCase):
                 self.assertEqual(code, 5)
                 self.assertIn("no action server 'nobody/rosoclingo' within 0.5 s", said)
 
-    def test_there_is_no_master(self):
+    def test_master_does_not_exist(self):
         with Request("nobody/rosoclingo", 0.5, ROS_MASTER_URI="http://localhost:1") as request:
             code, said = request.end()
             self.assertEqual(code, 5)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The live page with a real core: what a browser shows of goals, also when the core was killed and is there again."""
+"""The live page with a real core: the goals in a browser, also after the core was killed and restarted."""
 
 import os
 import signal
@@ -69,7 +69,7 @@ class WebPage(unittest.TestCase):
             f"[...document.querySelectorAll('#goals .state')].map((one) => one.textContent).join() === '{states}'"
         )
 
-    def test_goals_are_seen_also_after_the_core_was_killed(self):
+    def test_goals_are_shown_also_after_a_kill(self):
         self.assertEqual(self.page.text("h1"), "The page's test")
         self.page.wait_for("document.querySelectorAll('.labelname').length === 4")
         self.client.send(GOAL).ends_as(GoalStatus.SUCCEEDED)
@@ -91,7 +91,7 @@ class WebPage(unittest.TestCase):
         self.goals("succeeded,rejected,lost,succeeded")
         self.assertEqual(self.page.faults, [])
 
-    def test_orders_are_met_or_cancelled_by_who_has_ordered(self):
+    def test_orders_are_met_or_cancelled_by_their_sender(self):
         self.hands.at_once = True
         lying = [PackageState("7", "office3", False), PackageState("8", "office1", False), PackageState("9", "", True)]
         self.packages.publish(packages=lying)
@@ -109,13 +109,13 @@ class WebPage(unittest.TestCase):
             other.wait_for(self.shown("goal(office1,office4,8)", "active"))
             self.assertEqual(other.run("document.querySelectorAll('#goals button:not([hidden])').length"), 0)
         self.page.click("#goals button:not([hidden])")
-        wait_until(self.cancelling, "the cancel to arrive")  # it and the answers race each other
+        wait_until(self.cancelling, "the cancel to arrive")  # it and the answers race
         self.hands.at_once = True
         self.hands.clear()
         self.state_of("goal(office1,office4,8)", "canceled")
         self.assertEqual(self.page.faults, [])
 
-    def test_robot_that_moves_and_a_way_that_is_blocked(self):
+    def test_moving_robot_and_blocked_way_are_shown(self):
         self.hands.at_once = False
         goal = self.client.send("goal(office1,office2,50)")
         self.state_of("goal(office1,office2,50)", "active")
@@ -132,11 +132,11 @@ class WebPage(unittest.TestCase):
         self.assertEqual(self.page.faults, [])
 
     def cancelling(self):
-        """Whether the core has a cancel of a goal that is active: whatever comes to it now it hears later."""
+        """Return whether the core has a cancel of an active goal, which it handles before any later message."""
         return any(one.status == GoalStatus.PREEMPTING for one in self.client.raw.last_status_msg.status_list)
 
     def robot_at(self, x):
-        """Where the robot is seen once it is told to be at ``x`` m."""
+        """Return where the page shows the robot after it is reported at ``x`` m."""
         message = Odometry()
         message.pose.pose.position.x, message.pose.pose.orientation.w = x, 1.0
 
@@ -158,7 +158,7 @@ class WebPage(unittest.TestCase):
         self.assertEqual(self.page.run("document.querySelectorAll('img').length"), 0)
         self.assertEqual(self.page.faults, [])
 
-    def test_page_that_comes_late_has_the_goals_that_are_open(self):
+    def test_late_page_has_the_open_goals(self):
         self.hands.at_once = False
         goal = self.client.send("goal(office1,office2,60)")
         self.state_of("goal(office1,office2,60)", "active")
@@ -188,7 +188,7 @@ class WebPage(unittest.TestCase):
         os.kill(process_of("/rosoclingo"), signal.SIGKILL)
         wait_until(lambda: len(self.hands.runs) > runs, "the core to be there again")
 
-    def test_what_it_cannot_work_with_is_told(self):
+    def test_unusable_settings_are_reported(self):
         port = int(self.address.rstrip("/").rpartition(":")[2])
         for name, value, told in (
             ("port", port, "cannot be served on 127.0.0.1"),

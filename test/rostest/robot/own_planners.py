@@ -19,9 +19,9 @@ from rosoclingo.robot.navigation.recovery_behaviors import RecoveryStep
 
 
 class Surveyor(GridPlanner):
-    """Plans as the grid planner does, through a waypoint; fails or finds nothing where the test asks it to.
+    """Plans as the grid planner does, through a waypoint; fails or finds no path on demand of the test.
 
-    For a goal between x 12 and 12.5 it needs the chart, a parameter, and looks for that until nobody waits any more.
+    For a goal between x 12 and 12.5 it needs the chart, a parameter, and searches until nobody waits any more.
     """
 
     def __init__(self, parameters=None):
@@ -47,7 +47,7 @@ class Surveyor(GridPlanner):
 
 
 class Stroller(LocalPlanner):
-    """Follows by another follower, yet never faster than allowed; gives no number at all where the test asks it to."""
+    """Delegates to another follower, limits the speed, and returns a value that is no number on demand of the test."""
 
     def __init__(self, parameters=None, radius=0.18, footprint=()):
         super().__init__(parameters, radius, footprint)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The interfaces of map_server and fake_localization, and how the simulated robot's nodes refuse wrong parameters."""
+"""The interfaces of map_server and fake_localization, and refusals of wrong parameters by the simulation's nodes."""
 
 import contextlib
 import math
@@ -49,7 +49,7 @@ class Maps(unittest.TestCase):
         self.assertEqual(served.info, metadata)
         self.assertEqual(set(served.data), {-1, 0, 100})
 
-    def test_another_map(self):
+    def test_another_map_can_be_loaded(self):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "small.yaml").write_text(SMALL)
             Path(folder, "small.pgm").write_bytes(b"P5 3 2 255 " + bytes([0, 254, 205, 254, 254, 254]))
@@ -61,7 +61,7 @@ class Maps(unittest.TestCase):
             self.assertEqual(self.change("package://rosoclingo/worlds/office.yaml").map.info.width, 348)
             self.assertEqual(self.change(f"file://{folder}/small.yaml").map.info.width, 3)
 
-    def test_a_map_that_cannot_be_loaded_leaves_the_old_one(self):
+    def test_broken_map_leaves_the_old_one(self):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "broken.yaml").write_text("image: [")
             Path(folder, "small.yaml").write_text(SMALL)
@@ -81,8 +81,7 @@ class Maps(unittest.TestCase):
 
 
 class Localization(unittest.TestCase):
-    """The map has the world turned back by a quarter, then moved back by 1 m along x, as fake_localization does it.
-
+    """The map frame is the world, rotated by -90 degrees and moved by -1 m along x, as in fake_localization.
     Odometry has the robot turned by a quarter at (1, 0).
     """
 
@@ -108,7 +107,7 @@ class Localization(unittest.TestCase):
             cls.keep(transform, transform.child_frame_id)
 
     def until(self, condition, x=4.0, y=2.0):
-        """Be a robot that truly stands at a place until a condition holds."""
+        """Publish a true position of the robot until a condition holds."""
         truth, odometry = Odometry(), TransformStamped()
         truth.pose.pose.position.x, truth.pose.pose.position.y, truth.pose.pose.orientation.w = x, y, 1.0
         odometry.header.frame_id, odometry.child_frame_id = "wheels", "body"
@@ -128,18 +127,18 @@ class Localization(unittest.TestCase):
                 self.changed.wait(0.05)
 
     def at(self, x, y):
-        """Tell whether the robot is at a place in the map."""
+        """Return whether the robot is at a place in the map."""
         position = self.last["amcl_pose"].pose.pose.position if "amcl_pose" in self.last else None
         return position is not None and math.hypot(position.x - x, position.y - y) < 1e-6
 
     def wheels_at(self, x, y):
-        """Tell whether odometry's frame is at a place in the map."""
+        """Return whether odometry's frame is at a place in the map."""
         place = self.last["wheels"].transform.translation
         return math.hypot(place.x - x, place.y - y) < 1e-6
 
-    def test_pose_cloud_and_transform(self):
+    def test_pose_cloud_and_transform_agree(self):
         names = {"amcl_pose", "particlecloud", "wheels"}
-        # The robot is at (1, -4) with yaw -90 degrees in the map, and at (1, 0) with yaw 90 degrees by its wheels.
+        # The robot is at (1, -4) with yaw -90 degrees in the map, and at (1, 0) with yaw 90 degrees by odometry.
         self.until(lambda last: names <= set(last) and self.at(1.0, -4.0) and self.wheels_at(2.0, -4.0))
         pose, cloud, transform = (self.last[name] for name in ("amcl_pose", "particlecloud", "wheels"))
         self.assertEqual([m.header.frame_id for m in (pose, cloud, transform)], ["floor"] * 3)
@@ -148,7 +147,7 @@ class Localization(unittest.TestCase):
         self.assertAlmostEqual(abs(transform.transform.rotation.z), 1.0)
         self.assertGreater((transform.header.stamp - pose.header.stamp).to_sec(), 0.1)
 
-    def test_who_comes_late_gets_the_last_pose_though_no_other_follows(self):
+    def test_late_subscriber_gets_the_last_pose(self):
         self.until(lambda last: self.at(1.0, -4.0))
         for name, kind in (("amcl_pose", PoseWithCovarianceStamped), ("particlecloud", PoseArray)):
             late = queue.Queue()
@@ -156,7 +155,7 @@ class Localization(unittest.TestCase):
             self.assertEqual(late.get(timeout=PATIENCE).header.frame_id, "floor")
             subscriber.unregister()
 
-    def test_zzz_an_initial_pose_moves_the_map(self):
+    def test_zzz_initial_pose_moves_the_map(self):
         self.until(lambda last: self.initial.get_num_connections() and "amcl_pose" in last)
         for frame, x, w in (("floor", 99.0, 0.0), ("floor", math.nan, 1.0), ("moon", 99.0, 1.0), ("floor", 7.0, 1.0)):
             pose = PoseWithCovarianceStamped()
@@ -169,7 +168,7 @@ class Localization(unittest.TestCase):
         self.initial.publish(pose)
         self.until(lambda last: self.at(15.0, 0.0), x=5.0)
 
-    def test_a_truth_that_is_none_is_left_out(self):
+    def test_invalid_truth_is_ignored(self):
         self.until(lambda last: "amcl_pose" in last)
         before = self.last["amcl_pose"].pose.pose.position
         broken = Odometry()
@@ -180,8 +179,8 @@ class Localization(unittest.TestCase):
 
 
 class WrongParameters(unittest.TestCase):
-    def test_each_node_names_what_is_wrong_and_ends(self):
-        """All start at the same time, as starting is what takes time."""
+    def test_nodes_name_wrong_parameter_and_end(self):
+        """All start at the same time, since starting takes most of the time."""
         wrong = {
             "map_server": (["/no/such/map.yaml"], "map /no/such/map.yaml: cannot be read"),
             "simulator": (["_world:=/no/such/world.yaml"], "world /no/such/world.yaml: cannot be read"),
@@ -201,7 +200,7 @@ class WrongParameters(unittest.TestCase):
 
 
 class SimulatorParameters(unittest.TestCase):
-    """A simulator with every parameter other than its default; it stands still but for the steps asked for."""
+    """A simulator with every parameter other than its default; it stands still except for the requested steps."""
 
     def write(self, folder):
         """Make a world with a map of 2 m x 2 m, and another map of 10 m x 10 m."""
@@ -215,7 +214,7 @@ class SimulatorParameters(unittest.TestCase):
         robots = f"[{{name: anna, pose: [1, 1, 0], lasers: {lasers}}}]"
         Path(folder, "world.yaml").write_text(f"{{map: small.yaml, robots: {robots}}}")
 
-    def test_each(self):
+    def test_parameters_each_have_their_effect(self):
         with tempfile.TemporaryDirectory() as folder:
             self.write(folder)
             values = ("_paused:=true", "_use_model_names:=true", "_base_watchdog_timeout:=1.0", "_speed:=0")
@@ -238,7 +237,7 @@ class SimulatorParameters(unittest.TestCase):
         twist.linear.x = 0.5
 
         def speed_after_a_step():
-            while True:  # the subscriber may not be known to the simulator at first
+            while True:  # the simulator perhaps does not know the subscriber at first
                 step(1)
                 with contextlib.suppress(queue.Empty):
                     return speeds.get(timeout=0.5)
@@ -248,11 +247,11 @@ class SimulatorParameters(unittest.TestCase):
             command.publish(twist)
         while speed_after_a_step() > 0.0:
             moving += 1
-        # It goes on for 1 s and brakes for two steps; by the default it would be two and two.
+        # It drives for 1 s and brakes for two steps; by the default it would be two and two.
         self.assertTrue(8 <= moving <= 20, moving)
 
     def check_lasers(self):
-        """Each has a topic and a frame of its own, counted as by stage_ros, and its own rate; 1 m from a pillar."""
+        """Check that each has its own topic, frame and rate, numbered as by stage_ros; 1 m from a pillar."""
         step = rospy.ServiceProxy("other/step", StepSimulation)
         put, place = (
             rospy.ServiceProxy("other/put_obstacle", PutObstacle),

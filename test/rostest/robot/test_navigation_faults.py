@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Navigation when things go wrong: doors, obstacles, a lost laser, a robot carried away; and move_base's services."""
+"""Navigation in difficulty: doors, obstacles, a lost laser, a moved robot; and move_base's services."""
 
 import copy
 import functools
@@ -35,7 +35,7 @@ PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navi
 
 
 class Relay:
-    """Passes a topic on as another one, as long as it is ``on``."""
+    """Passes a topic on as another one, while it is ``on``."""
 
     def __init__(self, topic, relayed, kind):
         self.on, self._passed = True, 0
@@ -48,7 +48,7 @@ class Relay:
             self._publisher.publish(message)
 
     def wait(self):
-        """Wait until somebody has heard what is passed on: who starts without a laser has lost it."""
+        """Wait until a subscriber has received a message: a node that starts without a laser reports its loss."""
         wait_until(lambda: self._passed > 1, f"somebody to listen to {self._publisher.name}")
 
 
@@ -78,7 +78,7 @@ class NavigationFaults(unittest.TestCase):
     def tearDown(self):
         self.assertEqual(self.driver.collisions, [])
 
-    def test_a_door_closes_on_the_way_and_the_robot_goes_round(self):
+    def test_robot_takes_detour_when_door_closes_on_its_way(self):
         self.driver.send(pose_goal(9.9, 0.0))
         self.driver.wait(lambda: self.driver.pose[0] > 4.0)
         self.assertTrue(self.door("corridor", False).success)
@@ -87,7 +87,7 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual(self.driver.end()[0], SUCCEEDED)
         self.assertLess(self.driver.distance(9.9, 0.0), 0.2)
 
-    def test_doors_closed_for_good_end_with_the_reason_and_open_again_it_goes(self):
+    def test_closed_doors_end_with_reason_until_reopened(self):
         self.door("corridor", False)
         self.door("meeting_west", False)
         before = len(self.recoveries)
@@ -98,7 +98,7 @@ class NavigationFaults(unittest.TestCase):
         self.door("corridor", True)
         self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
 
-    def test_an_obstacle_on_the_goal_and_taken_away(self):
+    def test_obstacle_on_the_goal_can_be_taken_away(self):
         put = rospy.ServiceProxy("/simulator/put_obstacle", PutObstacle)
         self.assertTrue(put("crate", 5.9, 0.0, 0.3, 0.0, 0.0, 0.0).success)
         status, text = self.driver.drive(5.9, 0.0)
@@ -107,10 +107,10 @@ class NavigationFaults(unittest.TestCase):
         rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("crate")
         self.assertEqual(self.driver.drive(5.9, 0.0)[0], SUCCEEDED)
 
-    def test_a_lost_laser_stops_the_robot_and_ends_the_goal(self):
+    def test_lost_laser_stops_robot_and_ends_goal(self):
         self.lose("base_scan", "laser is lost")
 
-    def test_a_lost_localisation_stops_the_robot_and_ends_the_goal(self):
+    def test_lost_localization_stops_robot_and_ends_goal(self):
         self.lose("base_pose_ground_truth", r"Localisation is lost: .*transform from map to odom")
 
     def lose(self, topic, words):
@@ -128,7 +128,7 @@ class NavigationFaults(unittest.TestCase):
         self.assertRegex(text, words)
         self.assertEqual(self.driver.drive(2.5, 0.0)[0], SUCCEEDED)
 
-    def test_a_reset_on_the_way(self):
+    def test_reset_on_the_way_is_handled(self):
         self.driver.send(pose_goal(9.9, 0.0))
         self.driver.wait(lambda: self.driver.pose[0] > 4.0)
         rospy.ServiceProxy("reset_positions", Empty)()
@@ -141,7 +141,7 @@ class NavigationFaults(unittest.TestCase):
         start.pose.position.x, goal.pose.position.x, goal.pose.position.y = 1.9, x, y
         return self.plan(start, goal, 0.0).plan
 
-    def test_make_plan(self):
+    def test_make_plan_returns_a_path(self):
         plan = self.ask(9.9, 0.0)
         self.assertEqual(plan.header.frame_id, "map")
         first, last = plan.poses[0].pose.position, plan.poses[-1].pose.position
@@ -150,7 +150,7 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual(self.ask(7.93, 3.0).poses, [])
         self.assertEqual(self.ask(1.0, 0.0, "moon").poses, [])
 
-    def test_the_nodes_have_what_the_reference_page_lists(self):
+    def test_nodes_have_the_names_of_the_reference_page(self):
         page = PAGE.read_text()
         remapped = {
             "move_base": {"base_scan": ("relayed_scan", "")},
@@ -164,8 +164,8 @@ class NavigationFaults(unittest.TestCase):
                 if not name.startswith("/move_base/") or name.count("/") > 2:
                     self.assertIn(name.rsplit("/", 1)[-1], page)
 
-    def test_costmaps(self):
-        """The global one in the map's frame, the local one around the robot in odometry's; and what changes of them."""
+    def test_costmaps_are_published_with_their_changes(self):
+        """The global one is in the map's frame, the local one around the robot in odometry's; both publish updates."""
         whole = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
         self.assertEqual((whole.header.frame_id, whole.info.width, whole.info.height), ("map", 348, 208))
         self.assertTrue({0, 99, 100, -1} <= set(whole.data))
@@ -187,7 +187,7 @@ class NavigationFaults(unittest.TestCase):
             self.assertTrue(update.y <= row <= update.y + update.height, update.y)
             again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
             self.assertGreater(again.data.count(100), whole.data.count(100))
-            self.relays["base_scan"].on = False  # so that nothing but the service can clear it
+            self.relays["base_scan"].on = False  # so that only the service can clear it
             self.driver.wait(lambda: rospy.get_time() > again.header.stamp.to_sec() + 2.0)
             rospy.ServiceProxy("/move_base/clear_costmaps", Empty)()
             again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
@@ -196,8 +196,8 @@ class NavigationFaults(unittest.TestCase):
             self.relays["base_scan"].on = True
             rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("bin")
 
-    def test_a_new_map_on_the_way_that_no_path_leads_over(self):
-        """The map, not the world, has a wall across the building; the goal under way ends, and so does the next."""
+    def test_new_map_on_the_way_blocks_all_paths(self):
+        """The map, but not the world, has a wall across the building; the goal under way ends, and so does the next."""
         change = rospy.ServiceProxy("/change_map", LoadMap)
         office = PAGE.parents[1] / "worlds" / "office.yaml"
         self.driver.send(pose_goal(9.9, 0.0))
@@ -220,7 +220,7 @@ class NavigationFaults(unittest.TestCase):
         self.driver.wait(lambda: self.ask(9.9, 0.0).poses)
         self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
 
-    def test_broken_messages_harm_nothing(self):
+    def test_broken_messages_do_no_harm(self):
         scan = rospy.wait_for_message("base_scan", numpy_msg(LaserScan), timeout=PATIENCE)
         relay = rospy.Publisher("relayed_scan", numpy_msg(LaserScan), queue_size=100)
         odom = rospy.Publisher("odom", Odometry, queue_size=100)
@@ -249,14 +249,14 @@ class NavigationFaults(unittest.TestCase):
         self.assertIn("invalid quaternion", self.driver.drive(3.0, 0.0, math.nan)[1])
         self.assertEqual(self.driver.drive(3.0, 0.0)[0], SUCCEEDED)
 
-    def test_footprints(self):
+    def test_footprints_are_published(self):
         for name, frame in (("global", "map"), ("local", "odom")):
             footprint = rospy.wait_for_message(f"/move_base/{name}_costmap/footprint", PolygonStamped, timeout=PATIENCE)
             self.assertEqual(footprint.header.frame_id, frame)
             distances = [self.driver.distance(p.x, p.y) for p in footprint.polygon.points]
             self.assertAlmostEqual(max(distances), 0.18, delta=0.02)
 
-    def test_a_simple_goal_and_what_is_shown_of_it(self):
+    def test_simple_goal_is_driven_and_shown(self):
         shown, results = {}, []
         simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
         links = [rospy.Subscriber("move_base/result", MoveBaseActionResult, results.append)]

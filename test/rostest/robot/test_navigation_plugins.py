@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plugins by class path: they drive the robot, have their own parameters and topics, and fail for their goal only."""
+"""Plugins by class path: they drive the robot, have their own parameters and topics, and fail only for their goal."""
 
 import pathlib
 import sys
@@ -35,7 +35,7 @@ class NavigationPlugins(unittest.TestCase):
     def tearDown(self):
         self.assertEqual(self.driver.collisions, [])
 
-    def test_the_planners_drive(self):
+    def test_planners_drive_the_robot(self):
         speeds, near = [], []
         self.driver.send(pose_goal(8.5, 0.0))
         self.driver.wait(
@@ -52,21 +52,21 @@ class NavigationPlugins(unittest.TestCase):
         self.assertTrue(self.plans)
         self.assertEqual(self.local_plans[-1].header.frame_id, "odom")
 
-    def test_what_a_global_planner_raises_costs_its_goal_only(self):
+    def test_global_planner_error_costs_only_its_goal(self):
         status, text = self.driver.drive(14.5, 0.0)
         self.assertEqual(status, ABORTED)
         self.assertIn("the surveyor has lost his chart", text)
         x, y, _ = self.driver.pose
         self.assertEqual(self.driver.drive(x, y)[0], SUCCEEDED)
 
-    def test_a_velocity_that_is_no_number_costs_its_goal_only(self):
+    def test_velocity_that_is_no_number_costs_only_its_goal(self):
         self.driver.drive(2.5, 0.0)
         status, text = self.driver.drive(0.9, 0.0)
         self.assertEqual(status, ABORTED)
         self.assertIn("not finite", text)
         self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
 
-    def test_the_recovery_is_the_listed_one(self):
+    def test_recovery_is_the_listed_one(self):
         before = len(self.recoveries)
         status, text = self.driver.drive(13.5, 0.0)
         self.assertEqual(status, ABORTED)
@@ -86,14 +86,14 @@ class NavigationPlugins(unittest.TestCase):
             goal.pose.position.x = 14.5
             self.assertEqual(plan(start, goal, 0.0).plan.poses, [])
 
-    def test_walls_are_where_they_are_though_scans_are_late(self):
+    def test_walls_are_in_place_although_scans_are_late(self):
         for x, y, yaw in ((4.0, 0.0, 3.0), (2.0, 0.0, 0.0), (4.0, 0.3, -2.0)):
             self.assertEqual(self.driver.drive(x, y, yaw)[0], SUCCEEDED)
         static = rospy.wait_for_message("map", OccupancyGrid).data
         seen = rospy.wait_for_message("move_base/global_costmap/costmap", OccupancyGrid).data
         self.assertLess(sum(new == 100 != old for old, new in zip(static, seen)), 10)
 
-    def test_a_way_that_is_never_found_can_be_cancelled_and_holds_up_nothing(self):
+    def test_endless_planning_can_be_cancelled_and_blocks_nothing(self):
         self.driver.send(pose_goal(12.2, 0.0))
         wait_until(lambda: rospy.has_param("/looks_for_chart"), "the planner to be busy")
         self.driver.client.cancel_goal()
@@ -103,9 +103,9 @@ class NavigationPlugins(unittest.TestCase):
         self.check_that_the_robot_is_driven_on()
 
     def check_that_the_robot_is_driven_on(self):
-        """While anything plans, here for a service."""
+        """Check this during planning, here for a service."""
         self.driver.drive(2.5, 0.0)
-        rospy.delete_param("/looks_for_chart")  # of the test before
+        rospy.delete_param("/looks_for_chart")  # of the previous test
         pause, answers = rospy.ServiceProxy("simulator/pause", SetBool), []
         self.driver.send(pose_goal(8.5, 0.0))
         self.driver.wait(lambda: self.driver.speed[0] > 0.2)
@@ -123,7 +123,7 @@ class NavigationPlugins(unittest.TestCase):
 
 
 def ask_for_plan(service, x):
-    """What make_plan answers for the way along the corridor to x (m)."""
+    """Return make_plan's answer for the path along the corridor to x (m)."""
     start, goal = PoseStamped(), PoseStamped()
     start.header.frame_id = goal.header.frame_id = "map"
     start.pose.position.x, goal.pose.position.x = 1.9, x

@@ -17,7 +17,7 @@ from navigation_helpers import ABORTED, Driver, pose_goal
 
 class NavigationStuck(unittest.TestCase):
     def drive(self, robot, x):
-        """Send a robot somewhere; return its goal's text, how long that took (simulated s) and the recoveries tried."""
+        """Send a robot somewhere; return its goal's text, the duration (simulated s) and the attempted recoveries."""
         driver, recoveries = Driver(robot), []
         subscriber = rospy.Subscriber(robot + "move_base/recovery_status", RecoveryStatus, recoveries.append)
         wait_to_hear(subscriber)
@@ -28,17 +28,17 @@ class NavigationStuck(unittest.TestCase):
         self.assertEqual(driver.collisions, [])
         return text, rospy.get_time() - begin, [status.recovery_behavior_name for status in recoveries]
 
-    def test_no_progress_is_told_once_all_recovery_has_failed(self):
+    def test_no_progress_is_reported_after_all_recoveries_failed(self):
         text, took, recoveries = self.drive("robot_0/", 3.9)
         self.assertRegex(
             text, r"Even after executing recovery behaviors: the remaining path has not become shorter for \d+ s"
         )
         series = ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
-        self.assertEqual(recoveries[-4:], series)  # a shorter way after a reset counts as progress: the series restarts
+        self.assertEqual(recoveries[-4:], series)  # a reset can shorten the path: progress
         self.assertGreater(took, 5 * 4.0)
         self.assertLess(took, 150.0)
 
-    def test_oscillation_is_told_at_once_where_recovery_is_switched_off(self):
+    def test_oscillation_is_reported_at_once_without_recovery(self):
         text, took, recoveries = self.drive("robot_1/", 7.9)
         self.assertRegex(text, r"Robot is oscillating.*the robot moved less than 0.3 m in \d+ s")
         self.assertEqual(recoveries, [])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The office node: what its servers do to the packages, with the robot here, there, nowhere."""
+"""The office node: effects of its servers on the packages, with the robot here, there, and at no known place."""
 
 import sys
 import threading
@@ -52,7 +52,7 @@ class Robot:
 
 
 def places_in(message):
-    """Where each package is."""
+    """Return where each package is."""
     return {package.id: "carried" if package.carried else package.location for package in message.packages}
 
 
@@ -80,7 +80,7 @@ class Office(unittest.TestCase):
         self.stand(0.1)
 
     def stand(self, x):
-        """Be at x, and known to be there: a pickup that fails tells where the office sees the robot."""
+        """Be at x, and wait until the office knows: a pickup that fails names the office's robot position."""
         self.robot.x = x
         where = {True: "office1", False: "office2"}[x < 2.0] if abs(x - 2.5) > 2.0 else ""
         wait_until(lambda: self.pick("nothing")[1].location == where, "the pose to arrive")
@@ -95,7 +95,7 @@ class Office(unittest.TestCase):
     def put_down(self, package):
         return self.end(self.deliver.send_goal(DeliverGoal(package=package)))
 
-    def test_from_office_to_office(self):
+    def test_package_goes_from_office_to_office(self):
         status, result = self.pick("1")
         self.assertEqual(
             (status, result.outcome, result.location), (GoalStatus.SUCCEEDED, PickupResult.SUCCEEDED, "office1")
@@ -108,7 +108,7 @@ class Office(unittest.TestCase):
         )
         wait_until(lambda: self.places["1"] == "office2", "the package to lie in office2")
 
-    def test_reasons(self):
+    def test_reasons_name_the_cause(self):
         for act, package, outcome, text in (
             (self.pick, "5", PickupResult.NOT_HERE, "package 5 is at office2, the robot at office1"),
             (self.pick, "9", PickupResult.UNKNOWN_PACKAGE, "there is no package 9"),
@@ -117,18 +117,18 @@ class Office(unittest.TestCase):
             status, result = act(package)
             self.assertEqual((status, result.outcome, result.message), (GoalStatus.ABORTED, outcome, text))
 
-    def test_three_at_most_though_asked_at_once(self):
+    def test_three_packages_at_most_on_concurrent_requests(self):
         handles = [self.pickup.send_goal(PickupGoal(package=str(package))) for package in range(1, 5)]
         ends = [self.end(handle) for handle in handles]
         self.assertEqual([status for status, _ in ends], [GoalStatus.SUCCEEDED] * 3 + [GoalStatus.ABORTED])
         self.assertEqual(ends[3][1].outcome, PickupResult.FULL)
 
-    def test_between_the_offices(self):
+    def test_robot_between_offices_handles_nothing(self):
         self.stand(2.5)
         status, result = self.pick("1")
         self.assertEqual((status, result.outcome, result.location), (GoalStatus.ABORTED, PickupResult.NOT_AT_LABEL, ""))
 
-    def test_a_robot_that_is_lost(self):
+    def test_lost_robot_handles_nothing(self):
         self.robot.x = None
         wait_until(lambda: self.pick("1")[1].outcome == PickupResult.NOT_AT_LABEL, "the pose to be too old")
 
@@ -155,7 +155,7 @@ class Office(unittest.TestCase):
             self.assertEqual([places[package] for package in "13"], ["office1", "office1"])
             topic.unregister()
 
-    def test_putting_and_removing(self):
+    def test_packages_can_be_put_and_removed(self):
         self.assertEqual(self.put("8", "office2").message, "package 8 is at office2")
         wait_until(lambda: self.places.get("8") == "office2", "the package to lie in office2")
         self.assertEqual(self.put("8", "").message, "package 8 is removed")
@@ -169,7 +169,7 @@ class Office(unittest.TestCase):
             self.assertFalse(answer.success)
             self.assertIn(fault, answer.message)
 
-    def test_parameters_that_cannot_be_used(self):
+    def test_unusable_parameters_are_refused(self):
         for fault, parameters in (
             ("~labels: is missing: give a mapping of names to {x, y, yaw} in the launch file, or", {}),
             ("~labels/b: must be {x, y, yaw} or [x, y, yaw], not 1", {"labels": {"b": 1}}),
@@ -190,13 +190,13 @@ class Office(unittest.TestCase):
             for name in values:
                 rospy.delete_param("~" + name)
 
-    def test_the_exit_code_tells(self):
+    def test_exit_code_shows_the_result(self):
         with Process(executable("office"), "__ns:=broken") as node:
             code, error = node.wait()
         self.assertEqual(code, 1)
         self.assertIn("/broken/office: ~labels: is missing", error)
 
-    def test_packages_that_appear_and_capacity(self):
+    def test_packages_can_appear_up_to_the_capacity(self):
         parameters = ["_labels:={b: [0, 0]}", "_appear:=true", "_capacity:=1", "_duration:=0"]
         with Process(executable("office"), "__ns:=other", *parameters):
             client = ActionClient("other/pickup", PickupAction)

@@ -83,7 +83,7 @@ class SimulatorTest(unittest.TestCase):
 
         return self.truth.wait(check)[-1]
 
-    def test_rates_are_ten_a_simulated_second(self):
+    def test_rates_are_ten_per_simulated_second(self):
         for stamps in (self.odom, self.truth, self.scan):
             messages = stamps.wait(lambda m: len(m) > 50)
             times = [message.header.stamp.to_sec() for message in messages]
@@ -111,18 +111,18 @@ class SimulatorTest(unittest.TestCase):
         for parent, child in (("odom", "base_footprint"), ("base_footprint", "base_link")):
             self.assertTrue(self.buffer.can_transform(parent, child, rospy.Time(0)))
 
-    def test_the_watchdog_stops_the_robot(self):
+    def test_watchdog_stops_the_robot(self):
         self.drive_until(lambda m: m.twist.twist.linear.y > 0.1)
         self.odom.wait(lambda m: m and m[-1].twist.twist.linear.x == 0.0)
 
-    def test_velocities_are_the_robots_in_odometry_and_the_worlds_in_the_truth(self):
+    def test_velocities_are_in_robot_frame_and_truth_in_world(self):
         """The robot looks along the world's y axis."""
         truth = self.drive_until(lambda m: m.twist.twist.linear.y > 0.1).twist.twist.linear
         self.assertAlmostEqual(truth.x, 0.0, places=3)
         self.drive_until(lambda _: self.odom.messages[-1].twist.twist.linear.x > 0.1)
         self.assertEqual(self.odom.messages[-1].twist.twist.linear.y, 0.0)
 
-    def test_a_collision_is_reported_and_the_robot_stands(self):
+    def test_collision_is_reported_and_stops_robot(self):
         twist = Twist()
         twist.linear.x = 0.6
 
@@ -131,7 +131,7 @@ class SimulatorTest(unittest.TestCase):
         self.truth.wait(lambda _: len(self.collisions.messages) > before or self.command.publish(twist))
         self.assertIn("mailbot ran into a wall", self.collisions.messages[-1].data)
 
-    def test_pause_and_step(self):
+    def test_pause_and_step_control_time(self):
         self.assertTrue(self.pause(True).success)
         try:
             time = self.step(0).time
@@ -151,7 +151,7 @@ class SimulatorTest(unittest.TestCase):
         finally:
             self.pause(False)
 
-    def test_a_door_blocks_the_beam_and_cannot_close_on_a_robot(self):
+    def test_door_blocks_beam_and_cannot_close_on_robot(self):
         def ahead():
             return self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135]
 
@@ -166,7 +166,7 @@ class SimulatorTest(unittest.TestCase):
         self.assertFalse(answer.success)
         self.assertIn("mailbot", answer.message)
 
-    def test_obstacles(self):
+    def test_obstacles_can_be_added_and_removed(self):
         self.assertTrue(self.put("crate", 1.9, 0.8, 0.2, 0.0, 0.0, 0.0).success)
         self.assertAlmostEqual(self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135], 0.55, delta=0.1)
         self.assertTrue(self.remove("crate").success)
@@ -182,7 +182,7 @@ class SimulatorTest(unittest.TestCase):
             self.assertIn(words, answer.message)
         self.assertFalse(self.remove("crate").success)
 
-    def test_poses(self):
+    def test_poses_can_be_set(self):
         self.assertTrue(self.place("mailbot", 5.0, 0.2, 1.0).success)
         pose = self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose
         self.assertAlmostEqual(pose.position.x, 5.0)
@@ -192,7 +192,7 @@ class SimulatorTest(unittest.TestCase):
         rospy.ServiceProxy("reset_positions", Empty)()
         self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, START[0])
 
-    def test_a_reset_is_refused_where_something_stands_at_the_start(self):
+    def test_reset_is_refused_if_start_is_occupied(self):
         self.assertTrue(self.place("", 5.0, 0.0, 0.0).success)
         self.assertTrue(self.put("crate", *START, 0.2, 0.0, 0.0, 0.0).success)
         try:
@@ -202,11 +202,11 @@ class SimulatorTest(unittest.TestCase):
         finally:
             self.remove("crate")
 
-    def test_the_speed_is_checked(self):
+    def test_speed_parameter_is_checked(self):
         speed = self.service("set_speed", SetSpeed)
         self.assertEqual([speed(value).success for value in (-1.0, math.nan, 20.0)], [False, False, True])
 
-    def test_zzz_a_simulator_that_was_killed_has_all_where_it_was_at_time_0(self):
+    def test_zzz_killed_simulator_restores_positions_at_time_0(self):
         self.assertTrue(self.place("", 3.5, 0.5, 1.0).success)
         self.assertTrue(self.door("corridor", False).success)
         self.assertTrue(self.put("bin", 5.0, 0.0, 0.2, 0.0, 0.0, 0.0).success)
@@ -224,7 +224,7 @@ class SimulatorTest(unittest.TestCase):
         self.assertLess(self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135], 1.1, "the door is closed")
 
     def stop(self):
-        """Return where the robot stands after a last command, which turns it back a little: none comes after that."""
+        """Return where the robot stands after a last command, which turns it back a little: no command follows."""
         self.command.publish(Twist(angular=Vector3(z=-0.1)))
 
         def stands(messages):

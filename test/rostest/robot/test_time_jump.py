@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Parts of the robot end or are killed on its way: time goes back, a server is another one; requests are met."""
+"""Parts of the robot end or are killed on its way: time goes back, a server is replaced; requests are met."""
 
 import os
 import signal
@@ -53,8 +53,8 @@ class TimeJump(unittest.TestCase):
             ):
                 pass
 
-    def test_zzz_move_base_dies_on_the_way_and_comes_back(self):
-        """The watchdog stops the robot; the new move_base takes goals as the old one did."""
+    def test_zzz_move_base_dies_on_the_way_and_returns(self):
+        """The watchdog stops the robot; the new move_base accepts goals like the old one."""
         driver = Driver()
         driver.send(pose_goal(13.9, 0.0))
         driver.wait(lambda: driver.speed[0] > 0.3)
@@ -84,7 +84,7 @@ class Killed(unittest.TestCase):
         message = rospy.wait_for_message("packages", PackageStates, timeout=PATIENCE)
         return next(one.location for one in message.packages if one.id == package)
 
-    def test_a_request_outlives_navigation_and_simulator(self):
+    def test_request_survives_navigation_and_simulator(self):
         self.driver = Driver()
         request = self.request("goal(office3,office2,1)")
         self.drives()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two robots: namespaces and frames as stage_ros has them, and both get past each other in a corridor."""
+"""Two robots: namespaces and frames as in stage_ros, and both pass each other in a corridor."""
 
 import math
 import sys
@@ -61,7 +61,7 @@ class TwoRobots(unittest.TestCase):
                 seen.add((t.header.frame_id, t.child_frame_id))
             self.assertLessEqual(seen, wanted)
 
-    def test_a_command_moves_one_robot_only(self):
+    def test_command_moves_one_robot_only(self):
         rospy.ServiceProxy("reset_positions", Empty)()
         command, twist = rospy.Publisher("robot_1/cmd_vel", Twist, queue_size=1), Twist()
         twist.angular.z = 1.0
@@ -69,7 +69,7 @@ class TwoRobots(unittest.TestCase):
         mover.wait(lambda: command.publish(twist) or abs(mover.speed[1]) > 0.5)
         self.assertEqual(other.speed, (0.0, 0.0))
 
-    def test_the_robots_pass_each_other(self):
+    def test_robots_pass_each_other(self):
         rospy.ServiceProxy("reset_positions", Empty)()
         anna, bert = self.drivers
         anna.send(pose_goal(13.0, 0.0, 0.0))
@@ -78,8 +78,8 @@ class TwoRobots(unittest.TestCase):
         self.assertLess(anna.distance(13.0, 0.0), 0.2)
         self.assertLess(bert.distance(2.0, 0.0), 0.2)
 
-    def test_while_somebody_walks_about_one_is_carried_away(self):
-        """Goals of two clients at once, and somebody who walks to and fro. The last: odometry is off from then on."""
+    def test_robot_is_moved_while_somebody_walks_about(self):
+        """Concurrent goals, and a person who walks to and fro. The last test: odometry is wrong afterwards."""
         rospy.ServiceProxy("reset_positions", Empty)()
         anna, bert = self.drivers
         legs = rospy.Publisher("robot_1/cmd_vel", Twist, queue_size=1)
@@ -107,13 +107,13 @@ class TwoRobots(unittest.TestCase):
 
 
 def is_near(found, told):
-    """Whether two poses are next to each other."""
+    """Return whether two poses are next to each other."""
     a, b = found.pose.pose.position, told.pose.pose.position
     return math.hypot(a.x - b.x, a.y - b.y) < 0.05
 
 
 def stroll(message):
-    """The next step of somebody who walks between x 9 m and 13 m, looking along the corridor."""
+    """Return the next step of a person who walks between x 9 m and 13 m, looking along the corridor."""
     twist, turned = Twist(), message.pose.pose.orientation
     yaw, x = 2.0 * math.atan2(turned.z, turned.w), message.pose.pose.position.x
     stroll.direction = math.pi if x > 12.5 else 0.0 if x < 9.5 else stroll.direction

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Plays shipped scenarios in the whole system: core, interfaces, office, navigation, simulator and recorder.
 
-Time flies once all nodes are up: before, each step of it would only take from them what they need to start.
+Simulated time runs fast once all nodes are up: before, its steps would only delay their start.
 """
 
 import argparse
@@ -40,7 +40,7 @@ GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "c
 
 
 def wait_for(condition, pause=0.05):
-    """Wait until ``condition`` holds, at most PATIENCE seconds of wall time; tell whether it does."""
+    """Wait until ``condition`` holds, at most PATIENCE seconds of wall time; return whether it does."""
     end = time.monotonic() + PATIENCE
     while not condition() and time.monotonic() < end:
         time.sleep(pause)
@@ -48,7 +48,7 @@ def wait_for(condition, pause=0.05):
 
 
 class Bag:
-    """What a bag tells: updates, actions and returns as atoms, and the end of each goal."""
+    """The contents of a bag: updates, actions and returns as atoms, and the end of each goal."""
 
     def __init__(self, path):
         self.updates, self.actions, self.returns, self.ends = [], [], [], {}
@@ -69,13 +69,13 @@ class Bag:
 
 
 class Growing:
-    """A bag that is still written; it is looked at again where it has grown."""
+    """A bag during recording, which is read again when it has grown."""
 
     def __init__(self, path):
         self.path, self.size, self.results = path, 0, 0
 
     def count_results(self):
-        """How many results of goals it holds."""
+        """Return the number of results of goals in it."""
         size = os.path.getsize(active(self.path))
         if size != self.size:
             with tempfile.TemporaryDirectory() as folder:
@@ -88,7 +88,7 @@ class Growing:
 
 
 def recording_and_flying():
-    """Whether the recorder is connected, as the last of all nodes; from then on time flies."""
+    """Return whether the recorder, the last of all nodes, is connected; from then on time runs fast."""
     if not is_recording(RECORDED):
         return False
     rospy.wait_for_service("simulator/set_speed", PATIENCE)
@@ -96,9 +96,9 @@ def recording_and_flying():
 
 
 class ScenarioTest(unittest.TestCase):
-    """Scenarios that one system plays one after the other: the next begins where the robot is."""
+    """Scenarios that one system plays one after the other: each begins where the robot is."""
 
-    def test_they_end_as_expected_and_the_bag_tells_the_same(self):
+    def test_scenarios_end_as_expected_and_bag_agrees(self):
         scenarios = [find_scenario(name) for name in OPTIONS.scenarios]
         for scenario in scenarios:
             self.play(scenario)
@@ -110,14 +110,14 @@ class ScenarioTest(unittest.TestCase):
         self.report(bag, goals)
 
     def play(self, scenario):
-        """Play one; its account names what is not as expected."""
+        """Play one; its account lists the deviations."""
         lines = [scenario.title]
         servers = ["move_base", "pickup", "deliver"]
         outcome = run_scenario(scenario, servers, lines.append, PATIENCE, recording=recording_and_flying)
         self.assertEqual(outcome.faults, [], "\n".join(lines))
 
     def read_bag(self, goals):
-        """The bag of the recorder that has taken these ends of goals; what else is on its way comes before."""
+        """Return the recorder's bag once it has these ends of goals; all other messages come before."""
         growing = Growing(Path(OPTIONS.bag))
         complete = wait_for(lambda: growing.count_results() >= len(goals), pause=1.0)
         self.assertTrue(complete, "the bag lacks ends of goals")
@@ -129,7 +129,7 @@ class ScenarioTest(unittest.TestCase):
         return bag
 
     def compare(self, bag):
-        """Updates, actions and returns of the bag agree."""
+        """Check that updates, actions and returns of the bag agree."""
         self.assertEqual([update.step for update in bag.updates], list(range(1, len(bag.updates) + 1)))
         statements = [item for update in bag.updates for item in update.items if isinstance(item, Statement)]
         committed = [one.body[0].atom for one in statements if one.head is None]
@@ -141,7 +141,7 @@ class ScenarioTest(unittest.TestCase):
             self.assertEqual(action.arguments[0::2], value.arguments[0::2])
 
     def report(self, bag, goals):
-        """The report of the bag has what happened, and for the paper's run a browser shows it."""
+        """Check that the report has the events of the bag, and that a browser shows it for the paper's run."""
         page = Path(OPTIONS.bag).with_suffix(".html")
         self.addCleanup(page.unlink)
         write_report(Path(OPTIONS.bag), page, about={"title": OPTIONS.name, "verdict": []})

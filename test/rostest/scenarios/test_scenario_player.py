@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A scenario ends when its time is over, and also when whoever makes simulated time is gone.
+"""A scenario ends after its time, and also when the source of simulated time is gone.
 
-It is judged by all that is said of its end, also by what comes after the last goal's status.
+It is judged by all messages about its end, including those after the last goal's status.
 """
 
 import itertools
@@ -44,11 +44,11 @@ class ScenarioPlayerTest(unittest.TestCase):
     def play(self, check=lambda: None):
         ScenarioPlayer(Scenario.from_text(SCENARIO), [], print, check).play()
 
-    def test_time_that_stands_still(self):
+    def test_scenario_ends_if_time_stands_still(self):
         with mock.patch.object(scenario_player, "STILL", 0.5):
             self.assertRaisesRegex(PlayError, "time has stood still for 0.5 s", self.play)
 
-    def test_time_that_is_over(self):
+    def test_scenario_ends_when_its_time_is_over(self):
         self.assertRaisesRegex(PlayError, "not done after .* request", self.play, self.tick)
 
     def test_player_counts_cycles_from_the_beginning(self):
@@ -56,7 +56,7 @@ class ScenarioPlayerTest(unittest.TestCase):
         said, cycles = [], iter([8, 9, 10])
         plans = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=10, latch=True)
         updates = rospy.Publisher("rosoclingo/updates", String, queue_size=10)
-        inlet = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)  # the player's, which is of this process
+        inlet = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)  # also used by the player
         facts = rospy.Subscriber("in_rosoclingo", InterfaceIO, lambda message: said.append(message.facts[0]))
         text = "events: [{cycle: 1, facts: [first]}, {cycle: 3, facts: [third]}]"
         plans.publish(cycle=7)
@@ -91,7 +91,7 @@ class ScenarioPlayerTest(unittest.TestCase):
         player = ScenarioPlayer(Scenario.from_text("events: [{time: 0, cancel: 5}]"), [], print, self.tick)
         self.assertRaisesRegex(PlayError, "cancel 5: no goal 5 was sent before", player.play)
 
-    def test_a_package_that_is_told_after_the_last_goal(self):
+    def test_package_reported_after_the_last_goal_counts(self):
         account = TopicAccount(print)
         carried, lying = PackageState("1", "", True), PackageState("1", "office1", False)
         news = iter([carried, carried, lying])
@@ -106,7 +106,7 @@ class ScenarioPlayerTest(unittest.TestCase):
         playing.wait_for_news(ScenarioPlayer(Scenario.from_text(SCENARIO), [], print, tell), account, expect)
         self.assertEqual(account.differences(expect), [])
 
-    def test_news_that_never_come(self):
+    def test_scenario_ends_if_expected_news_never_come(self):
         account, expect = TopicAccount(print), {"robot": "office1"}
         with mock.patch.object(playing, "LATE_NEWS", 0.2):
             playing.wait_for_news(ScenarioPlayer(Scenario.from_text(SCENARIO), [], print), account, expect)

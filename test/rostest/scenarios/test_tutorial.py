@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""doc/tutorial.md: its files are written, its commands are run, and what they print is compared with the page."""
+"""doc/tutorial.md: its files are written, its commands run, and the outputs compared with the page."""
 
 import contextlib
 import os
@@ -19,13 +19,13 @@ import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing th
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
 PATIENCE = 300.0  # seconds of wall time for one command
-STAYING = ("roslaunch", "python3")  # these commands run in terminals of their own, until the end
+STAYING = ("roslaunch", "python3")  # these commands run in separate terminals, until the end
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-CODES = {"canceled": 2, "rejected": 3, "aborted": 4}  # of the exit, by the word that is printed last
+CODES = {"canceled": 2, "rejected": 3, "aborted": 4}  # of the exit, by the last printed word
 
 
 def without_cycles(line):
-    """How many cycles there were before depends on when Ctrl-C came."""
+    """Remove the number of cycles, which depends on the time of Ctrl-C."""
     return re.sub(r"cycle \d+", "cycle N", line.rstrip())
 
 
@@ -36,7 +36,7 @@ class Tutorial(unittest.TestCase):
         self.folder = self.stack.enter_context(tempfile.TemporaryDirectory())
         self.environment = dict(os.environ, PYTHONUNBUFFERED="1")
 
-    def test_the_page_is_true(self):
+    def test_tutorial_shows_the_real_output(self):
         files, commands, end = [], 0, 0
         for match in BLOCK.finditer(PAGE):
             if match.group(1) == "console":
@@ -52,7 +52,7 @@ class Tutorial(unittest.TestCase):
         self.assertEqual(commands, PAGE.count("\n$ "))
 
     def play(self, block):
-        """Run the commands of a console block, each with what it shall print below it; how many there were."""
+        """Run the commands of a console block, each with its expected output below it; return their number."""
         parts = re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]
         for part in parts:
             command, *shown = part.split("\n")[:-1]
@@ -67,11 +67,11 @@ class Tutorial(unittest.TestCase):
         return len(parts)
 
     def start(self, words, **options):
-        """A command in a terminal of its own."""
+        """Start a command in a terminal of its own."""
         return subprocess.Popen(words, cwd=self.folder, env=self.environment, start_new_session=True, **options)
 
     def compare(self, command, shown, code, lines):
-        """The lines that are shown come in this order, with others only where there are three dots."""
+        """Check that the shown lines come in this order, with others only at three dots."""
         message = "{}\nprinted\n{}".format(command, "\n".join(lines))
         wanted = [".*" if line in ("...", "^C") else re.escape(without_cycles(line)) + "\n" for line in shown]
         printed = "".join(without_cycles(line) + "\n" for line in lines)
@@ -80,7 +80,7 @@ class Tutorial(unittest.TestCase):
         self.assertEqual(code, CODES.get(lines[-1].partition(":")[0], 0) if lines else 0, message)
 
     def output(self, words, interrupted):
-        """Exit code and printed lines; Ctrl-C is pressed after the first line, where the page does so."""
+        """Return exit code and printed lines; press Ctrl-C after the first line, if the page does so."""
         process = self.start(words, stdout=subprocess.PIPE, text=True)
         alarm = threading.Timer(PATIENCE, os.killpg, (process.pid, signal.SIGKILL))
         alarm.start()

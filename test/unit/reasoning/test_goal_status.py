@@ -117,7 +117,7 @@ def test_goal_status_before_cycle_of_request(atoms, horizon, state):
     assert judged(*atoms, cycle=5, request_cycle=6, horizon=horizon).state.value == state
 
 
-def test_a_program_that_speaks_of_goals_does_not_know_one_that_it_never_spoke_of():
+def test_goal_status_unknown_if_program_never_mentioned_goal():
     unknown = judged("_status(2,accepted,5)", has_rules=True)
     assert unknown.state.value == "rejected"
     assert unknown.message == "the program rejects go(1): it has rules for _status, but none gives this goal a status"

@@ -63,7 +63,7 @@ class Feeder(InputFeeder):
         assert parse_update(str(self.batch.update)) == self.batch.update
 
     def take(self):
-        """The update of the last expectation is in force."""
+        """Accept the update of the last expectation."""
         self.update_accepted(self.batch)
 
     def ends(self, text):

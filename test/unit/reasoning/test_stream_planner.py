@@ -70,7 +70,7 @@ def plan(result):
         (500, 1, 500 - LONG_AGO),  # but not for ever
     ],
 )
-def test_what_is_over(cycle, since, over):
+def test_planner_computes_past_steps(cycle, since, over):
     planner = Planner(LoggingSolver, 8)
     assert planner.first_open(cycle + 1, since) == over
     planner.update(StreamUpdate(cycle + 1, items=(Over(over),)))
@@ -366,7 +366,7 @@ def test_planner_asks_first_actions_without_side_effects(outcome, may):
         ),
     ],
 )
-def test_everything_anew(step, updates):
+def test_planner_restarts_from_scratch(step, updates):
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).")
     beside, given, result = planner.reset(step)
     assert told(beside) == updates

@@ -23,7 +23,7 @@ def ask(node, **texts):
 
 
 def told(core, name):
-    """Why a goal was given up."""
+    """Return the explanation of an aborted goal."""
     found = core.keeper.given_up.find(name)
     return explain(PROGRAM, found.stream)
 
@@ -62,7 +62,7 @@ def restored(goals):
     return found
 
 
-def test_the_latest_are_remembered():
+def test_explanations_remember_the_latest_aborted_goals():
     goals = AbortedGoals()
     for number in (*range(1, KEPT + 6), KEPT):  # a known goal comes again
         goals.add(unmet(number))
@@ -75,7 +75,7 @@ def test_the_latest_are_remembered():
     assert goals.find("key 5") is None
 
 
-def test_a_journal_has_as_many_of_the_latest_as_it_has_room_for(monkeypatch):
+def test_journal_holds_explanations_up_to_its_limit(monkeypatch):
     goals, long = AbortedGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
     for number in (1, 2, 3, 4):
         goals.add(unmet(number, long))
