@@ -1,4 +1,4 @@
-"""``./dev exec python3 doc/make_reference.py`` makes doc/reference.md of docstrings and commands' arguments."""
+"""``./dev exec python3 doc/make_reference.py`` generates doc/reference.md from docstrings and arguments of commands."""
 
 import argparse
 import ast
@@ -25,18 +25,18 @@ _ROLE = re.compile(r":\w+:`~?(?:[\w.]+\.)?(\w+)`")
 INTRODUCTION = """\
 # Reference: nodes and commands
 
-What each node takes and gives, as the docstring of its class says; `rosrun rosoclingo NODE --help` shows the same.
-Made by `./dev exec python3 doc/make_reference.py`: change the docstrings, not this page.
+The parameters, topics, services and actions of each node, and the arguments of each command. `rosrun rosoclingo NODE --help`
+prints the same texts. `./dev exec python3 doc/make_reference.py` generates this page from the docstrings; edit those instead.
 
-Names are relative to the node's namespace and can be remapped; those with `~` are private to the node. Words in
-capitals stand for names that are given elsewhere. Parameters are read when the node starts: all that cannot be right
-are told at once, each with what it has to be, and end the node; one that the node does not know is told as a warning.
-Messages, services and actions of `rosoclingo/` are in the folders `msg`, `srv` and `action`.
+Names are relative to the node's namespace and can be remapped; names with `~` are private to the node. Words in
+capitals are placeholders. Each node reads its parameters when it starts. If some are invalid, it reports all of them
+with their valid values, and exits. It warns of unknown parameters. The messages, services and actions of `rosoclingo/`
+are in the folders `msg`, `srv` and `action`.
 """
 
 
 class Node(NamedTuple):
-    """A node of the page: the scripts that start it, its usual name, and where its docstrings are (file, name)."""
+    """A node of the page: its scripts, its default name, and the places of its docstrings (file, name)."""
 
     scripts: Tuple[str, ...]
     name: str
@@ -171,7 +171,7 @@ def node_lines(node: Node) -> Iterator[str]:
     """The part of the page about a node."""
     yield from ("", f"### {', '.join(node.scripts)}", "")
     called = " or ".join(f"`rosrun rosoclingo {script}`" for script in node.scripts)
-    yield f"{called}; usual name: {node.name}."
+    yield f"{called}; default name: {node.name}."
     found = descriptions(node.places)
     yield from ("", markdown(found[0].words))
     yield from section_lines(found)

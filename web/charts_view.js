@@ -9,7 +9,7 @@ function median(values) {
   return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
 }
 
-/** A run's figures: counts, sums and lists that charts and summary are made of. */
+/** A run's figures: counts, sums and lists for charts and summary. */
 function figures(model) {
   const ends = new Map();
   for (const goal of model.goals) {
@@ -72,7 +72,7 @@ class ChartsView {
     });
   }
 
-  /** Both axes, and the functions that place a value on them. */
+  /** Both axes, and their scale functions. */
   axes(most, to, unit, whole = false) {
     const [right, low] = [CHART.width - 16, CHART.height - CHART.bottom];
     const x = (value) => CHART.left + (value / (to || 1)) * (right - CHART.left);
@@ -97,7 +97,7 @@ class ChartsView {
     return [shapes, bins.map((number, at) => svg("rect", { class: "fill", x: x(0) + at * width + 1, y: y(number), width: width - 2, height: low - y(number) }))];
   }
 
-  /** The solver's time in each cycle; where there are more cycles than pixels, the most of several. */
+  /** The solver's time in each cycle; with more cycles than pixels, the maximum of several cycles. */
   solver(cycles) {
     if (!cycles.length) return null;
     const group = Math.ceil(cycles.length / 90);

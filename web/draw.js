@@ -1,5 +1,5 @@
 "use strict";
-// Elements. All text that comes from a run becomes a text node: it is never read as HTML.
+// Elements. All text of a run becomes text nodes, and is never interpreted as HTML.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -16,22 +16,22 @@ function fill(element, attributes, children) {
   return element;
 }
 
-/** An HTML element with attributes and children; texts are text. */
+/** Create an HTML element with attributes and children; strings become text nodes. */
 function html(tag, attributes, ...children) {
   return fill(document.createElement(tag), attributes, children);
 }
 
-/** An SVG element with attributes and children; texts are text. */
+/** Create an SVG element with attributes and children; strings become text nodes. */
 function svg(tag, attributes, ...children) {
   return fill(document.createElementNS(SVG, tag), attributes, children);
 }
 
-/** Put children in place of those that an element has. */
+/** Replace the children of an element. */
 function show(element, ...children) {
   element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
 }
 
-/** Give an element another text, if it has not got it. */
+/** Set the text of an element, if it differs. */
 function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -47,7 +47,7 @@ function brief(value) {
   return value < 1 ? `${Math.round(1000 * value)} ms` : seconds(value);
 }
 
-/** A text of a few characters for narrow places; the whole one is its title. */
+/** A shortened text for narrow places, with the whole text as its title. */
 function short(text, most) {
   return text.length > most ? `${text.slice(0, Math.max(1, most - 1))}…` : text;
 }
@@ -56,7 +56,7 @@ function count(number, one, many) {
   return `${number} ${number === 1 ? one : many}`;
 }
 
-/** Round distances between marks of an axis, about as many as are wanted. */
+/** A round distance between marks of an axis, for about the wanted number of marks. */
 function marks(from, to, wanted) {
   const rough = Math.max((to - from) / wanted, 1e-9);
   const power = 10 ** Math.floor(Math.log10(rough));

@@ -1,5 +1,5 @@
 "use strict";
-// The live page: a run that goes on. What is new comes over a WebSocket; a connection that was lost is made again.
+// The live page of a running system. Changes arrive over a WebSocket, which reconnects after a loss.
 
 const RETRY = { first: 500, most: 5000 }; // ms
 
@@ -8,7 +8,7 @@ class Live {
     this.model = new RunModel();
     this.player = new Player(this.model);
     this.wait = RETRY.first;
-    this.answers = new Map(); // what to do with the answer to a message, by its number
+    this.answers = new Map(); // callbacks for answers, by the number of the message
     this.asked = 0;
     this.orders = new OrdersView(document.getElementById("orders"), this.model, (message, then) => this.ask(message, then));
     this.player.goals.mine = (goal) => this.orders.orders.has(goal.id);
@@ -23,13 +23,13 @@ class Live {
     this.socket.addEventListener("close", () => {
       for (const then of this.answers.values()) then({ fault: "the connection was lost: see the goals" });
       this.answers.clear();
-      this.say("lost", "No connection: trying again. What is shown may be old.");
+      this.say("lost", "No connection: reconnecting. The page can be outdated.");
       window.setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(2 * this.wait, RETRY.most);
     });
   }
 
-  /** Ask the server for something. */
+  /** Send a request to the server; ``then`` gets its answer. */
   ask(message, then) {
     if (this.socket.readyState !== WebSocket.OPEN) {
       then({ fault: "there is no connection: try again" });
@@ -53,11 +53,11 @@ class Live {
     this.model.merge(changes);
     this.orders.draw(changes.orders || []);
     if (changes.core) this.say("live", "Live");
-    else this.say("lost", "The core is not there: nothing is planned.");
+    else this.say("lost", "The core is not running.");
     if (!document.hidden || changes.whole) this.player.update();
   }
 
-  /** Say how the connection is, once when it changes, so that a screen reader says it once. */
+  /** Show the state of the connection when it changes, so that a screen reader reads it once. */
   say(name, words) {
     const box = document.getElementById("connection");
     if (box.textContent === words) return;

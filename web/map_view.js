@@ -1,5 +1,5 @@
 "use strict";
-// The map with robot, ways, labels and things. Drawn in pixels of a picture that is 1000 wide.
+// The map with robot, ways, labels and things, in a drawing 1000 pixels wide.
 
 const HIGHEST = 640; // pixels, as page.css has it
 
@@ -7,11 +7,11 @@ class MapView {
   constructor(parent, model) {
     this.model = model;
     this.caption = html("p", { class: "caption" });
-    this.picture = svg("svg", { class: "map", role: "img", "aria-label": "Map: what it shows is told below it" });
+    this.picture = svg("svg", { class: "map", role: "img", "aria-label": "Map: its contents are listed below it" });
     show(parent, this.picture, this.caption);
   }
 
-  /** The part of the floor that is shown: least and greatest x and y in m. */
+  /** The visible part of the floor: minimum and maximum x and y in m. */
   bounds() {
     const points = Object.values(this.model.about.labels).map(([x, y]) => [x, y]);
     const map = this.model.about.map;
@@ -66,7 +66,7 @@ class MapView {
     return this.line(this.model.track(time).map((pose) => [pose[1], pose[2]]), "driven");
   }
 
-  /** The way to the next place as it is driven, and straight lines to the places after it. */
+  /** The robot's path to the next place, and straight lines to later places. */
   ahead(time) {
     const labels = this.model.about.labels;
     const pose = this.model.poseAt(time);

@@ -1,11 +1,11 @@
 "use strict";
-// A run as the views ask for it: what was known and done at a moment. It is fed with the JSON of runs/run_view.py, all
-// at once in a report, bit by bit on the live page. Times are seconds since the run began.
+// The model of a run: its state at any moment, for the views. Its input is the JSON of runs/run_view.py, complete in a
+// report, incremental on the live page. Times are seconds since the beginning of the run.
 
 const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "drawn", "paths", "log"];
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
-/** The number of the last record of a list, ordered by a time, that is not later than a moment; -1 where none is. */
+/** The index of the last record not later than a moment, in a list ordered by time; -1 if there is none. */
 function lastAt(list, time, timeOf = (one) => one.time) {
   let low = 0;
   let high = list.length;
@@ -22,7 +22,7 @@ class RunModel {
     this.clear();
   }
 
-  /** Forget all: another run begins, or the same is told anew. */
+  /** Forget all data, before another run or a complete new message. */
   clear() {
     this.born = (this.born || 0) + 1;
     this.about = { labels: {}, map: null, run: 1 };
@@ -36,7 +36,7 @@ class RunModel {
     for (const name of TABLES) this[name] = [];
   }
 
-  /** Take what is new. */
+  /** Merge changes. */
   merge(changes) {
     if (changes.about) this.about = changes.about;
     this.seconds = changes.seconds;
@@ -54,7 +54,7 @@ class RunModel {
     return action.parameter === "" ? action.interface : `${action.interface} ${action.parameter}`;
   }
 
-  /** Where the robot is: [time, x, y, yaw, metres driven], null where that is not known. */
+  /** The robot's pose: [time, x, y, yaw, driven metres], null if unknown. */
   poseAt(time) {
     const number = lastAt(this.poses, time, (pose) => pose[0]);
     return number < 0 ? this.poses[0] || null : this.poses[number];
@@ -64,7 +64,7 @@ class RunModel {
     return this.poses.slice(0, lastAt(this.poses, time, (pose) => pose[0]) + 1);
   }
 
-  /** The label that the robot is at, "" away from all. */
+  /** The robot's label, "" away from all labels. */
   placeAt(time) {
     const pose = this.poseAt(time);
     if (!pose) return "";
@@ -78,7 +78,7 @@ class RunModel {
     return lastAt(this.cycles, time);
   }
 
-  /** The plan in force: {cycle, plan, number (of the cycle's plans), actions}; null before the first. */
+  /** The current plan: {cycle, plan, number (of the cycle's plans), actions}; null before the first. */
   planAt(time) {
     for (let number = this.cycleAt(time); number >= 0; number -= 1) {
       const cycle = this.cycles[number];
@@ -91,7 +91,7 @@ class RunModel {
     return null;
   }
 
-  /** What the plan still has to do: actions from its cycle on that have not begun. */
+  /** The plan's actions that have not begun. */
   aheadAt(time) {
     const found = this.planAt(time);
     if (!found) return [];
@@ -100,7 +100,7 @@ class RunModel {
     return words.map((word) => this.words[word]).filter((action) => action.cycle >= found.cycle.cycle);
   }
 
-  /** The actions that have begun, each with its state: "now", "done", "failed", or "gone" if the core has cancelled it. */
+  /** The actions that have begun, each with its state: "now", "done", "failed", or "gone" for a cancelled action. */
   actionsAt(time) {
     const begun = this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1);
     return begun
@@ -110,7 +110,7 @@ class RunModel {
       });
   }
 
-  /** How a goal stands: {word, reason, waited}; null where it has not been sent yet. */
+  /** The state of a goal: {word, reason, waited}; null before it was sent. */
   goalAt(goal, time) {
     const number = lastAt(goal.states, time, (one) => one[0]);
     if (goal.sent > time || number < 0) return null;
@@ -119,13 +119,13 @@ class RunModel {
     return { word, reason, waited: end - goal.sent, open: OPEN.has(word) };
   }
 
-  /** Seconds until a goal was accepted, null where it was not. */
+  /** Seconds until a goal was accepted, null if it was not. */
   response(goal) {
     const found = goal.states.find((one) => one[1] === "active");
     return found ? found[0] - goal.sent : null;
   }
 
-  /** Where things are: pairs of a name and a label, "" for the robot. What was told counts, else what is believed. */
+  /** The places of things: pairs of a name and a label, "" for the robot; from the topic, else from the beliefs. */
   packagesAt(time) {
     const number = lastAt(this.packages, time);
     if (number >= 0) return this.packages[number].places;
@@ -133,7 +133,7 @@ class RunModel {
     return drawn.map(({ labels, text }) => [text, labels[0] || ""]);
   }
 
-  /** What the program wants to have drawn: {kind, labels, text}. */
+  /** The program's drawings: {kind, labels, text}. */
   drawnAt(time) {
     const number = lastAt(this.drawn, time);
     return number < 0 ? [] : this.drawn[number].shapes.map((shape) => this.shapes[shape]).filter(({ labels }) => labels.every((name) => name in this.about.labels));
@@ -149,14 +149,14 @@ class RunModel {
     return number < 0 ? [] : this.paths[number].points;
   }
 
-  /** Ways between two labels: {kind ("way", "open" or "blocked"), labels, text}, those that matter most last. */
+  /** Ways between two labels: {kind ("way", "open" or "blocked"), labels, text}, the most important last. */
   waysAt(time) {
     const kinds = ["way", "open", "blocked"];
     const ways = this.drawnAt(time).filter(({ kind }) => kinds.includes(kind));
     return ways.sort((one, other) => kinds.indexOf(one.kind) - kinds.indexOf(other.kind));
   }
 
-  /** Words at labels: Map of label to a list of them. */
+  /** Texts at labels: Map of label to a list of texts. */
   marksAt(time) {
     const marks = new Map();
     for (const { kind, labels, text } of this.drawnAt(time)) {
@@ -165,13 +165,13 @@ class RunModel {
     return marks;
   }
 
-  /** The label where the robot is as far as the program knows, "" where it does not say. */
+  /** The robot's label by the program's beliefs, "" if unknown. */
   believedPlaceAt(time) {
     const robot = this.drawnAt(time).find(({ kind }) => kind === "robot");
     return robot ? robot.labels[0] : "";
   }
 
-  /** Labels that an action has not led to, and why, until one does: Map of label to value. */
+  /** Labels that the latest action failed to reach: Map of label to reason. */
   troublesAt(time) {
     const troubles = new Map();
     for (const one of this.actionsAt(time)) {
@@ -182,12 +182,12 @@ class RunModel {
     return troubles;
   }
 
-  /** Whether it is known how long the solver took. */
+  /** Whether the solver's times are known. */
   get timed() {
     return this.cycles.some((cycle) => cycle.plans.some((plan) => plan.ground !== null));
   }
 
-  /** Seconds that the solver took: {ground, solve}. */
+  /** The solver's seconds: {ground, solve}. */
   solverTime(cycle) {
     const sum = (name) => cycle.plans.reduce((total, plan) => total + plan[name], 0);
     return { ground: sum("ground"), solve: sum("solve") };

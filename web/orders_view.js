@@ -1,16 +1,16 @@
 "use strict";
-// What people may order: a form for each kind of goal. What was ordered in this browser can be cancelled in it.
+// Orders: a form for each kind of goal. The same browser can cancel its orders.
 
 const MINE = "rosoclingo orders";
 
 const FOLLOWED = 5;
 
-/** The text about an order, by the state of its goal. */
+/** The texts about an order, by the state of its goal. */
 const BECAME = {
   succeeded: "Done", rejected: "Rejected", aborted: "Aborted", canceled: "Cancelled", lost: "Lost", waiting: "Ordered, waits its turn",
 };
 
-/** What this browser keeps: its key, and the ids of the goals that it has ordered. */
+/** This browser's stored data: its key, and the ids of its goals. */
 class Orders {
   constructor() {
     const [found, fresh] = [this.stored(), { key: window.crypto.getRandomValues(new Uint32Array(4)).join("-"), goals: [] }];
@@ -21,7 +21,7 @@ class Orders {
     try {
       return JSON.parse(window.localStorage.getItem(MINE));
     } catch (error) {
-      return null; // it may be forbidden: then it lasts as long as the page
+      return null; // storage can be forbidden; the data then lasts for this page only
     }
   }
 
@@ -40,7 +40,7 @@ class Orders {
 }
 
 class OrdersView {
-  /** ``ask`` sends a message and is given what is to be done with its answer. */
+  /** ``ask`` sends a message and calls a function with its answer. */
   constructor(parent, model, ask) {
     this.model = model;
     this.ask = ask;
@@ -52,7 +52,7 @@ class OrdersView {
     show(parent, this.forms, this.said);
   }
 
-  /** Show the forms. A choice stays chosen, even while it is not offered. */
+  /** Show the forms. A choice stays selected, even if it is temporarily unavailable. */
   draw(forms) {
     const shape = JSON.stringify(forms.map(({ title, fields }) => [title, fields.map(({ name }) => name)]));
     if (shape !== this.shape) {
@@ -83,7 +83,7 @@ class OrdersView {
     return whole;
   }
 
-  /** Update the options of a form, without places that another field has. */
+  /** Update the options of a form, without places chosen in other fields. */
   offer(number) {
     const selects = this.selects[number];
     const fields = this.offered[number].fields;
@@ -93,7 +93,7 @@ class OrdersView {
     }
   }
 
-  /** Replace a select's options in place, so that its choice is not lost. */
+  /** Replace a select's options in place, preserving its choice. */
   renew(select, options) {
     const [chosen, before] = [select.value, [...select.options]];
     const known = new Map(before.map((option) => [option.value, option]));
@@ -122,7 +122,7 @@ class OrdersView {
     });
   }
 
-  /** Follow a goal, or show why there is none. */
+  /** Track a goal, or show why there is none. */
   note(goal, text, begun) {
     const others = this.followed.filter((one) => one.goal && one.goal !== goal);
     this.followed = [{ goal, text, begun, line: html("p", { class: "caption" }, goal ? `${begun}: ${text}` : text) }, ...others].slice(0, FOLLOWED);

@@ -1,5 +1,5 @@
 "use strict";
-// All views of a run at the moment that the slider says: a run that is over, or one that goes on.
+// All views of a run, finished or live, at the moment of the slider.
 
 class Player {
   constructor(model) {
@@ -24,7 +24,7 @@ class Player {
     this.update();
   }
 
-  /** Show what is new. */
+  /** Update all views. */
   update() {
     this.title();
     this.slider.max = Math.max(this.model.seconds, 0.1);
@@ -74,7 +74,7 @@ class Player {
     act();
   }
 
-  /** Go to the next cycle or the one before. */
+  /** Go to the next or previous cycle. */
   step(by) {
     const moments = [0, ...this.model.cycles.map((cycle) => cycle.time), this.model.seconds];
     const other = by > 0 ? moments.find((time) => time > this.time + 1e-6) : moments.filter((time) => time < this.time - 1e-6).pop();

@@ -1,5 +1,5 @@
 "use strict";
-// Goals, the present cycle and the log: the run in words.
+// Tables: goals, the present cycle and the log.
 
 const STATE_MARKS = { done: "✓", now: "▶", failed: "✕", gone: "–", ahead: "○" };
 
@@ -7,7 +7,7 @@ class GoalsView {
   constructor(parent, model) {
     this.model = model;
     this.rows = new Map(); // by the goal's id
-    this.mine = () => false; // whether a goal may be cancelled here, and what cancels it
+    this.mine = () => false; // whether this page can cancel a goal, and the function that does
     this.cancel = () => undefined;
     this.body = html("tbody");
     const heads = ["goal", "state", "since it was sent", "reason"].map((words) => html("th", { scope: "col" }, words));
@@ -15,7 +15,7 @@ class GoalsView {
     show(parent, html("table", { class: "goals" }, html("thead", {}, html("tr", {}, heads)), this.body), this.none);
   }
 
-  /** Rows stay as they are but for the texts that change, so that nobody's button goes while it is pressed. */
+  /** Update only changed texts of rows, so that no button disappears while it is pressed. */
   draw(time) {
     const rows = this.model.goals.map((goal) => this.row(goal, this.model.goalAt(goal, time))).filter(Boolean);
     this.none.hidden = rows.length > 0;
@@ -62,7 +62,7 @@ class CycleView {
     const states = this.model.actionsAt(time).slice(-30).map((one) => one.state);
     const problems = cycle ? cycle.problems.filter(([at]) => at <= time).length : 0;
     const what = JSON.stringify([cycle, plan && [plan.cycle.cycle, plan.number], states, problems, this.model.beliefsAt(time)]);
-    if (what === this.shown) return; // nobody's place in it is lost
+    if (what === this.shown) return; // preserves the scroll position
     this.shown = what;
     if (!cycle) {
       show(this.parent, html("p", { class: "caption" }, "No cycle has begun yet."));
@@ -100,7 +100,7 @@ class CycleView {
 
   problems(cycle, time) {
     const lines = cycle.problems.filter(([at]) => at <= time).map(([, text]) => html("li", {}, text));
-    return lines.length ? [html("h3", {}, "Told in the log"), html("ul", {}, lines)] : null;
+    return lines.length ? [html("h3", {}, "Log"), html("ul", {}, lines)] : null;
   }
 
   beliefs(time) {
@@ -112,9 +112,9 @@ class CycleView {
 
 const LOG_LINES = 300;
 
-/** The log around the present moment, so many lines at a time as a browser shows soon; all of them for the printer. */
+/** The log around the present moment, with a limited number of lines, as browsers are slow; all lines for printing. */
 class LogView {
-  /** ``seek`` is called with the moment of a line that was chosen. */
+  /** ``seek`` is called with the moment of a clicked line. */
   constructor(parent, model, seek) {
     this.model = model;
     this.seek = seek;
@@ -139,7 +139,7 @@ class LogView {
     }
   }
 
-  /** Show some lines, those from ``first`` on as far as there are so many. */
+  /** Show a limited number of lines from ``first`` on. */
   show(first, lines) {
     const all = this.model.log.length;
     this.known = all;

@@ -1,11 +1,11 @@
 "use strict";
-// Goals and actions over time: what was done, what is under way, what the plan has still to come.
+// Timeline of goals and actions: finished, running and planned.
 
 const LANE = 26;
 const MOST_LANES = 8;
 
 class TimelineView {
-  /** ``seek`` is called with a moment that was clicked. */
+  /** ``seek`` is called with a clicked moment. */
   constructor(parent, model, seek) {
     this.model = model;
     this.seek = seek;
@@ -20,7 +20,7 @@ class TimelineView {
       this.draw(this.time);
     });
     this.picture.addEventListener("click", (event) => this.clicked(event));
-    const key = [["done", "done"], ["now", "under way"], ["failed", "failed"], ["gone", "ended early"], ["ahead", "planned"]];
+    const key = [["done", "done"], ["now", "running"], ["failed", "failed"], ["gone", "ended early"], ["ahead", "planned"]];
     const keys = key.map(([name, words]) => html("span", { class: `key ${name}` }, words));
     show(parent, html("div", { class: "row tools" }, this.zoom, html("span", { class: "keys" }, keys)), this.picture);
   }
@@ -49,7 +49,7 @@ class TimelineView {
     show(this.picture, this.axis(height), goals, rows.length ? this.name("goals", 0) : null, actions, bars, this.planned(ahead, lanes, top, time), cursor);
   }
 
-  /** What part of the run is shown, with room for what is planned. */
+  /** The visible part of the run, with space for planned actions. */
   span(time, ahead) {
     if (!this.chosen) this.zoom.value = this.model.seconds > 240 ? "180" : "0";
     const wanted = Number(this.zoom.value);
@@ -82,7 +82,7 @@ class TimelineView {
     return [svg("line", { class: "grid", x1: 0, x2: this.width, y1: top, y2: top }), this.name(name, top)];
   }
 
-  /** Goals that are seen, in as few rows as they need; those beyond the last row share it. */
+  /** Visible goals in the fewest rows; goals beyond the last row share it. */
   goalRows(time) {
     const rows = [];
     for (const goal of this.model.goals) {
@@ -118,7 +118,7 @@ class TimelineView {
     const lane = lanes.indexOf(one.word.interface);
     if (lane < 0) return null;
     const end = one.state === "now" ? time : one.ended;
-    const whole = `${this.model.actionName(one.word)}: ${one.state === "now" ? "under way" : one.state === "done" ? "done" : one.value}, ${seconds(end - one.begun)}`;
+    const whole = `${this.model.actionName(one.word)}: ${one.state === "now" ? "running" : one.state === "done" ? "done" : one.value}, ${seconds(end - one.begun)}`;
     return this.bar(one.begun, end, top + lane * LANE, one.state, one.word.parameter || one.word.interface, whole);
   }
 

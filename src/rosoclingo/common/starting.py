@@ -37,8 +37,8 @@ def missing(module: str) -> str:
     if name == "rosoclingo":
         return f"no module {module}: build the workspace and source its setup.bash (devel/setup.bash)"
     python, package = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})", _PYPI.get(name, name)
-    mend = f"rosdep install rosoclingo, or {sys.executable} -m pip install {shlex.quote(package)}"
-    return f"{name} is not installed for {python}: {mend}"
+    fix = f"rosdep install rosoclingo, or {sys.executable} -m pip install {shlex.quote(package)}"
+    return f"{name} is not installed for {python}: {fix}"
 
 
 def leave(code: int) -> NoReturn:

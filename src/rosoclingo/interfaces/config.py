@@ -157,6 +157,6 @@ def _pattern(value: Any, reader: Reader) -> Optional[Pattern[str]]:
     except re.error as error:
         reader.fault(f"{value!r} is not a regular expression: {error}")
     except FutureWarning as warning:
-        mend = "put a backslash before the character"
-        reader.fault(f"later versions of Python read the regular expression {value!r} differently, {mend}: {warning}")
+        fix = "put a backslash before the character"
+        reader.fault(f"later versions of Python read the regular expression {value!r} differently, {fix}: {warning}")
     return None

@@ -47,8 +47,8 @@ class InterfaceHealth:
         return self._fault
 
     def _describe(self) -> Findings:
-        connected, under_way = self._look()
-        level, text = DiagnosticStatus.OK, ", ".join(under_way) or "idle"
+        connected, running = self._look()
+        level, text = DiagnosticStatus.OK, ", ".join(running) or "idle"
         if self._fault:
             level, text = DiagnosticStatus.ERROR, self._fault
         elif not connected:
@@ -57,7 +57,7 @@ class InterfaceHealth:
             level, text = DiagnosticStatus.WARN, self.trouble
         values = {
             "server": self._server,
-            "under way": len(under_way),
+            "under way": len(running),
             "succeeded": self._succeeded,
             "failed": self._failed,
             "last failure": self._last_failure,

@@ -88,8 +88,8 @@ class _Filler:
         if isinstance(value, Mapping):
             message = default if isinstance(default, genpy.Message) else genpy.message.get_message_class(ros_type)()
             return self.fill(message, value, place)
-        mend = "a pose fills " + ", ".join(_POSES) if isinstance(value, Label) else "write a mapping of its fields"
-        self.faults.append(f"{place}: {ros_type} cannot be filled from {as_text(value)}: {mend}")
+        fix = "a pose fills " + ", ".join(_POSES) if isinstance(value, Label) else "write a mapping of its fields"
+        self.faults.append(f"{place}: {ros_type} cannot be filled from {as_text(value)}: {fix}")
         return default
 
     def _array(self, value: Any, base: str, length: Any, place: str) -> List[Any]:

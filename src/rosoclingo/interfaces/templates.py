@@ -176,8 +176,8 @@ def _one_term(reference: str, value: Any, joined: bool) -> str:
             raise TermError("ASP has no fractions")
         return text if joined or isinstance(value, Symbol) else str(read_term(text))
     except TermError:
-        mend = f'write "${{{reference}}}", within quotes, for an ASP string'
-        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no term: {mend}") from None
+        fix = f'write "${{{reference}}}", within quotes, for an ASP string'
+        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no term: {fix}") from None
 
 
 def _substitute(match: Match[str], scope: ActionScope) -> str:

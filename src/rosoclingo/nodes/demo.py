@@ -14,7 +14,7 @@ import rosgraph
 import rospy
 
 from rosoclingo.nodes.pages.report_command import write_report
-from rosoclingo.nodes.recording.bag_file import BagError, active, mend
+from rosoclingo.nodes.recording.bag_file import BagError, active, repair
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import ScenarioOutcome, run_scenario
 from rosoclingo.runs.recorded_run import RecordingError
@@ -72,13 +72,13 @@ class DemoSystem:
             except subprocess.TimeoutExpired:
                 continue
         _signal_group(self._process.pid, signal.SIGKILL)
-        self._mend_bag()
+        self._repair_bag()
 
-    def _mend_bag(self) -> None:
+    def _repair_bag(self) -> None:
         """Repair the bag of a killed recorder."""
         if active(self.bag).exists():
             with suppress(BagError):
-                mend(self.bag, self.bag, "/record/notes")
+                repair(self.bag, self.bag, "/record/notes")
 
     def check(self) -> None:
         """Raise DemoError if the system has ended."""

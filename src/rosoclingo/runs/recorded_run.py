@@ -206,8 +206,8 @@ class _Open:
 
 def _missing_updates(first: int, last: int) -> str:
     cycles = f"cycle {first}" if first == last else f"cycles {first} to {last}"
-    mend = "start the recorder before the first request (record:=true)" if first == 1 else "see its notes"
-    return f"the updates of {cycles} are missing, so later cycles cannot be replayed: {mend}"
+    fix = "start the recorder before the first request (record:=true)" if first == 1 else "see its notes"
+    return f"the updates of {cycles} are missing, so later cycles cannot be replayed: {fix}"
 
 
 class RunCollector(RunEvents):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plays the scenarios of this package in the running system, and compares how they end with what they expect."""
+"""Plays the scenarios of this package in the running system, and compares their ends with their expectations."""
 
 import sys
 import unittest
@@ -10,8 +10,8 @@ import rostest
 from rosoclingo.nodes.scenarios.playing import find_scenario, run_scenario
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
-SERVERS = ["move_base"]  # action servers that have to be there
-PATIENCE = 300.0  # seconds of wall time for them
+SERVERS = ["move_base"]  # required action servers
+PATIENCE = 300.0  # limit in seconds of wall time for their start
 
 
 class ScenariosTest(unittest.TestCase):

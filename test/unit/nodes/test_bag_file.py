@@ -9,7 +9,7 @@ import rosbag
 from std_msgs.msg import String
 
 from rosoclingo.nodes.recording import bag_file
-from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
+from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, repair
 
 HEADER = {"type": String._type, "md5sum": String._md5sum, "message_definition": String._full_text, "latching": "1"}
 
@@ -51,7 +51,7 @@ def test_bag_is_repaired_up_to_last_flush(tmp_path, lost):
     bag.flush()
     write(bag, *map(str, range(3, 3 + lost)))
     bag._file.flush()
-    mend(bag.path, tmp_path / "other.bag", "/notes")
+    repair(bag.path, tmp_path / "other.bag", "/notes")
     assert read(tmp_path / "other.bag") == ["1", "2"]
     with rosbag.Bag(str(tmp_path / "other.bag")) as mended:
         (note,) = [message.data for _, message, _ in mended.read_messages(["/notes"])]
@@ -63,7 +63,7 @@ def test_bag_repair_refuses_other_files(tmp_path):
     for content in (b"", b"#ROSBAG V2.0\n", b"something else"):
         active(path).write_bytes(content)
         with pytest.raises(BagError, match=r"run\.bag\.active cannot be repaired"):
-            mend(path, path, "/notes")
+            repair(path, path, "/notes")
     assert not path.exists()
 
 
@@ -125,5 +125,5 @@ def test_bag_that_ends_on_full_disk_is_repairable(tmp_path):
     bag.flush()
     with room_for(active(bag.path).stat().st_size), pytest.raises(BagError, match=r"run\.bag cannot be closed"):
         bag.close()
-    mend(bag.path, bag.path, "/notes")
+    repair(bag.path, bag.path, "/notes")
     assert read(bag.path) == ["1", "2"]

@@ -66,7 +66,7 @@ RECALLED = "the goal was cancelled before it was planned for"
 
 
 class CoreNode:
-    """The reasoning layer as a node.
+    """The core node: plans for goals of clients and sends actions to interfaces.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ def _shelf() -> Path:
 
 
 def _launch() -> str:
-    """Return an id that a node shares only with those that its roslaunch respawns; empty without roslaunch."""
+    """Return an id that a node shares only with its respawned instances; empty without roslaunch."""
     by_roslaunch = any(word.startswith("__log:=") for word in sys.argv)
     return f"{rospy.get_param('/run_id', '')} {os.getppid()}" if by_roslaunch else ""
 

@@ -63,8 +63,8 @@ class WebNode:
         try:
             sockets = bind_sockets(port, host)
         except OSError as error:
-            mend = "choose another ~port or ~host"
-            raise ParameterError(f"the page cannot be served on {host}:{port}: {error.strerror}; {mend}") from None
+            fix = "choose another ~port or ~host"
+            raise ParameterError(f"the page cannot be served on {host}:{port}: {error.strerror}; {fix}") from None
         self._view = RunView({"title": title})
         self._topics = RunTopics(self._view, rospy.resolve_name("rosoclingo"))
         self._subscribers: Dict[str, rospy.Subscriber] = {}

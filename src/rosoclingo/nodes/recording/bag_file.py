@@ -9,7 +9,7 @@ import genpy
 import rosbag
 from std_msgs.msg import String
 
-__all__ = ["BagError", "BagFile", "active", "mend"]
+__all__ = ["BagError", "BagFile", "active", "repair"]
 
 #: Bytes of one chunk; an unfinished chunk is lost with the process, so each flush finishes one.
 CHUNK = 768 * 1024
@@ -117,7 +117,7 @@ def _reindexed(file: Any) -> rosbag.Bag:
     return bag
 
 
-def mend(path: Path, to: Path, notes: str) -> None:
+def repair(path: Path, to: Path, notes: str) -> None:
     """Repair the unfinished bag ``path`` of a killed writer as the bag ``to``, with a note about the gap.
 
     Raises BagError if nothing can be repaired.

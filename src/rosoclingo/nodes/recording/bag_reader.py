@@ -73,14 +73,14 @@ def opened(path: Path) -> Iterator[rosbag.Bag]:
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from None
     except rosbag.ROSBagUnindexedException:
-        mend = f"if not, run: rosbag reindex {path}"
-        raise RecordingError(f"{path} has no index: its recorder was killed, or is still writing; {mend}") from None
+        fix = f"if not, run: rosbag reindex {path}"
+        raise RecordingError(f"{path} has no index: its recorder was killed, or is still writing; {fix}") from None
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror or error}") from None
     except Exception as error:  # noqa: BLE001 rosbag can raise anything for a damaged file
         what = f"{type(error).__name__}: {error}"
-        mend = "try rosbag reindex, or another copy"
-        raise RecordingError(f"{path} is no bag, or damaged ({what}); {mend}") from None
+        fix = "try rosbag reindex, or another copy"
+        raise RecordingError(f"{path} is no bag, or damaged ({what}); {fix}") from None
 
 
 def core_in(topics: Set[str], wanted: Optional[str] = None) -> str:

@@ -17,7 +17,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rosoclingo.common.connections import comes_to, readers
 from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.parameters import Parameters
-from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, mend
+from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, repair
 
 __all__ = ["RECORDED", "TOPICS", "RecorderNode", "is_recording"]
 
@@ -227,7 +227,7 @@ def _open_bag(path: Path, notes: str) -> BagFile:
     if active(path).exists():
         other = _free_name(path)
         try:
-            mend(path, other, notes)
+            repair(path, other, notes)
         except BagError as error:
             rospy.logwarn("%s; it is overwritten", error)
         else:
