@@ -25,8 +25,8 @@ _ROLE = re.compile(r":\w+:`~?(?:[\w.]+\.)?(\w+)`")
 INTRODUCTION = """\
 # Reference: nodes and commands
 
-The parameters, topics, services and actions of each node, and the arguments of each command. `rosrun rosoclingo NODE --help`
-prints the same texts. `./dev exec python3 doc/make_reference.py` generates this page from the docstrings; edit those instead.
+The parameters, topics, services and actions of each node, and the arguments of each command. `--help` prints the same
+texts. `./dev exec python3 doc/make_reference.py` generates this page from the docstrings; edit those instead.
 
 Names are relative to the node's namespace and can be remapped; names with `~` are private to the node. Words in
 capitals are placeholders. Each node reads its parameters when it starts. If some are invalid, it reports all of them
