@@ -1,4 +1,4 @@
-"""Solver processes in tests: ending them, and checking that they ended."""
+"""Worker processes in tests: waiting for them, and killing them."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from rosoclingo.planning.workers.pool import WorkerPool
 
 
 def ended(pid):
-    """Wait for the end of a process; return whether it came."""
+    """Wait up to a minute and return whether a process has ended."""
     for _ in range(1200):
         try:
             fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
@@ -27,7 +27,7 @@ def ended(pid):
 
 
 def kill(process):
-    """Kill the child while it is idle."""
+    """Kill an idle worker and wait for its end."""
     pid = process.pid
     os.kill(pid, signal.SIGKILL)
     assert ended(pid)
@@ -35,7 +35,7 @@ def kill(process):
 
 @contextmanager
 def preparing_process(program):
-    """A process shared by many tests that prefetches at once, improves briefly, and is not replaced."""
+    """Yield a pool for many tests that prefetches, improves plans only briefly, and keeps its workers."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(worker, "GROWTH", 2**60)  # none is replaced because of its size
         with WorkerPool(program, shortest=True, plan_time=0.02, standby=True) as one:
@@ -43,7 +43,7 @@ def preparing_process(program):
 
 
 def wait_until_prepared(process, again=lambda: None):
-    """Wait until the standby child is idle, by calling ``again`` repeatedly."""
+    """Wait until the standby worker is idle; ``again`` is called before each poll."""
     limit = time.monotonic() + 300
     while process.is_prefetching:
         assert time.monotonic() < limit

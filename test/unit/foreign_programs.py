@@ -1,4 +1,4 @@
-"""Programs of foreign domains, as other authors could write them: correct ones, and faults for each."""
+"""Programs of other domains as users could write them: correct ones, and faults for each."""
 
 #: A vacuum cleaner drives through a ring of rooms and cleans the dirty ones; doors can be reported locked.
 VACUUM = """
@@ -128,4 +128,4 @@ SOUND = {
     "lift": (LIFT, ("ride(1)", "ride(2)")),
     "patrol": (PATROL, ("look(gate)", "look(yard)")),
 }
-"""Programs in which nothing is wrong, each with goals."""
+"""Programs without faults, each with goals."""

@@ -1,4 +1,4 @@
-"""What the tests of the translator share: answers of a gringo 3 program, computed by clingo on its translation."""
+"""Answers of gringo 3 programs, which clingo computes on their translations."""
 
 import clingo
 
@@ -6,12 +6,12 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate
 
 
 def translated(text):
-    """The translation of a program that is gringo 3's where both languages read it differently."""
+    """Return the translation of a program, with ambiguous statements read as gringo 3."""
     return translate(text, "test.lp", Dialect.GRINGO3).text
 
 
 def solve(text):
-    """All answers of a clingo 5 program as a set of strings, each with the shown atoms in order."""
+    """Return all answers of a clingo 5 program as sorted strings of their shown atoms."""
     control = clingo.Control(["0"], logger=lambda code, message: None)
     control.add("base", [], text)
     control.ground([("base", [])])
@@ -21,7 +21,7 @@ def solve(text):
 
 
 def optima(text):
-    """The optimal answers of a clingo 5 program."""
+    """Return the optimal answers of a clingo 5 program."""
     control = clingo.Control(["0", "--opt-mode=optN"], logger=lambda code, message: None)
     control.add("base", [], text)
     control.ground([("base", [])])
@@ -36,5 +36,5 @@ def optima(text):
 
 
 def answers(text):
-    """All answers of a gringo 3 program."""
+    """Return all answers of a gringo 3 program."""
     return solve(translated(text))

@@ -1,4 +1,4 @@
-"""Plays the standby worker of a solver in this process: its answers arrive some cycles after their request."""
+"""A fake standby worker in this process, whose prefetched answers arrive some cycles late."""
 
 from rosoclingo.planning.solver import PlanSolver
 
@@ -6,10 +6,11 @@ NEVER = 10**9
 
 
 class Standby:
-    """A standby whose answers arrive ``delay`` cycles after their search began; ``plan_time`` belongs to its solvers.
+    """Prefetches answers within ``delay`` cycles; its solvers have this ``plan_time``.
 
     Attributes:
-        searches: how often the robot waited for a search, without a prefetched answer.
+        searches: number of searches for which the robot waited, as no answer was prefetched.
+
     """
 
     def __init__(self, delay=0, plan_time=0.0):

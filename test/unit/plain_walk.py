@@ -1,4 +1,4 @@
-"""A robot on a line of numbers, and a plain reading of its stream: every question is solved from scratch."""
+"""A robot on a line, and a reference that solves each question about its stream from scratch."""
 
 from dataclasses import dataclass, field
 from typing import FrozenSet, List, Optional, Set
@@ -26,7 +26,7 @@ ADVICE = """
 #heuristic _action_lib(move,X,t) : wanted(Y,t), not reached(Y,t-1), at(P,t-1), X = P-1, Y < P. [1,true]
 """
 
-#: Another one, which goes from one wish to the next and forgets those it has met.
+#: A second robot, which visits one requested place after the other and forgets the visited ones.
 RUN = """
 #program base.
 at(0,0).
@@ -43,7 +43,7 @@ wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 """
 
 
-#: A third one, which goes on where its actions return success, and whose returns are read.
+#: A third robot, which only moves to the right, and whose rules use returns.
 ONWARD = """
 #program base. at(0,0). #show _action_lib/3.
 #program cumulative(t).
@@ -61,7 +61,7 @@ wanted(X,t) :- wanted(X,t-1).
 
 
 def onward(step: int, value: object, place: Optional[int] = None) -> StreamUpdate:
-    """Return the update of ``step`` with the return of the action before, which went to ``place``."""
+    """Return the update of ``step`` with the return of the previous action, a move to ``place``."""
     done = f"_action_lib(go,{place or step - 1},{step - 1}). _return(go,{value},{step - 1})."
     return parse_update(f"#step {step} : 50. #closed {step - 1}. :- not {done} #endstep.")
 
@@ -74,7 +74,7 @@ def program_text(advice: bool = True) -> str:
 
 @dataclass
 class Walk:
-    """What has been told and done.
+    """The history of the robot.
 
     Attributes:
         step: the step of the last update.
@@ -88,17 +88,17 @@ class Walk:
     done: Set[clingo.Symbol] = field(default_factory=set)
 
     def update(self, wanted: List[int], fails: bool, actions: Set[clingo.Symbol], bound: Optional[int]) -> StreamUpdate:
-        """Go to the next step and return its update: ``actions`` were executed, and failed, and places are wanted."""
+        """Return the update of the next step, with requests and executed ``actions``, which failed if it ``fails``."""
         self.step += 1
         self.done |= actions
-        told = [parse_atom(f"_request({place},{self.step})") for place in wanted]
-        told += [parse_atom(f"fail({self.step - 1})")] if fails and actions else []
-        self.facts.update(told)
+        facts = [parse_atom(f"_request({place},{self.step})") for place in wanted]
+        facts += [parse_atom(f"fail({self.step - 1})")] if fails and actions else []
+        self.facts.update(facts)
         past = (Closed(self.step - 1, self.step - 1),) if self.step > 1 else ()
-        return StreamUpdate(self.step, bound, (*past, *map(commitment, actions), *map(fact, told)))
+        return StreamUpdate(self.step, bound, (*past, *map(commitment, actions), *map(fact, facts)))
 
     def allows(self, horizon: int, plan: Optional[FrozenSet[clingo.Symbol]] = None) -> bool:
-        """Tell whether there is an answer of that horizon, with ``plan`` and nothing else to come if it is given."""
+        """Return whether ``horizon`` has an answer; ``plan``: all actions from now on, if given."""
         text = BASE + "".join(STEP.format(t=step) for step in range(1, horizon + 1)) + GOAL.format(t=horizon)
         text += "".join(f"{one}.\n" for one in self.facts)
         actions = self.done | (plan or frozenset())
@@ -115,5 +115,5 @@ class Walk:
         return bool(control.solve().satisfiable)
 
     def least(self, first: int, last: int) -> Optional[int]:
-        """Return the least horizon in first..last that has an answer."""
+        """Return the lowest horizon in first..last with an answer."""
         return next((horizon for horizon in range(first, last + 1) if self.allows(horizon)), None)

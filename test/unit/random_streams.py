@@ -1,4 +1,4 @@
-"""Random programs and updates for hypothesis, in the parts that the reference of solvers knows."""
+"""Random programs and updates for hypothesis, in the format of the reference solver."""
 
 import clingo
 from hypothesis import strategies as st
@@ -117,8 +117,8 @@ UPDATES = st.builds(
 )
 
 
-def without_strangers(parts, update):
-    """Heads of predicates that the program does not know are another matter: they may be defined freely."""
+def without_undeclared(parts, update):
+    """Remove statements about open predicates from ``update`` if the program does not declare them."""
     if parts.opens:
         return update
     items = [one for one in update.items if not (isinstance(one, Statement) and mentions(one, "g"))]

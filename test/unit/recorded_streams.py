@@ -1,8 +1,8 @@
 """Random streams with the answers of an earlier solver, which ``planning/test_recorded_streams.py`` compares.
 
-A stream is generated from its kind and seed; what the solver plans is done next. The stored streams were recorded with
-an earlier solver. ``python3 test/unit/recorded_streams.py KIND ...`` records the streams of these
-kinds again, without a KIND all of them.
+A stream is generated from its kind and seed; planned actions are executed. The stored streams were recorded with an
+earlier solver. ``python3 test/unit/recorded_streams.py KIND ...`` records the streams of these kinds again (default:
+all).
 """
 
 import gzip
@@ -36,8 +36,8 @@ from rosoclingo.planning.solver import PlanSolver
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "recorded_streams.jsonl.gz"
 ALL = 1000
-STEPS = 20  # the bound of an update: how many steps the horizon may lie beyond its step
-SECONDS = 5.0  # of processor time for an explanation; what takes longer is not recorded
+STEPS = 20  # the bound of each update
+SECONDS = 5.0  # processor time for an explanation; longer ones are not recorded
 LATE = "late"
 
 Record = Dict[str, Any]
@@ -112,7 +112,7 @@ GENERAL = ("externals", "volatile", "loops", "aggregates", "optimisation")
 KINDS = (*DOMAINS, *GENERAL)
 
 
-# ---- playing ---------------------------------------------------------------------------------------------------------
+# ---- Playing ---------------------------------------------------------------------------------------------------------
 
 
 def solver_of(kind: str, program: ReactiveProgram) -> ReactiveSolver:
@@ -123,7 +123,7 @@ def solver_of(kind: str, program: ReactiveProgram) -> ReactiveSolver:
 
 
 def reading(kind: str, result: SolveResult) -> List[Any]:
-    """Return what an answer is compared by: outcome, horizon, size or digest of the answers, warnings."""
+    """Return the compared values of a result: outcome, horizon, size or digest of the answers, warnings."""
     if kind in DOMAINS:
         size: Any = sum(one.name == "_action_lib" for one in result.answers[0]) if result.answers else None
     elif kind == "optimisation":
@@ -147,7 +147,7 @@ def play(record: Record) -> Iterator[List[Any]]:
 
 
 def before_last(record: Record) -> Tuple[ReactiveSolver, StreamUpdate]:
-    """Return a solver that has played all updates of a stored stream but the last, and that one."""
+    """Return a solver that has played all updates except the last, and the last update."""
     solver = solver_of(record["kind"], program_of(record))
     *before, last = [_update(update) for update, *_ in record["updates"]]
     for update in before:
@@ -156,7 +156,7 @@ def before_last(record: Record) -> Tuple[ReactiveSolver, StreamUpdate]:
 
 
 def first_plans(record: Record) -> Iterator[Optional[int]]:
-    """Yield the horizon of each update's first plan, as a solver has it that looks for no shorter one."""
+    """Yield the horizon of the first plan for each update, found without improving it."""
     solver = PlanSolver(program_of(record), plan_time=0.0)
     for update, *_ in record["updates"]:
         result = solver.update(_update(update))
@@ -164,14 +164,14 @@ def first_plans(record: Record) -> Iterator[Optional[int]]:
 
 
 def what_if(record: Record) -> List[Optional[bool]]:
-    """Return whether there would be an answer to the last update without some of its facts, question by question."""
+    """Return for each set of disabled facts whether the last update would have an answer."""
     solver, last = before_last(record)
     assumable = _atoms(record["doubted"])
     return [solver.inquire(last, assumable, _atoms(disabled)).satisfiable for disabled in record["untold"]]
 
 
 def why(record: Record) -> Any:
-    """Return how many rules forbid a plan for the last update, None if there is a plan, LATE if it takes too long."""
+    """Return the number of conflicting rules for the last update: None for a plan, LATE after a timeout."""
     solver, last = before_last(record)
     end = time.process_time() + SECONDS
     try:
@@ -191,11 +191,11 @@ def _atoms(texts: List[str]) -> FrozenSet[clingo.Symbol]:
     return frozenset(map(parse_atom, texts))
 
 
-# ---- generating ------------------------------------------------------------------------------------------------------
+# ---- Generating ------------------------------------------------------------------------------------------------------
 
 
 class Planned:
-    """A stream of requests, cancels, returns and facts for a domain; what is planned is done."""
+    """A stream of requests, cancels, returns and facts for a domain; planned actions are executed."""
 
     def __init__(self, kind: str, seed: int) -> None:
         self.kind, self.domain, self.draw = kind, DOMAINS[kind], Random(f"{kind} {seed}")
@@ -216,8 +216,8 @@ class Planned:
             if result.outcome is not SolveOutcome.SATISFIABLE and self.draw.random() < 0.5:
                 break
         record: Record = {"kind": self.kind, "updates": updates}
-        told = [*self.facts, *(item for item in updates[-1][0][:-1].split(". ") if item.startswith("_"))]
-        record["doubted"] = sorted(set(self.draw.sample(told, min(len(told), 6))))
+        reported = [*self.facts, *(item for item in updates[-1][0][:-1].split(". ") if item.startswith("_"))]
+        record["doubted"] = sorted(set(self.draw.sample(reported, min(len(reported), 6))))
         some = [self.draw.sample(record["doubted"], self.draw.randint(0, len(record["doubted"]))) for _ in range(3)]
         record["untold"] = [record["doubted"], *some]
         record["verdicts"] = what_if(record)
@@ -229,7 +229,7 @@ class Planned:
         return record
 
     def events(self) -> List[str]:
-        """What arrives before the next update."""
+        """Draw the facts that arrive before the next update."""
         draw, step, found = self.draw, self.step + 1, []
         for _ in range(draw.choice((0, 0, 1, 1, 2))):
             self.goals += 1
@@ -245,7 +245,7 @@ class Planned:
         return found
 
     def outcomes(self, result: SolveResult) -> List[str]:
-        """What is done of an answer: commitments and returns."""
+        """Return the commitments and returns of the executed actions of an answer."""
         found = [f"#closed {self.step}"]
         for action in sorted(result.answers[0] if result.answers else ()):
             if action.name == "_action_lib" and action.arguments[2].number == self.step:
@@ -320,7 +320,7 @@ class General:
 
 
 def generate(number: int) -> Record:
-    """Return stream ``number`` of all, with what the solver at hand answers."""
+    """Return stream ``number``, with the answers of the present solver."""
     kind = KINDS[number % len(KINDS)]
     return (Planned if kind in DOMAINS else General)(kind, number // len(KINDS)).record()
 
@@ -333,7 +333,7 @@ def recorded() -> List[Record]:
 
 
 def main() -> None:
-    """Record the streams of the kinds that are named again, all kinds without a name."""
+    """Record the streams of the named kinds again, by default of all kinds."""
     kinds = sys.argv[1:] or KINDS
     kept = recorded() if sys.argv[1:] else []
     records = [generate(number) if KINDS[number % len(KINDS)] in kinds else kept[number] for number in range(ALL)]

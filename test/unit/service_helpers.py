@@ -1,4 +1,4 @@
-"""A service in a thread of the test, and a client that reads as the one shipped with oClingo does."""
+"""A service in a thread, and a client that parses replies as the client shipped with oClingo does."""
 
 import contextlib
 import re
@@ -10,9 +10,9 @@ from rosoclingo.oclingo.service.server import Service, listen
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 
-TIMEOUT = 120.0  # seconds for what must happen in the end; no test measures time
+TIMEOUT = 120.0  # seconds to wait for expected events; no test measures time
 
-PATTERNS = {  # the lines that oClingo's client knows
+PATTERNS = {  # the lines that oClingo's client accepts
     "step": re.compile(r"^Step:\ (\d+)$"),
     "atoms": re.compile(r"^(-?[a-z_][a-zA-Z0-9_]*(\(.+\))?\ *)+$"),
     "input": re.compile(r"^Input:$"),
@@ -24,7 +24,7 @@ PATTERNS = {  # the lines that oClingo's client knows
 
 
 class Reply:
-    """What a client was sent for one update."""
+    """The reply to one update."""
 
     def __init__(self):
         self.answers, self.warnings, self.horizons = [], [], []
@@ -36,7 +36,7 @@ class Reply:
 
 
 class Client:
-    """Sends bytes and reads items, each line of which must be one that oClingo's client knows."""
+    """Sends bytes and reads items; each line must be acceptable to oClingo's client."""
 
     def __init__(self, port, greeted=True):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=TIMEOUT)
@@ -52,7 +52,7 @@ class Client:
         return self.reply()
 
     def item(self):
-        """The next item, None where the connection is closed."""
+        """Return the next item, None if the connection is closed."""
         while b"\0" not in self.buffer:
             data = self.socket.recv(8192)
             if not data:
@@ -63,7 +63,7 @@ class Client:
         return item.decode()
 
     def reply(self):
-        """Read until an item that ends an update's reply."""
+        """Read and return the reply to one update."""
         reply = Reply()
         while not reply.end:
             self._read_lines(reply)
@@ -78,7 +78,7 @@ class Client:
             elif kind == "atoms":
                 reply.answers[-1] = line.split()
             elif kind == "warning":
-                assert not reply.answers, "oClingo's client gives up the answers at a warning"
+                assert not reply.answers, "oClingo's client discards the answers before a warning"
                 reply.warnings.append(found.group(1))
             elif kind != "input":
                 reply.end = kind
@@ -109,7 +109,7 @@ class Running:
         return self._clients[-1]
 
     def join(self):
-        """Wait until the service has ended."""
+        """Wait for the end of the service."""
         self._thread.join(TIMEOUT)
         assert not self._thread.is_alive()
 

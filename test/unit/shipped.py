@@ -1,4 +1,4 @@
-"""The shipped encodings, as texts and as programs."""
+"""The shipped encodings as programs."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -10,5 +10,5 @@ ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
 
 @lru_cache(maxsize=None)
 def shipped(*names: str) -> ReactiveProgram:
-    """Return the program of these encoding files, parsed once for all tests, since no solver changes it."""
+    """Return the program of these encodings, cached for all tests, as no solver changes it."""
     return ReactiveProgram.from_files([ENCODINGS / name for name in names])

@@ -1,6 +1,6 @@
-"""A plain reading of language.md: every update is solved from scratch, the whole accumulated program in one grounding.
+"""A reference solver: after each update it solves the accumulated program from scratch, in one grounding.
 
-Written without the solver under test; it knows programs only as parts of text with ``t`` for the step.
+It is independent of the solver under test. Programs are parts of text with ``t`` for the step.
 """
 
 import re
@@ -27,7 +27,7 @@ Answer = FrozenSet[str]
 class Parts:
     """Rules of a program as text; ``externals`` are templates like ``f(1,t)``, ``opens`` names of arity 2.
 
-    ``free`` are names that the program has no word of: updates may define them. ``forgets`` holds terms like ``t-1``.
+    ``free`` are names that the program does not mention, and updates can define. ``forgets`` holds terms like ``t-1``.
     """
 
     base: Tuple[str, ...]
@@ -69,12 +69,12 @@ class Reference:
     opened: Set[str] = field(default_factory=set)
 
     def declared(self) -> Dict[str, int]:
-        """Every declared external with the step of its declaration."""
+        """Return each declared external with the step of its declaration."""
         steps = range(1, self.horizon + 1)
         return {at(template, step): step for step in reversed(steps) for template in self.parts.externals}
 
     def update(self, update: StreamUpdate) -> Tuple[bool, Set[Answer], int, int]:
-        """Return whether there are answers, the answers, the horizon, and how many rules were ignored."""
+        """Return whether there are answers, the answers, the horizon, and the number of ignored rules."""
         ignored = self.begin(update)
         while True:
             answers = self.solve()
@@ -83,7 +83,7 @@ class Reference:
             self.forget(self.grow())
 
     def begin(self, update: StreamUpdate) -> int:
-        """Take an update and the steps up to its own; return how many rules were ignored."""
+        """Accept an update and ground up to its step; return the number of ignored rules."""
         self.held = [one for one in self.held if one.lifetime != "update" and not self.has_passed(one.lifetime)]
         if update.step is not None:
             self.step = update.step
@@ -99,15 +99,15 @@ class Reference:
         return self.bound is not None and self.horizon < self.bound
 
     def has_passed(self, lifetime: object) -> bool:
-        """Whether a window is over."""
+        """Return whether a window has ended."""
         return isinstance(lifetime, int) and lifetime < self.horizon
 
     def holds_at(self, first: int, end: int) -> bool:
-        """Whether what holds at the horizons from ``first`` to before ``end`` does so now."""
+        """Return whether the horizon is in the range from ``first`` to ``end``, exclusive."""
         return first <= self.horizon < end
 
     def grow(self) -> List[Forget]:
-        """Go to the next step; return what falls due to be forgotten there."""
+        """Ground the next step; return the steps to forget."""
         self.horizon += 1
         self.held = [one for one in self.held if not self.has_passed(one.lifetime)]
         for one in self.held:
@@ -137,7 +137,7 @@ class Reference:
         return "update" if section.window is None else self.step + section.window - 1
 
     def statement(self, statement: Statement, lifetime: object, fresh: Set[str]) -> int:
-        """Take a statement; 1 if it is ignored with a warning."""
+        """Accept a statement; return 1 if it is ignored with a warning."""
         if self.has_passed(lifetime):
             return 0
         head = None if statement.head is None else str(statement.head)
@@ -148,7 +148,7 @@ class Reference:
         if is_open:
             self.opened.add(head)
         if any(one.positive and str(one.atom) == head for one in statement.body):
-            return 0  # it says nothing
+            return 0  # a tautology has no effect
         if head in fresh or ((is_open or head in self.declared()) and head not in self.closed | self.forgotten):
             self.held.append(Held(statement, lifetime))
             fresh |= {head} if lifetime == "ever" else set()
@@ -196,9 +196,9 @@ class Reference:
 
 @dataclass
 class ShortestReference(Reference):
-    """Plays a stream as a planner does, which grounds some steps, up to ``horizon``, and takes the least that will do.
+    """Plays a stream as a planner does: it grounds the steps up to ``horizon`` and returns the shortest answer.
 
-    ``settled`` is the greatest step of all updates, and ``asked`` the horizon that is tried.
+    ``settled`` is the greatest step of all updates, and ``asked`` the horizon of the current search.
     """
 
     settled: int = 1
@@ -206,7 +206,7 @@ class ShortestReference(Reference):
     before: Optional["ShortestReference"] = None
 
     def update(self, update: StreamUpdate) -> Tuple[bool, Set[Answer], int, int]:
-        """Return if there are answers, those of the least horizon, that horizon, and ignored rules."""
+        """Return whether there are answers, the answers at the lowest horizon, that horizon, and ignored rules."""
         self.settled = max(self.settled, self.step if update.step is None else update.step)
         ignored = self.begin(update)
         self.before = None
@@ -221,7 +221,7 @@ class ShortestReference(Reference):
             self.asked += 1
 
     def end_at(self, horizon: int) -> None:
-        """Say that the solver has given up after so many steps, where there is no answer."""
+        """Set the horizon at which the solver under test ended a search without an answer."""
         assert self.before is not None
         self.__dict__.update(vars(self.before))
         while self.horizon < horizon:

@@ -1,11 +1,11 @@
-"""Plays texts of updates on the solvers of streams, and reads their answers."""
+"""Plays updates given as text on the stream solvers, and returns their answers."""
 
 import pytest
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, parse_update
 from rosoclingo.planning.solver import PlanSolver
 
-#: A robot on a line of numbers that is asked to go to some of them.
+#: A robot on a line of numbers with requested places.
 WALK = """
 #program base.
 at(0,0).
@@ -23,36 +23,36 @@ reached(X,t) :- reached(X,t-1).
 :- wanted(X,t), not reached(X,t).
 """
 
-#: oClingo's own solver, and the solver of plans.
+#: The incremental solver and the planner.
 SOLVERS = pytest.mark.parametrize("kind", [ReactiveSolver, PlanSolver])
 
 
 def solver_of(text, kind=ReactiveSolver, **options):
-    """A solver of a program's text."""
+    """Return a solver for a program given as text."""
     return kind(ReactiveProgram.from_text(text), **options)
 
 
 def planner_of(text, **options):
-    """A solver of plans of a program's text."""
+    """Return a planner for a program given as text."""
     return solver_of(text, PlanSolver, **options)
 
 
 def play(solver, text):
-    """The result of an update."""
+    """Play an update and return the result."""
     return solver.update(parse_update(text + " #endstep."))
 
 
 def atoms(result):
-    """The atoms of the first answer as texts, in order."""
+    """Return the atoms of the first answer as sorted texts."""
     return sorted(map(str, result.answers[0]))
 
 
 def plan(result):
-    """The actions of the first answer as texts, in order."""
+    """Return the actions of the first answer as sorted texts."""
     return [str(one) for one in sorted(result.answers[0]) if one.name == "_action_lib"]
 
 
 def drop_grounding(solver):
-    """Have an incremental solver ground its program again: an update that was dropped leaves no grounding."""
+    """Force an incremental solver to reground, by an update that is dropped."""
     with pytest.raises(DroppedError):
         solver.update(parse_update("#step 99. #endstep."), None, lambda: True)

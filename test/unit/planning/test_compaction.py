@@ -7,7 +7,7 @@ from unittest import mock
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from random_streams import PARTS, UPDATES, without_strangers
+from random_streams import PARTS, UPDATES, without_undeclared
 from stream_logs import copied
 from stream_play import atoms, planner_of, play
 
@@ -67,7 +67,7 @@ def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
     compacting, forgetting = (PlanSolver(program, models=0) for _ in range(2))
     step = decided = begin = 1
     for number, update in enumerate(data.draw(st.lists(UPDATES, min_size=2, max_size=6))):
-        update = without_strangers(parts, update)
+        update = without_undeclared(parts, update)
         begin = max(begin, min(step, update.step) - margin)
         step = max(step, update.step)
         items = [one for one in update.items if not isinstance(one, Statement) or concerns(one, begin)]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, function, without_strangers
+from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, function, without_undeclared
 from solver_reference import Parts, ShortestReference
 from stream_logs import copied, cut, texts
 from stream_play import atoms, planner_of, play
@@ -114,7 +114,7 @@ def test_history_readers_answer_as_writer_and_reference(stream, ways):
     writer = reader = PlanSolver(program, **OPTIONS)
     old = writer.log, cut(writer)
     for update, way in zip(updates, ways):
-        update = without_strangers(parts, update)
+        update = without_undeclared(parts, update)
         if way is not None or reader is writer:
             reader = PlanSolver(program, **OPTIONS)
             reader.restore(readings(writer, old)[way or 0])

@@ -2,7 +2,7 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from random_streams import PARTS, UPDATES, without_strangers
+from random_streams import PARTS, UPDATES, without_undeclared
 from solver_reference import Reference
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
@@ -13,7 +13,7 @@ def compare(parts, updates):
     reference = Reference(parts)
     solver = ReactiveSolver(ReactiveProgram.from_text(parts.text()), models=0)
     for update in updates:
-        update = without_strangers(parts, update)
+        update = without_undeclared(parts, update)
         satisfiable, answers, horizon, ignored = reference.update(update)
         result = solver.update(update)
         assert {frozenset(map(str, answer)) for answer in result.answers} == answers, (parts.text(), str(update))
