@@ -17,7 +17,7 @@ from deliveries import row
 from figures import Figure, parse, write
 
 from rosoclingo.oclingo import SolveOutcome, StreamUpdate, commitment, fact, parse_term
-from rosoclingo.oclingo.progression.updates import Closed, Over
+from rosoclingo.oclingo.progression.updates import CloseCycles, Expire
 from rosoclingo.planning.solver import PlanSolver
 
 BOUND = 200
@@ -58,7 +58,7 @@ class Robot:
             name, what, cycle = before.arguments
             items.append(fact(parse_term(f"_return({name},{what},{cycle})")))
         if self.cycle > 1:
-            items += [Closed(self.cycle - 1, self.cycle - 1), Over(self.cycle - 1)]
+            items += [CloseCycles(self.cycle - 1, self.cycle - 1), Expire(self.cycle - 1)]
         start = time.perf_counter()
         result = self.solver.update(StreamUpdate(self.cycle, BOUND, tuple(items)))
         seconds = time.perf_counter() - start

@@ -19,7 +19,7 @@ from rosoclingo.oclingo import (
     parse_term,
 )
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.progression.updates import Closed
+from rosoclingo.oclingo.progression.updates import CloseCycles
 from rosoclingo.planning.solver import PlanSolver
 
 TRIES, MEMORY, TOLD = 3, 6, 20
@@ -179,7 +179,7 @@ class Mailbot:
 
         Return None without a plan, after checking that none exists.
         """
-        items = [Closed(self.cycle, self.cycle)] if self.cycle else []
+        items = [CloseCycles(self.cycle, self.cycle)] if self.cycle else []
         items += [commitment(self._done)] if self._done is not None else []
         self.cycle += 1
         if self._done is None:

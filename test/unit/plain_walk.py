@@ -6,7 +6,7 @@ from typing import FrozenSet, List, Optional, Set
 import clingo
 
 from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.progression.updates import Closed
+from rosoclingo.oclingo.progression.updates import CloseCycles
 from rosoclingo.planning.history import cycle_of
 
 BASE = "at(0,0)."
@@ -94,7 +94,7 @@ class Walk:
         facts = [parse_atom(f"_request({place},{self.step})") for place in wanted]
         facts += [parse_atom(f"fail({self.step - 1})")] if fails and actions else []
         self.facts.update(facts)
-        past = (Closed(self.step - 1, self.step - 1),) if self.step > 1 else ()
+        past = (CloseCycles(self.step - 1, self.step - 1),) if self.step > 1 else ()
         return StreamUpdate(self.step, bound, (*past, *map(commitment, actions), *map(fact, facts)))
 
     def allows(self, horizon: int, plan: Optional[FrozenSet[clingo.Symbol]] = None) -> bool:

@@ -13,7 +13,7 @@ from rosoclingo.oclingo.program.action_rules import is_action
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.terms import signature_of
-from rosoclingo.oclingo.progression.updates import Closed, Item, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import CloseCycles, Item, Statement, StreamUpdate
 from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
@@ -95,7 +95,7 @@ class Trials:
         """Try a request; the stream is as it was before then. Raises ProgramError where it is none."""
         log = self._solver.log
         step = log.step + 1 if self._played else log.step
-        past: Tuple[Item, ...] = (Closed(log.step, log.step),) if self._played else ()
+        past: Tuple[Item, ...] = (CloseCycles(log.step, log.step),) if self._played else ()
         facts = self._facts(text, step)
         unheard = next((one for one in facts if one.match("_request", 2) and not self._hearing.hears(one)), None)
         if unheard is not None:

@@ -14,7 +14,7 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import DatedActions
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.progression.updates import Anew, Over, StreamUpdate, Withdraw
+from rosoclingo.oclingo.progression.updates import Expire, Reset, StreamUpdate, Withdraw
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.text import (
@@ -149,10 +149,10 @@ class History:
     def _advance(self, entry: AcceptedUpdate) -> None:
         self.horizon = entry.horizon
         if entry.update is not None:
-            if Anew() in entry.update.items:
+            if Reset() in entry.update.items:
                 self.step, self.keep_from = 1, 0
             self.step = self.step if entry.update.step is None else entry.update.step
-            self.keep_from = max([self.keep_from, *(one.step for one in entry.update.items if isinstance(one, Over))])
+            self.keep_from = max([self.keep_from, *(one.step for one in entry.update.items if isinstance(one, Expire))])
 
     # ---- Contents ----------------------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from typing import Callable, Dict, FrozenSet, Iterable, NamedTuple, Optional, Se
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import RETURN
-from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import CloseCycles, Cumulative, Expire, Statement, StreamUpdate
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.return_rules import ACTS, ASKS, ReturnRules
 
@@ -92,10 +92,10 @@ def is_predicted(plan: Plan, predicted: FrozenSet[clingo.Symbol], step: int, upd
     due = actions.get(step, set())
     expected = predicted.intersection(map(success_of, due))
     is_plain = all(_is_plain(item, expected, step) for item in update.items)
-    return is_plain and update.committed == due and Closed(step, step) in update.items
+    return is_plain and update.committed == due and CloseCycles(step, step) in update.items
 
 
 def _is_plain(item: object, expected: FrozenSet[clingo.Symbol], step: int) -> bool:
     if isinstance(item, Statement):
         return item.is_commitment or (item.head in expected and not item.body)
-    return isinstance(item, (Cumulative, Over)) or item == Closed(step, step)
+    return isinstance(item, (Cumulative, Expire)) or item == CloseCycles(step, step)

@@ -81,7 +81,7 @@ def streams_of(unmet: Sequence[UnmetGoal], stream: Stream) -> Iterator[Tuple[Unm
     for one in unmet:
         others = (other.goal for other in unmet if other.goal is not one.goal and other.goal not in one.together)
         facts = requests_of(others)
-        yield one, stream._replace(log=stream.log.withdraw(facts), update=stream.update.less(facts))
+        yield one, stream._replace(log=stream.log.withdraw(facts), update=stream.update.without_facts(facts))
 
 
 def _joined(things: Sequence[T], words: Callable[[T], str]) -> str:

@@ -21,7 +21,7 @@ from typing import (
 from clingo import Function, Number, Symbol, SymbolType
 
 from rosoclingo.oclingo import Statement, StreamUpdate, commitment
-from rosoclingo.oclingo.progression.updates import Item, Over, Withdraw
+from rosoclingo.oclingo.progression.updates import Expire, Item, Withdraw
 from rosoclingo.planning.text import symbols_from_text, symbols_to_text
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, success_of
@@ -79,7 +79,7 @@ class Batch(NamedTuple):
     @property
     def without_goals(self) -> StreamUpdate:
         """The update without the requests of the new goals."""
-        return self.update.less(frozenset(request(goal.term, self.request_cycle) for goal in self.goals))
+        return self.update.without_facts(frozenset(request(goal.term, self.request_cycle) for goal in self.goals))
 
     @property
     def failures(self) -> Tuple[Observation, ...]:
@@ -89,7 +89,7 @@ class Batch(NamedTuple):
     @property
     def without_present_facts(self) -> StreamUpdate:
         """The update without the facts that were sent with ``now``."""
-        return self.update.less(frozenset(one.atom for one in self.facts if _is_of_now(one.sent)))
+        return self.update.without_facts(frozenset(one.atom for one in self.facts if _is_of_now(one.sent)))
 
     @property
     def indispensable(self) -> StreamUpdate:
@@ -98,7 +98,7 @@ class Batch(NamedTuple):
         Executed actions and their returns must be fed together; new goals and other facts can be fed later.
         """
         later = {one.atom for one in self.facts if not one.is_return}
-        return self.without_goals.less(frozenset(later))
+        return self.without_goals.without_facts(frozenset(later))
 
 
 class Clock:
@@ -421,7 +421,7 @@ class InputFeeder:
         step += self._further_cycles(turns, step)
         dated = (self._dated(fact, step - turns.get(fact.atom, 0), first_open) for fact in facts)
         seen = tuple(_in_order(sorted(dated, key=lambda fact: -turns.get(fact.sent, 0)), done))
-        items: List[Item] = [Over(first_open)] if first_open > 0 else []
+        items: List[Item] = [Expire(first_open)] if first_open > 0 else []
         items += [Withdraw(one) for one in sorted(self._withdrawn)]
         items += [commitment(action.atom) for action in done]
         items += [Statement(self._request(item, step)) for item in requests]

@@ -21,7 +21,7 @@ from rosoclingo.oclingo import (
     Volatile,
     commitment,
 )
-from rosoclingo.oclingo.progression.updates import Anew, Closed, Over, Withdraw
+from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Reset, Withdraw
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
@@ -241,7 +241,9 @@ class Planner:
         if before is None:
             return self.with_log(self.log.withdraw(without))
         horizon = max(before.horizon, taken.step or before.step)
-        return self.with_log(before.withdraw(without).with_entries(AcceptedUpdate(taken.less(without), horizon)))
+        return self.with_log(
+            before.withdraw(without).with_entries(AcceptedUpdate(taken.without_facts(without), horizon))
+        )
 
     def with_log(self, log: History) -> "Planner":
         """Return another planner with the history ``log``."""
@@ -264,7 +266,7 @@ class Planner:
         update = self.in_force
         present = update.heads | update.committed
         stated = (Statement(one) for one in dict.fromkeys(new) if one not in present - gone)
-        items = (*map(Withdraw, sorted(gone - present)), *update.less(gone).items, *stated)
+        items = (*map(Withdraw, sorted(gone - present)), *update.without_facts(gone).items, *stated)
         return self.replace_update(replace(update, items=items))
 
     def reset(self, step: int) -> Tuple["Planner", List[StreamUpdate], SolveResult]:
@@ -273,8 +275,8 @@ class Planner:
         stops = [*range(MANY_STEPS, step, MANY_STEPS), step]
         fed: List[StreamUpdate] = []
         for last, now in zip([0, *stops], stops):
-            past = (Closed(last, now - 1), Over(now - RECENT)) if now > 1 else ()
-            result = planner.update(StreamUpdate(now, items=past if last else (Anew(), *past)))
+            past = (CloseCycles(last, now - 1), Expire(now - RECENT)) if now > 1 else ()
+            result = planner.update(StreamUpdate(now, items=past if last else (Reset(), *past)))
             fed.append(planner.in_force)
         return planner, fed, result
 
@@ -318,10 +320,10 @@ class Planner:
 
 def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
     """Return ``update`` with its bound and the cycles that it closes, without items that ``log`` already implies."""
-    known = [item for item in update.items if isinstance(item, Over) and item.step <= log.keep_from]
+    known = [item for item in update.items if isinstance(item, Expire) and item.step <= log.keep_from]
     items = tuple(item for item in update.items if item not in known)
-    if update.step is not None and update.step > log.step and not any(isinstance(one, Closed) for one in items):
-        items = (Closed(log.step, update.step - 1), *items)
+    if update.step is not None and update.step > log.step and not any(isinstance(one, CloseCycles) for one in items):
+        items = (CloseCycles(log.step, update.step - 1), *items)
     return replace(update, bound=lookahead, items=items)
 
 

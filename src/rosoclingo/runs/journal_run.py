@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Set, Tuple
 
 from rosoclingo.oclingo import Statement, StreamUpdate
-from rosoclingo.oclingo.progression.updates import Anew
+from rosoclingo.oclingo.progression.updates import Reset
 from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
 from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
 from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, history
@@ -204,7 +204,7 @@ class _Reader:
 
     def _effective_updates(self) -> List[StreamUpdate]:
         """Return the last update of each step, or all updates from the last restart of the program on."""
-        restarts = [number for number, update in enumerate(self._updates) if Anew() in update.items]
+        restarts = [number for number, update in enumerate(self._updates) if Reset() in update.items]
         if restarts:
             return self._updates[restarts[-1] :]
         return list({one.step: one for one in self._updates if (one.step or 1) > self._cycle}.values())

@@ -14,7 +14,7 @@ import clingo
 
 from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.progression.updates import Anew
+from rosoclingo.oclingo.progression.updates import Reset
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.topic_atoms import action_in
@@ -240,7 +240,7 @@ class RunCollector(RunEvents):
             update = parse_update(text)
         except OclingoError as error:
             raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
-        if update.step == 1 and self._run.latest and Anew() not in update.items:
+        if update.step == 1 and self._run.latest and Reset() not in update.items:
             self._begin()
         self._run.update(update)
 

@@ -22,7 +22,7 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.updates import Forget, Literal, Over, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import Expire, Forget, Literal, Statement, StreamUpdate
 from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning import grounding
 from rosoclingo.planning.fixed_atoms import fixed_atoms
@@ -75,7 +75,7 @@ def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
         names = ["a", "b"] if number == 0 and data.draw(st.booleans()) else []
         settle = decide(data.draw, [*names, *(f"{name}({one})" for one in range(decided, step + 1) for name in "pq")])
         decided = step + 1
-        found = compacting.update(replace(update, items=(Over(begin), *settle, *items), step=step))
+        found = compacting.update(replace(update, items=(Expire(begin), *settle, *items), step=step))
         expected = forgetting.update(replace(update, items=(*settle, *forget, *items), step=step))
         assert found.outcome is expected.outcome
         assert set(found.answers) == set(expected.answers), (parts.text(), str(update), begin)
@@ -519,7 +519,7 @@ class Trip:
 
     def compact(self):
         self.over = max(self.over, self.step - self.draw(st.integers(0, 2)))
-        over = AcceptedUpdate(StreamUpdate(items=(Over(self.over),)), self.solver.horizon)
+        over = AcceptedUpdate(StreamUpdate(items=(Expire(self.over),)), self.solver.horizon)
         self.solver.restore(self.solver.log.with_entries(over))
         self.solver.checkpoint()
 

@@ -13,7 +13,7 @@ from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.updates import Closed, Literal, Over, Statement, StreamUpdate, Withdraw
+from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Literal, Statement, StreamUpdate, Withdraw
 from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
@@ -137,8 +137,8 @@ def test_history_readers_answer_as_writer_and_reference(stream, ways):
 
 
 PAST = st.one_of(
-    st.builds(lambda step: Closed(step, step), st.integers(1, 3)),
-    st.builds(Over, st.integers(1, 3)),
+    st.builds(lambda step: CloseCycles(step, step), st.integers(1, 3)),
+    st.builds(Expire, st.integers(1, 3)),
     st.builds(Withdraw, HEADS),
 )
 

@@ -5,7 +5,15 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, parse_atom, parse_update
-from rosoclingo.oclingo.progression.updates import Assert, Closed, Cumulative, Over, Statement, Volatile, Withdraw
+from rosoclingo.oclingo.progression.updates import (
+    Assert,
+    CloseCycles,
+    Cumulative,
+    Expire,
+    Statement,
+    Volatile,
+    Withdraw,
+)
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.history import History, Plan, cycle_of
 from rosoclingo.planning.prediction import is_predicted, success_of
@@ -64,7 +72,7 @@ def next_update(solver, fails=False, wanted=(), bound=20, further=()):
     values = [parse_atom(f"_return(go,no,{step})") if fails else success_of(action) for action in done]
     items = [commitment(one) for one in done] + [Statement(one) for one in values]
     items += [Statement(parse_atom(f"_request({one},{step + 1})")) for one in wanted]
-    return StreamUpdate(step + 1, bound, (Closed(step, step), *items, *further))
+    return StreamUpdate(step + 1, bound, (CloseCycles(step, step), *items, *further))
 
 
 def statements(*texts):
@@ -127,19 +135,19 @@ def test_success_needs_no_search_while_actions_remain(plan_time, searches):
 
 
 NOW, THEN = parse_atom("_action_lib(go,1,1)"), parse_atom("_action_lib(go,2,2)")
-AS_PLANNED = (Closed(1, 1), commitment(NOW), Statement(success_of(NOW)))
+AS_PLANNED = (CloseCycles(1, 1), commitment(NOW), Statement(success_of(NOW)))
 
 
 @pytest.mark.parametrize(
     ("step", "items", "expected"),
     [
         (2, AS_PLANNED, True),
-        (2, (Over(1), Cumulative(), *AS_PLANNED), True),
+        (2, (Expire(1), Cumulative(), *AS_PLANNED), True),
         (3, AS_PLANNED, False),
         (None, AS_PLANNED, False),
         (2, AS_PLANNED[:2], True),
         (2, AS_PLANNED[1:], False),
-        (2, (Closed(0, 1), *AS_PLANNED), False),
+        (2, (CloseCycles(0, 1), *AS_PLANNED), False),
         (2, (AS_PLANNED[0], AS_PLANNED[2]), False),
         (2, (*AS_PLANNED, commitment(THEN)), False),
         (2, (*AS_PLANNED, Statement(success_of(THEN))), False),
@@ -244,7 +252,7 @@ def test_long_history_of_predicted_updates_is_compacted(compacts_at_once, monkey
 
     def walk(solver, steps):
         for _ in range(steps):
-            solver.update(next_update(solver, further=[Over(solver.step)]))
+            solver.update(next_update(solver, further=[Expire(solver.step)]))
 
     def reader_of(solver):
         other = solver_of(WALK + FAILS)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, fact, parse_atom, parse_term
-from rosoclingo.oclingo.progression.updates import Closed, Withdraw
+from rosoclingo.oclingo.progression.updates import CloseCycles, Withdraw
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
@@ -200,8 +200,8 @@ def test_state_without_failed_action_forgets_its_attempt(make):
         solver = ProcessSolver(process) if make == "process" else PlanSolver(program)
         solver.update(StreamUpdate(1, 5, (fact(parse_atom("_request(do(walk,1),2)")),)))
         action, answer = parse_term("_action_lib(walk,1,1)"), parse_term("_return(walk,failed,1)")
-        solver.update(StreamUpdate(2, 5, (Closed(1, 1), commitment(action), fact(answer))))
-        past = (Withdraw(action), Withdraw(answer), Closed(2, 2))
+        solver.update(StreamUpdate(2, 5, (CloseCycles(1, 1), commitment(action), fact(answer))))
+        past = (Withdraw(action), Withdraw(answer), CloseCycles(2, 2))
         actions = solver.update(StreamUpdate(3, 5, past)).answers[0]
     assert [str(one) for one in actions if one.name == "_action_lib"] == ["_action_lib(walk,1,3)"]
 

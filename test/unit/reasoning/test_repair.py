@@ -4,7 +4,7 @@ import pytest
 from clingo import parse_term
 
 from rosoclingo.oclingo import SolverError, Statement, StreamUpdate, commitment
-from rosoclingo.oclingo.progression.updates import Closed
+from rosoclingo.oclingo.progression.updates import CloseCycles
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
@@ -48,7 +48,7 @@ class World:
         self.asked, self.left = [], None
         facts = [one.atom for one in self.new]
         items = [
-            Closed(4, 4),
+            CloseCycles(4, 4),
             *(commitment(one.atom) for one in self.done[-1:]),
             *map(Statement, self.requests + facts),
         ]

@@ -14,7 +14,7 @@ from rosoclingo.oclingo import (
     parse_atom,
     parse_update,
 )
-from rosoclingo.oclingo.progression.updates import Over
+from rosoclingo.oclingo.progression.updates import Expire
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.planning.solver import PlanSolver
@@ -73,7 +73,7 @@ def plan(result):
 def test_planner_computes_past_steps(cycle, since, over):
     planner = Planner(LoggingSolver, 8)
     assert planner.first_open(cycle + 1, since) == over
-    planner.update(StreamUpdate(cycle + 1, items=(Over(over),)))
+    planner.update(StreamUpdate(cycle + 1, items=(Expire(over),)))
     assert planner.first_open(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
 
 

@@ -17,7 +17,7 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, is_action, is_action_of
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import signature_of
-from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Item, Over, Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import CloseCycles, Cumulative, Expire, Item, Statement, StreamUpdate
 
 
 def with_failures(program: ReactiveProgram, update: StreamUpdate, before: Iterable[Statement]) -> StreamUpdate:
@@ -45,7 +45,7 @@ def closed_cycles(update: StreamUpdate, first: int, step: int) -> Dict[int, Froz
     cycles = (
         cycle
         for item in update.items
-        if isinstance(item, Closed)
+        if isinstance(item, CloseCycles)
         for cycle in range(max(item.first, first), min(item.last, last) + 1)
     )
     return {cycle: frozenset(filter(is_action_of(cycle), update.committed)) for cycle in cycles}
@@ -57,7 +57,7 @@ def reports_only_success(update: StreamUpdate, before: Iterable[Statement]) -> b
     ``before`` are the earlier permanent statements.
     """
     as_planned = _successes(update, before)
-    plain = all(isinstance(item, (Statement, Cumulative, Closed, Over)) for item in update.items)
+    plain = all(isinstance(item, (Statement, Cumulative, CloseCycles, Expire)) for item in update.items)
     statements = [one for _, one in update.sections()]
     return plain and all(one.head in as_planned or _demands_action(one) for one in statements)
 

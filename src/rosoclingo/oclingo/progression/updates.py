@@ -126,10 +126,10 @@ def _range(first: int, last: int) -> str:
 
 
 @dataclass(frozen=True)
-class Closed:
+class CloseCycles:
     """``#closed i.`` or ``#closed i..j.``: executed cycles of a plan; an extension of oClingo's language.
 
-    The only actions of the cycles first to last are those that the same update commits to (``:- not A.``).
+    The cycles first to last have no actions except the commitments of the same update (``:- not A.``).
     """
 
     first: int
@@ -140,7 +140,7 @@ class Closed:
 
 
 @dataclass(frozen=True)
-class Over:
+class Expire:
     """``#over i.``: the steps before i get no further facts, and their externals are closed."""
 
     step: int
@@ -160,7 +160,7 @@ class Withdraw:
 
 
 @dataclass(frozen=True)
-class Anew:
+class Reset:
     """``#anew.``: discards all earlier updates."""
 
     def __str__(self) -> str:
@@ -176,7 +176,7 @@ class Stop:
 
 
 Section = Union[Cumulative, Volatile, Assert]
-Item = Union[Statement, Section, Retract, Forget, Closed, Over, Withdraw, Anew, Stop]
+Item = Union[Statement, Section, Retract, Forget, CloseCycles, Expire, Withdraw, Reset, Stop]
 
 
 @dataclass(frozen=True)
@@ -229,9 +229,11 @@ class StreamUpdate:
     @property
     def plain(self) -> "StreamUpdate":
         """The update without its bound, ``#closed`` and ``#over``."""
-        return replace(self, bound=None, items=tuple(one for one in self.items if not isinstance(one, (Closed, Over))))
+        return replace(
+            self, bound=None, items=tuple(one for one in self.items if not isinstance(one, (CloseCycles, Expire)))
+        )
 
-    def less(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
+    def without_facts(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
         """Return the update without definitions of, and commitments to, ``facts``."""
         kept = (item for item in self.items if not (isinstance(item, Statement) and item.concerns(facts)))
         return replace(self, items=tuple(kept))

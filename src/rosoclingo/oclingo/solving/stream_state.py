@@ -29,11 +29,11 @@ from rosoclingo.oclingo.program.signatures import statement_edges
 from rosoclingo.oclingo.program.update_reader import closed_cycles, with_failures, with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
 from rosoclingo.oclingo.progression.updates import (
-    Anew,
     Assert,
     Cumulative,
+    Expire,
     Forget,
-    Over,
+    Reset,
     Retract,
     Section,
     Statement,
@@ -173,7 +173,7 @@ class StreamState:
             return replace(self, number=self.number + 1, warnings=())  # each warning is reported once
         number = self.number + 1
         update = with_failures(program, update, self.permanent)
-        start = self.initial(program) if Anew() in update.items else self
+        start = self.initial(program) if Reset() in update.items else self
         start = start._with_past(update, program).without_facts(update.withdrawn)
         step, bound = start.step, start.bound
         if update.step is not None:
@@ -230,7 +230,7 @@ class StreamState:
     def _with_past(self: State, update: StreamUpdate, program: ReactiveProgram) -> State:
         """Return the state with the cycles and steps that ``update`` declares closed or over."""
         closed = {**self.closed, **closed_cycles(update, program.first_step, self.step)}
-        over = (item.step for item in update.items if isinstance(item, Over))
+        over = (item.step for item in update.items if isinstance(item, Expire))
         return replace(self, closed=closed, keep_from=max([self.keep_from, *over]))
 
     def _without_late(self, update: StreamUpdate) -> Tuple[StreamUpdate, Tuple[str, ...]]:

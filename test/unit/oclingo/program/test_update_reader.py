@@ -5,7 +5,7 @@ from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.program.update_reader import reports_only_success, with_failures, with_their_failures
-from rosoclingo.oclingo.progression.updates import Closed, Cumulative, Over, Volatile, Withdraw
+from rosoclingo.oclingo.progression.updates import CloseCycles, Cumulative, Expire, Volatile, Withdraw
 
 PROGRAM = """
 #program cumulative(t).
@@ -76,7 +76,7 @@ COMMITMENT, RETURN, OTHER = (
 @pytest.mark.parametrize(
     ("before", "items", "predicted"),
     [
-        ([], [Closed(1, 1), Over(1), Cumulative(), COMMITMENT, RETURN], True),
+        ([], [CloseCycles(1, 1), Expire(1), Cumulative(), COMMITMENT, RETURN], True),
         ([COMMITMENT], [RETURN], True),
         ([], [RETURN], False),
         ([COMMITMENT], [fact(parse_atom("_return(go,failed,1)"))], False),

@@ -13,7 +13,7 @@ from plain_walk import Walk, program_text
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.progression.updates import Closed, Over
+from rosoclingo.oclingo.progression.updates import CloseCycles, Expire
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, History, Plan, cycle_of
@@ -139,7 +139,7 @@ def news(solver, goals=(), fails=False):
     done = sorted(at(solver.log.plan, step, step)) if solver.log.plan else []
     returns = [parse_atom(f"_return({one.arguments[0]},broken,{step})") if fails else success_of(one) for one in done]
     wanted = [parse_atom(f"_request({goal},{step + 2})") for goal in goals]
-    items = (Closed(step, step), *map(commitment, done), *map(fact, [*wanted, *returns]), Over(step))
+    items = (CloseCycles(step, step), *map(commitment, done), *map(fact, [*wanted, *returns]), Expire(step))
     return StreamUpdate(step + 1, 40, items)
 
 
@@ -227,7 +227,7 @@ def test_improve_keeps_past_idle_steps_idle():
     adopt(solver, [moved(one, 4) for one in plan.actions], plan.horizon + 4)
     predicted = []
     for step in (2, 3):
-        solver.update(StreamUpdate(step, 40, (Closed(step - 1, step - 1),)))
+        solver.update(StreamUpdate(step, 40, (CloseCycles(step - 1, step - 1),)))
         predicted.append(solver.log.predicted)
     assert predicted == [False, True]
     better = solver.improve()

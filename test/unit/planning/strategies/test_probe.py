@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from stream_play import planner_of, play
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.progression.updates import Closed, StreamUpdate
+from rosoclingo.oclingo.progression.updates import CloseCycles, StreamUpdate
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate
@@ -72,7 +72,7 @@ def streams(draw):
         texts = draw(st.lists(FACTS, max_size=3, unique=True))
         past, done = [], draw(st.sampled_from(["", "x", "y"])) if step > 1 else ""
         if step > 1:
-            past.append(Closed(step - 1, step - 1))
+            past.append(CloseCycles(step - 1, step - 1))
         if done:
             texts.append(f"_return(go,{draw(st.sampled_from([done, 'jammed']))},{step - 1})")
             facts.append(parse_atom(f"_action_lib(go,{done},{step - 1})"))
@@ -88,8 +88,10 @@ def streams(draw):
 def without(solver, text, update, disabled):
     """Return whether a solver that never received the ``disabled`` facts has an answer."""
     fresh, entries = planner_of(text), [one for one in solver.log.entries if isinstance(one, AcceptedUpdate)]
-    fresh.restore(fresh.log.with_entries(*(AcceptedUpdate(one.update.less(disabled), one.horizon) for one in entries)))
-    return fresh.update(update.less(disabled)).outcome is SolveOutcome.SATISFIABLE
+    fresh.restore(
+        fresh.log.with_entries(*(AcceptedUpdate(one.update.without_facts(disabled), one.horizon) for one in entries))
+    )
+    return fresh.update(update.without_facts(disabled)).outcome is SolveOutcome.SATISFIABLE
 
 
 def subsets(things):
