@@ -71,7 +71,7 @@ class ExplainGoals(unittest.TestCase):
 
         known = self.explain("8")
         self.assertFalse(known.success)
-        self.assertIn("those that were: goal(office1,office4,7)", known.message)
+        self.assertIn("aborted goals: goal(office1,office4,7)", known.message)
         by_id = self.asked(goal.handle.comm_state_machine.action_goal.goal_id.id)
         self.assertTrue(by_id.success, by_id.message)
 

@@ -28,7 +28,7 @@ class FirstLaunch(unittest.TestCase):
         told = "\n".join(": ".join(one) for one in said)
         self.assertEqual(status, GoalStatus.SUCCEEDED, f"{result}\n{told}")
         self.assertIn("/move_base: compiling navigation once", told)
-        self.assertIn("/move_base_interface: move_base: waits for the action server move_base, which is starting", told)
+        self.assertIn("/move_base_interface: move_base: waits for the action server move_base to start", told)
         self.assertNotIn("server_lost", told)
         self.assertTrue(os.listdir(self.folder), "nothing was kept")
 
