@@ -8,8 +8,8 @@ from clingo import Function, Symbol, SymbolType
 from rosoclingo.common.labels import UnknownLabelError
 from rosoclingo.interfaces.templates import (
     ActionScope,
-    Ended,
     FillError,
+    GoalEnd,
     evaluate,
     fill_term,
     is_reference,
@@ -57,7 +57,7 @@ class Rule(NamedTuple):
     facts: Tuple[str, ...] = ()
     success: bool = False
 
-    def matches(self, ended: Ended) -> bool:
+    def matches(self, ended: GoalEnd) -> bool:
         """Return whether the rule's status, text and result fields match the end of a goal."""
         if self.status is not None and self.status != ended.status:
             return False
@@ -94,23 +94,23 @@ def answer(rules: Tuple[Rule, ...], scope: ActionScope) -> Answer:
     return Answer(value, facts, tuple(warnings), success)
 
 
-def default_value(ended: Ended, scope: ActionScope) -> Symbol:
+def default_value(ended: GoalEnd, scope: ActionScope) -> Symbol:
     """Return the default return term: the parameter on success, else the reason for the status."""
     if ended.status == SUCCEEDED:
         return scope.parameter
     return Function(DEFAULT_RETURNS.get(ended.status, ended.status))
 
 
-def conclude(verdict: Optional[str], ended: Optional[Ended]) -> Ended:
+def conclude(verdict: Optional[str], ended: Optional[GoalEnd]) -> GoalEnd:
     """Return the end of the action for the core: the interface's verdict, unless the server reports success."""
     if verdict is None:
-        return ended if ended is not None else Ended("aborted")
+        return ended if ended is not None else GoalEnd("aborted")
     if ended is None:
-        return Ended(verdict)
+        return GoalEnd(verdict)
     return ended if ended.status == SUCCEEDED else ended._replace(status=verdict)
 
 
-def in_words(ended: Ended, server: str) -> str:
+def in_words(ended: GoalEnd, server: str) -> str:
     """Return a log text about the end of an action."""
     why = ended.text or (f"the action server {server} does not answer" if ended.status == LOST else "")
     return f"{ended.status}: {why}" if why else ended.status

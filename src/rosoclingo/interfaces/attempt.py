@@ -9,7 +9,7 @@ from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, conclude
 from rosoclingo.interfaces.facts import Sender
 from rosoclingo.interfaces.inquiry import Inquiry
 from rosoclingo.interfaces.link import CANCELLED, new_goal_id
-from rosoclingo.interfaces.templates import Ended
+from rosoclingo.interfaces.templates import GoalEnd
 from rosoclingo.reasoning.keywords import Action
 
 
@@ -27,16 +27,16 @@ class Attempt:
         self.run = Run(limits, now)
         self.goal_id = new_goal_id()
         self.handle: Optional[Any] = None
-        self.ended: Optional[Ended] = None
+        self.ended: Optional[GoalEnd] = None
         self.inquiry: Optional[Inquiry] = None
         self.stale_status: Any = None  # the server's last status message before the inquiry
-        self.lost: Optional[Ended] = None  # the end of the goal if its server was lost
+        self.lost: Optional[GoalEnd] = None  # the end of the goal if its server was lost
         self.cancelled = False  # by the core or by a shutdown: no goal is sent any more
         self.uncertain = False  # an earlier goal was sent, and its outcome is unknown
-        self.former: Optional[Ended] = None  # the end of the previous goal, None if none was sent
+        self.former: Optional[GoalEnd] = None  # the end of the previous goal, None if none was sent
 
     @property
-    def conclusion(self) -> Ended:
+    def conclusion(self) -> GoalEnd:
         """The end of the attempt; after an earlier goal of unknown outcome it is never `preempted`."""
         ended = conclude(self.run.verdict, self.ended)
         if self.run.cancel_ignored:
@@ -46,12 +46,12 @@ class Attempt:
         never_sent = self.run.verdict == "preempted"
         return self.former if never_sent and self.former is not None else ended
 
-    def should_retry(self, ended: Ended, value: Symbol, retry_on: Tuple[str, ...]) -> bool:
+    def should_retry(self, ended: GoalEnd, value: Symbol, retry_on: Tuple[str, ...]) -> bool:
         """Return whether to send another goal: the server ended this goal, for a reason in ``retry_on``."""
         final = self.cancelled or self.run.cancel_ignored or ended.status in (SUCCEEDED, INTERRUPTED, "interface_lost")
         return not final and self.limits.retries > 0 and str(value).partition("(")[0] in retry_on
 
-    def next_attempt(self, ended: Ended, now: Instant) -> "Attempt":
+    def next_attempt(self, ended: GoalEnd, now: Instant) -> "Attempt":
         """Return the next attempt at the same action, after ``ended``, the end of this attempt."""
         limits = self.limits._replace(retries=self.limits.retries - 1)
         following = Attempt(self.action, self.goal, self.sender, limits, now)

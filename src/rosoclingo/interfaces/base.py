@@ -26,12 +26,12 @@ from rosoclingo.interfaces.facts import (
     return_text,
 )
 from rosoclingo.interfaces.inbox import inbox_of
-from rosoclingo.interfaces.inquiry import Check, Inquiry, InquiryResult, Listed
+from rosoclingo.interfaces.inquiry import Check, Inquiry, InquiryResult, ServerReport
 from rosoclingo.interfaces.interface_state import InterfaceHealth
 from rosoclingo.interfaces.link import ServerLink, new_goal_id, progress
 from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.interfaces.outbox import Outbox
-from rosoclingo.interfaces.templates import ActionScope, Ended
+from rosoclingo.interfaces.templates import ActionScope, GoalEnd
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.reasoning.keywords import Action
 
@@ -124,7 +124,7 @@ class Interface(abc.ABC):
     def make_goal(self, action: Action) -> Any:
         """Return the goal message for an action.  Raise RefusalError if there is none."""
 
-    def make_answer(self, action: Action, ended: Ended) -> Answer:
+    def make_answer(self, action: Action, ended: GoalEnd) -> Answer:
         """Return the answer to the core for the end of an action's goal."""
         return answer((), ActionScope(action.parameter, action.cycle, ended=ended))
 
@@ -189,9 +189,9 @@ class Interface(abc.ABC):
                 raise TypeError(f"make_goal returned {goal!r}, not a {self._goal_class.__name__}")
             goal.serialize(io.BytesIO())  # an invalid value has to fail here: it would break rospy's publisher
         except RefusalError as error:
-            self._conclude(action, Ended(error.reason, str(error)), sender)
+            self._conclude(action, GoalEnd(error.reason, str(error)), sender)
         except Exception as error:  # noqa: BLE001 the core needs an answer even if a subclass fails
-            self._conclude(action, Ended("bad_parameter", self._health.fault(error)), sender)
+            self._conclude(action, GoalEnd("bad_parameter", self._health.fault(error)), sender)
         else:
             attempt = self._attempts[action] = Attempt(action, goal, sender, self._limits, _now())
             if known is not None:
@@ -230,7 +230,7 @@ class Interface(abc.ABC):
             attempt.lost, attempt.handle = ended, None
             self._inquire(attempt, check)
 
-    def _end(self, attempt: Attempt, ended: Ended) -> None:
+    def _end(self, attempt: Attempt, ended: GoalEnd) -> None:
         action = attempt.action
         result = self._answer(action, ended)
         if attempt.should_retry(ended, result.value, self._retry_on):
@@ -240,10 +240,10 @@ class Interface(abc.ABC):
         del self._attempts[action]
         self._publish(action, ended, result, attempt.sender)
 
-    def _conclude(self, action: Action, ended: Ended, sender: Sender) -> None:
+    def _conclude(self, action: Action, ended: GoalEnd, sender: Sender) -> None:
         self._publish(action, ended, self._answer(action, ended), sender)
 
-    def _answer(self, action: Action, ended: Ended) -> Answer:
+    def _answer(self, action: Action, ended: GoalEnd) -> Answer:
         try:
             found = self.make_answer(action, ended)
             if not isinstance(found, Answer):
@@ -262,8 +262,8 @@ class Interface(abc.ABC):
     def _continue_inquiry(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
         """Continue or end an attempt once its inquiry has a result."""
         held = attempt.run.cancel_ignored  # the server can keep the goal for ever: check the world only
-        listed = Listed.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
-        finding = inquiry.look(listed, now.wall)
+        report = ServerReport.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
+        finding = inquiry.look(report, now.wall)
         if finding is InquiryResult.OPEN:
             return
         rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, finding.value)
@@ -273,12 +273,12 @@ class Interface(abc.ABC):
         if finding is InquiryResult.HELD:
             self._resume(attempt, now)
         elif finding is InquiryResult.DONE:
-            self._end(attempt, Ended(SUCCEEDED, "it was already done"))
+            self._end(attempt, GoalEnd(SUCCEEDED, "it was already done"))
         elif attempt.lost is not None:
             self._end(attempt, attempt.lost)
         elif finding is InquiryResult.UNKNOWN and (attempt.cancelled or not self._repeatable):
             text = "a killed node had begun it, and its outcome is unknown"
-            self._end(attempt, Ended(INTERRUPTED, text))
+            self._end(attempt, GoalEnd(INTERRUPTED, text))
         elif inquiry.used:
             attempt.goal_id, attempt.handle = new_goal_id(), None
 
@@ -348,7 +348,7 @@ class Interface(abc.ABC):
         try:
             job()
         except Exception as error:  # noqa: BLE001 a subclass can return anything, such as a goal of another type
-            ended = Ended("aborted", self._health.fault(error))
+            ended = GoalEnd("aborted", self._health.fault(error))
             if attempt is not None and self._attempts.get(attempt.action) is attempt:
                 del self._attempts[attempt.action]
                 self._cancel(attempt)
@@ -356,7 +356,7 @@ class Interface(abc.ABC):
 
     # ---- out ------------------------------------------------------------------------------------------------------
 
-    def _publish(self, action: Action, ended: Ended, result: Answer, reader: Sender) -> None:
+    def _publish(self, action: Action, ended: GoalEnd, result: Answer, reader: Sender) -> None:
         for warning in result.warnings:
             rospy.logerr("%s: %s: %s", self.name, action.atom, warning)
         succeeded = ended.status == SUCCEEDED

@@ -13,7 +13,7 @@ from rosoclingo.interfaces.base import DEFAULT_MEMORY, Interface, RefusalError
 from rosoclingo.interfaces.config import InterfaceSpec
 from rosoclingo.interfaces.inquiry import Check
 from rosoclingo.interfaces.message_filling import FieldError, fill
-from rosoclingo.interfaces.templates import ActionScope, Ended, FillError, evaluate
+from rosoclingo.interfaces.templates import ActionScope, FillError, GoalEnd, evaluate
 from rosoclingo.interfaces.type_faults import loaded
 from rosoclingo.interfaces.world import watch
 from rosoclingo.reasoning.keywords import Action
@@ -55,7 +55,7 @@ class ConfiguredInterface(Interface):
         except (FillError, FieldError) as error:
             raise RefusalError("bad_parameter", str(error)) from error
 
-    def make_answer(self, action: Action, ended: Ended) -> Answer:
+    def make_answer(self, action: Action, ended: GoalEnd) -> Answer:
         """Return the answer by the entry's `returns`."""
         return answer(self._spec.rules, ActionScope(action.parameter, action.cycle, self._labels, ended))
 

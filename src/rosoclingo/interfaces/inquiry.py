@@ -9,7 +9,7 @@ Check = Callable[[], Optional[bool]]
 RESULT_GRACE = 1.0
 
 
-class Listed(enum.Enum):
+class ServerReport(enum.Enum):
     """The server's report about a goal."""
 
     HELD = "the server has the goal, or its result has arrived"
@@ -36,12 +36,12 @@ class Inquiry:
         self._ended_since: Optional[float] = None
         self.used = False  # the server has ended the goal, and accepts no other goal with that id
 
-    def look(self, listed: Optional[Listed], wall: float) -> InquiryResult:
-        """Return the result at the time ``wall``, given the server's report ``listed`` (None before the first)."""
-        if listed is Listed.HELD:
+    def look(self, report: Optional[ServerReport], wall: float) -> InquiryResult:
+        """Return the result at the time ``wall``, given the server's ``report`` (None before the first)."""
+        if report is ServerReport.HELD:
             return InquiryResult.HELD
         expired = wall >= self._end
-        waits = listed is None or self._may_come(listed, wall)
+        waits = report is None or self._may_come(report, wall)
         if waits and not expired:
             return InquiryResult.OPEN
         done = self._check() if self._check is not None else None
@@ -49,9 +49,9 @@ class Inquiry:
             return InquiryResult.DONE if done else InquiryResult.NOT_DONE
         return InquiryResult.UNKNOWN if expired or self._check is None else InquiryResult.OPEN
 
-    def _may_come(self, listed: Listed, wall: float) -> bool:
+    def _may_come(self, report: ServerReport, wall: float) -> bool:
         """Return whether the result of an ended goal can still arrive."""
-        self.used = listed is Listed.ENDED
+        self.used = report is ServerReport.ENDED
         if not self.used:
             return False
         if self._ended_since is None:

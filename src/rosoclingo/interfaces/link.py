@@ -14,8 +14,8 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import heard_nodes, readers
 from rosoclingo.interfaces.action_runs import ActionEvent
-from rosoclingo.interfaces.inquiry import Listed
-from rosoclingo.interfaces.templates import Ended
+from rosoclingo.interfaces.inquiry import ServerReport
+from rosoclingo.interfaces.templates import GoalEnd
 
 # Seconds of wall time without a connection after which a server counts as gone.
 CONNECTION_GRACE = 1.0
@@ -129,18 +129,18 @@ class ServerLink:
         """The server's last status message, None before the first."""
         return self._client.last_status_msg
 
-    def look_up(self, handle: ClientGoalHandle, stale: Any) -> Optional[Listed]:
+    def look_up(self, handle: ClientGoalHandle, stale: Any) -> Optional[ServerReport]:
         """Return the server's report about a goal in a status message newer than `stale`; None before that message."""
         if handle.get_comm_state() == CommState.DONE and handle.get_result() is not None:
-            return Listed.HELD
+            return ServerReport.HELD
         message = self._client.last_status_msg
         if message is None or message is stale or not self.connected:
             return None
         wanted = goal_id(handle)
         status = next((one.status for one in message.status_list if one.goal_id.id == wanted), None)
         if status is None:
-            return Listed.ABSENT
-        return Listed.ENDED if status in _ENDED else Listed.HELD
+            return ServerReport.ABSENT
+        return ServerReport.ENDED if status in _ENDED else ServerReport.HELD
 
     def cancel(self, handle: ClientGoalHandle) -> None:
         """Cancel a goal, acknowledged or not."""
@@ -168,7 +168,7 @@ class ServerLink:
             self._changed.notify_all()
 
 
-def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[Ended]]:
+def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[GoalEnd]]:
     """Return the event of a goal's present state (None before the server has acknowledged the goal), and its end."""
     state = handle.get_comm_state()
     if state in _ACKNOWLEDGING:
@@ -178,7 +178,7 @@ def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[
     status = STATUS_NAMES.get(handle.get_terminal_state())
     if status is None:
         return ActionEvent.SERVER_LOST, None
-    ended = Ended(status, handle.get_goal_status_text(), handle.get_result())
+    ended = GoalEnd(status, handle.get_goal_status_text(), handle.get_result())
     return ActionEvent.PREEMPTED if status in CANCELLED else ActionEvent.ENDED, ended
 
 

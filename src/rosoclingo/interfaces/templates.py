@@ -43,7 +43,7 @@ class Now:
     """A placeholder for the time at which the message is built."""
 
 
-class Ended(NamedTuple):
+class GoalEnd(NamedTuple):
     """The end of a goal: actionlib's terminal status in lower case, the server's status text, the result message."""
 
     status: str
@@ -57,7 +57,7 @@ class ActionScope(NamedTuple):
     parameter: Symbol
     cycle: int
     labels: LabelTable = LabelTable()
-    ended: Ended = Ended("aborted")
+    ended: GoalEnd = GoalEnd("aborted")
 
 
 def evaluate(template: Any, scope: ActionScope) -> Any:

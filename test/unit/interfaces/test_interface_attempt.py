@@ -6,7 +6,7 @@ from clingo import Function
 from rosoclingo.interfaces.action_runs import ActionEvent, ActionLimits, Instant
 from rosoclingo.interfaces.attempt import Attempt
 from rosoclingo.interfaces.facts import Sender
-from rosoclingo.interfaces.templates import Ended
+from rosoclingo.interfaces.templates import GoalEnd
 from rosoclingo.reasoning.keywords import Action
 
 NOW = Instant(10.0, 10.0)
@@ -35,7 +35,7 @@ def test_attempt_without_goal_is_preempted_by_cancel():
 @pytest.mark.parametrize("status", ["preempted", "recalled", "aborted", "rejected", "succeeded"])
 def test_attempt_with_cancelled_goal_ends_as_server_says(status):
     event = ActionEvent.PREEMPTED if status in ("preempted", "recalled") else ActionEvent.ENDED
-    assert attempt(*SENT, ActionEvent.CANCEL, event, ended=Ended(status)).conclusion.status == status
+    assert attempt(*SENT, ActionEvent.CANCEL, event, ended=GoalEnd(status)).conclusion.status == status
 
 
 @pytest.mark.parametrize("why", [ActionEvent.CANCEL, ActionEvent.EXPIRED])
@@ -46,10 +46,10 @@ def test_attempt_goal_that_outlives_its_cancel_is_lost(why):
 
 
 def test_attempt_cancelled_between_goals_keeps_first_end():
-    first = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted", "slipped"))
+    first = attempt(*SENT, ActionEvent.ENDED, ended=GoalEnd("aborted", "slipped"))
     assert first.should_retry(first.conclusion, Function("failed"), ("failed",))
     second = first.next_attempt(first.conclusion, NOW)
-    assert after(second, ActionEvent.CANCEL).conclusion == Ended("aborted", "slipped")
+    assert after(second, ActionEvent.CANCEL).conclusion == GoalEnd("aborted", "slipped")
 
 
 def test_attempt_cancelled_while_retrying_an_absent_server_preempts():
@@ -60,7 +60,7 @@ def test_attempt_cancelled_while_retrying_an_absent_server_preempts():
 
 @pytest.mark.parametrize(
     ("events", "ended"),
-    [([ActionEvent.CANCEL], None), ([*SENT, ActionEvent.CANCEL, ActionEvent.PREEMPTED], Ended("preempted"))],
+    [([ActionEvent.CANCEL], None), ([*SENT, ActionEvent.CANCEL, ActionEvent.PREEMPTED], GoalEnd("preempted"))],
 )
 def test_attempt_with_uncertain_earlier_goal_is_not_preempted(events, ended):
     first = attempt(*SENT, ActionEvent.SERVER_LOST)
@@ -71,6 +71,6 @@ def test_attempt_with_uncertain_earlier_goal_is_not_preempted(events, ended):
 
 
 def test_attempt_of_unwanted_action_is_not_sent_again():
-    one = attempt(*SENT, ActionEvent.ENDED, ended=Ended("aborted"))
+    one = attempt(*SENT, ActionEvent.ENDED, ended=GoalEnd("aborted"))
     one.cancelled = True
     assert not one.should_retry(one.conclusion, Function("failed"), ("failed",))

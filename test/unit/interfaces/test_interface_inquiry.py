@@ -2,7 +2,7 @@
 
 import pytest
 
-from rosoclingo.interfaces.inquiry import RESULT_GRACE, Inquiry, InquiryResult, Listed
+from rosoclingo.interfaces.inquiry import RESULT_GRACE, Inquiry, InquiryResult, ServerReport
 
 LIMIT = 5.0
 
@@ -14,13 +14,13 @@ def inquiry(*says):
 
 
 def test_inquiry_goal_known_to_server_is_under_way():
-    assert inquiry(True).look(Listed.HELD, 10.0) is InquiryResult.HELD
+    assert inquiry(True).look(ServerReport.HELD, 10.0) is InquiryResult.HELD
 
 
 def test_inquiry_waits_for_the_server():
     one = inquiry(True)
     assert one.look(None, 14.9) is InquiryResult.OPEN
-    assert one.look(Listed.ABSENT, 14.95) is InquiryResult.DONE
+    assert one.look(ServerReport.ABSENT, 14.95) is InquiryResult.DONE
     assert inquiry().look(None, 15.0) is InquiryResult.UNKNOWN
 
 
@@ -33,31 +33,31 @@ def test_inquiry_asks_world_if_server_is_absent():
 @pytest.mark.parametrize(("says", "finding"), [(True, InquiryResult.DONE), (False, InquiryResult.NOT_DONE)])
 def test_inquiry_waits_for_the_world(says, finding):
     one = inquiry(None, None, says)
-    assert one.look(Listed.ABSENT, 10.0) is InquiryResult.OPEN
-    assert one.look(Listed.ABSENT, 14.0) is InquiryResult.OPEN
-    assert one.look(Listed.ABSENT, 16.0) is finding
+    assert one.look(ServerReport.ABSENT, 10.0) is InquiryResult.OPEN
+    assert one.look(ServerReport.ABSENT, 14.0) is InquiryResult.OPEN
+    assert one.look(ServerReport.ABSENT, 16.0) is finding
 
 
 def test_inquiry_waits_limited_time_for_silent_world():
     one = inquiry(None, None)
-    assert one.look(Listed.ABSENT, 14.0) is InquiryResult.OPEN
-    assert one.look(Listed.ABSENT, 15.0) is InquiryResult.UNKNOWN
+    assert one.look(ServerReport.ABSENT, 14.0) is InquiryResult.OPEN
+    assert one.look(ServerReport.ABSENT, 15.0) is InquiryResult.UNKNOWN
 
 
 def test_inquiry_without_any_source_does_not_wait():
-    assert inquiry().look(Listed.ABSENT, 10.0) is InquiryResult.UNKNOWN
+    assert inquiry().look(ServerReport.ABSENT, 10.0) is InquiryResult.UNKNOWN
 
 
 def test_inquiry_accepts_late_result_of_ended_goal():
     one = inquiry()
-    assert one.look(Listed.ENDED, 11.0) is InquiryResult.OPEN
-    assert one.look(Listed.HELD, 11.1) is InquiryResult.HELD
-    assert one.look(Listed.ENDED, 11.0 + RESULT_GRACE) is InquiryResult.UNKNOWN
+    assert one.look(ServerReport.ENDED, 11.0) is InquiryResult.OPEN
+    assert one.look(ServerReport.HELD, 11.1) is InquiryResult.HELD
+    assert one.look(ServerReport.ENDED, 11.0 + RESULT_GRACE) is InquiryResult.UNKNOWN
 
 
 def test_inquiry_does_not_reuse_id_of_ended_goal():
     one = inquiry(False)
-    one.look(Listed.ENDED, 10.0)
+    one.look(ServerReport.ENDED, 10.0)
     assert one.used
-    assert one.look(Listed.ABSENT, 10.1) is InquiryResult.NOT_DONE  # the server has forgotten it meanwhile
+    assert one.look(ServerReport.ABSENT, 10.1) is InquiryResult.NOT_DONE  # the server has forgotten it meanwhile
     assert not one.used

@@ -15,8 +15,8 @@ from rosoclingo.interfaces.config import survey
 from rosoclingo.interfaces.templates import (
     ANSWER_NAMES,
     ActionScope,
-    Ended,
     FillError,
+    GoalEnd,
     Now,
     evaluate,
     faults,
@@ -26,7 +26,7 @@ from rosoclingo.interfaces.values import read_atom, read_term
 
 LABELS = LabelTable.from_mapping({"office2": {"x": 3, "y": 4, "yaw": 1}})
 RESULT = SimpleNamespace(outcome=3, location="office4", text="Some Words", poses=[SimpleNamespace(x=7)])
-ABORTED = Ended("aborted")
+ABORTED = GoalEnd("aborted")
 
 
 def scope(parameter="office2", ended=ABORTED):
@@ -100,7 +100,7 @@ def test_template_faults_name_their_place(template, fault):
 
 def test_template_answers_can_refer_to_the_end():
     assert not faults("$result.poses.0.x", ANSWER_NAMES)
-    end = scope(ended=Ended("aborted", "no way", RESULT))
+    end = scope(ended=GoalEnd("aborted", "no way", RESULT))
     assert evaluate("$status", end) == "aborted"
     assert evaluate("$text", end) == "no way"
     assert evaluate("$result.poses.0.x", end) == 7
@@ -126,7 +126,7 @@ def test_template_answers_can_refer_to_the_end():
     ],
 )
 def test_template_default_return_terms(status, value):
-    assert str(answer((), scope(ended=Ended(status))).value) == value
+    assert str(answer((), scope(ended=GoalEnd(status))).value) == value
 
 
 def test_template_first_matching_rule_answers():
@@ -135,37 +135,37 @@ def test_template_first_matching_rule_answers():
         Rule("not_here", status="aborted", when={"outcome": 3, "location": "/^office/"}, facts=("seen(${1},$$)",)),
         Rule("blocked", status="aborted"),
     )
-    assert str(answer(rules, scope(ended=Ended("succeeded"))).value) == "here(office2)"
-    first = answer(rules, scope(ended=Ended("aborted", "", RESULT)))
+    assert str(answer(rules, scope(ended=GoalEnd("succeeded"))).value) == "here(office2)"
+    first = answer(rules, scope(ended=GoalEnd("aborted", "", RESULT)))
     assert str(first.value) == "not_here"
-    assert str(answer(rules, scope(ended=Ended("aborted", "", None))).value) == "blocked"
-    assert str(answer(rules, scope(ended=Ended("rejected"))).value) == "rejected"
+    assert str(answer(rules, scope(ended=GoalEnd("aborted", "", None))).value) == "blocked"
+    assert str(answer(rules, scope(ended=GoalEnd("rejected"))).value) == "rejected"
     assert first.facts == ()
     assert "is no ground atom" in first.warnings[0]
 
 
 def test_template_adds_facts_and_terms_from_result():
     rule = Rule("$result.location", facts=("at(${result.location},${cycle})", "$result.missing"))
-    given = answer((rule,), scope(ended=Ended("succeeded", "", RESULT)))
+    given = answer((rule,), scope(ended=GoalEnd("succeeded", "", RESULT)))
     assert str(given.value) == "office4"
     assert given.facts == ("at(office4,5)",)
     assert len(given.warnings) == 1
 
 
 def test_template_answer_that_cannot_be_filled_falls_back():
-    given = answer((Rule("$result.missing"),), scope(ended=Ended("aborted", "", RESULT)))
+    given = answer((Rule("$result.missing"),), scope(ended=GoalEnd("aborted", "", RESULT)))
     assert str(given.value) == "failed"
     assert "the result has no missing" in given.warnings[0]
 
 
 def test_template_text_that_is_no_term_becomes_string():
-    assert str(answer((Rule("$result.text"),), scope(ended=Ended("succeeded", "", RESULT))).value) == '"Some Words"'
+    assert str(answer((Rule("$result.text"),), scope(ended=GoalEnd("succeeded", "", RESULT))).value) == '"Some Words"'
 
 
 def said(words, *facts, returns="$result.message", parameter="office2"):
     """Return what an entry makes of a server's words."""
     return answer(
-        (Rule(returns, facts=facts),), scope(parameter, Ended("succeeded", words, SimpleNamespace(message=words)))
+        (Rule(returns, facts=facts),), scope(parameter, GoalEnd("succeeded", words, SimpleNamespace(message=words)))
     )
 
 
@@ -272,13 +272,13 @@ def test_template_string_of_program_stays_a_string():
 @pytest.mark.parametrize(
     ("rule", "ended", "success"),
     [
-        ({"status": "aborted", "return": "$parameter"}, Ended("aborted"), None),
-        ({"status": "aborted", "return": "office2"}, Ended("aborted"), False),
-        ({"status": "aborted", "success": True}, Ended("aborted"), True),
-        ({"status": "succeeded", "return": "$parameter"}, Ended("succeeded"), None),
-        ({"status": "succeeded", "return": "office2"}, Ended("succeeded"), False),
-        ({"return": 7}, Ended("succeeded"), False),
-        ({"return": "${result.missing}"}, Ended("succeeded"), None),
+        ({"status": "aborted", "return": "$parameter"}, GoalEnd("aborted"), None),
+        ({"status": "aborted", "return": "office2"}, GoalEnd("aborted"), False),
+        ({"status": "aborted", "success": True}, GoalEnd("aborted"), True),
+        ({"status": "succeeded", "return": "$parameter"}, GoalEnd("succeeded"), None),
+        ({"status": "succeeded", "return": "office2"}, GoalEnd("succeeded"), False),
+        ({"return": 7}, GoalEnd("succeeded"), False),
+        ({"return": "${result.missing}"}, GoalEnd("succeeded"), None),
     ],
 )
 def test_template_constant_is_a_reason_and_never_success(rule, ended, success):
@@ -292,11 +292,11 @@ def test_template_constant_is_a_reason_and_never_success(rule, ended, success):
 @pytest.mark.parametrize(
     ("verdict", "ended", "status"),
     [
-        (None, Ended("aborted"), "aborted"),
+        (None, GoalEnd("aborted"), "aborted"),
         (None, None, "aborted"),
         ("timeout", None, "timeout"),
-        ("timeout", Ended("preempted"), "timeout"),
-        ("timeout", Ended("succeeded"), "succeeded"),
+        ("timeout", GoalEnd("preempted"), "timeout"),
+        ("timeout", GoalEnd("succeeded"), "succeeded"),
         ("server_lost", None, "server_lost"),
     ],
 )
