@@ -206,11 +206,11 @@ class Core:
                 state = state._replace(situation=Situation.TIMEOUT, why=why)
             except DisturbedError as disturbance:
                 self._problem(str(disturbance))
-                if disturbance.kept and not state.accepted:
+                if disturbance.accepted and not state.accepted:
                     state = self._accept(state, state.batch)
                 state = state._replace(situation=Situation.DISTURBED)
         if state.accepted:
-            self._announce.update(self._step, self._planner.in_force)
+            self._announce.update(self._step, self._planner.last_update)
 
     # -- sending updates
 
@@ -272,7 +272,7 @@ class Core:
 
     def _accept(self, state: State, batch: Batch) -> State:
         """Record the facts of an accepted update; omitted facts are fed again unless the solver refused them."""
-        self._step, present = batch.step, self._planner.in_force.heads
+        self._step, present = batch.step, self._planner.last_update.heads
         for fact in self._feeder.update_accepted(batch, present, state.situation is Situation.REFUSED):
             self._problem(f"{fact.sent} is dropped: the solver accepts no update with it", fact.origin)
         self._execution.update_accepted(batch.facts, present)
@@ -313,7 +313,7 @@ class Core:
 
     def _dispatch(self, state: State) -> Optional[State]:
         """Execute the plan of the answer; return None if it was deferred too often."""
-        self._announce.update(self._step, self._planner.in_force)
+        self._announce.update(self._step, self._planner.last_update)
         self._use(state.result, state.now, any(goal.fed for goal in state.batch.goals))  # some can be left out
         for problem in refusals(state.result.answers[0], state.batch.facts):
             self._problem(*problem)
@@ -362,7 +362,7 @@ class Core:
 
     def _adopt(self, state: State, found: Recovery) -> State:
         """Start the next cycle without the unmet goals."""
-        self._announce.update(self._step, self._planner.in_force)
+        self._announce.update(self._step, self._planner.last_update)
         if found.way is Way.WITHHELD:
             self._problem("cancelling did not help: the requests of the unmet goals are withheld from the solver")
         for one, stream in streams_of(found.unmet, state.no_plan) if state.no_plan is not None else ():
@@ -398,7 +398,7 @@ class Core:
         self._goals.resend(state.batch.goals)
         self._execution.forget_all()
         self._announce.updates(self._step, updates)
-        return self._answered(state._replace(batch=Batch(self._planner.in_force), no_plan=None), result)
+        return self._answered(state._replace(batch=Batch(self._planner.last_update), no_plan=None), result)
 
     def _cancel_all(self, state: State) -> State:
         self._problem(f"no answer was found, even without goals: {state.why}")

@@ -77,7 +77,7 @@ class Hypotheses:
         cancels = self._cancels(impasse.goals)
         self._assumable = frozenset([*facts, *further, *cancels, *self._requests(impasse.goals)])
         items = tuple(map(Statement, [*cancels, *further]))
-        update = planner.in_force if way is Way.KEPT else StreamUpdate(impasse.step)
+        update = planner.last_update if way is Way.KEPT else StreamUpdate(impasse.step)
         self._update = replace(update, items=(*update.items, *items))
 
     def ask(self, kept: Collection[Goal], facts: FrozenSet[Symbol], steps: int = 0) -> Reply:

@@ -89,7 +89,7 @@ class _Finder:
         earlier = (*facts, *(one for one in old if not one.is_return))
         every = (*earlier, *(one for one in (*new, *old) if one.is_return))
         alone = tuple(one._replace(actions=()) if one.is_return else one for one in every)
-        heads = sorted(one for one in self._planner.in_force.heads if one is not None)
+        heads = sorted(one for one in self._planner.last_update.heads if one is not None)
         cancels = (Observation(one, self._step) for one in heads if _is_cancel(one))
         pools = [tuple(one for one in facts if self._is_late(one)), facts, earlier, every, alone, (*alone, *cancels)]
         for number, pool in enumerate(pools):

@@ -38,7 +38,7 @@ class State(NamedTuple):
         batch: the update of the cycle.
         now: the time in seconds.
         result: the result of the last search.
-        accepted: whether the update is in force.
+        accepted: whether the solver has accepted the update.
         deferred: whether goals were deferred after this result.
         no_plan: the original stream without a plan, if its observations have been repaired.
         why: why there is no plan.

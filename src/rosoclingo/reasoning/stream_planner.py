@@ -82,11 +82,11 @@ def steps_for(goals: int, alone: int, left: int = 0, fresh: int = 0) -> int:
 
 
 class DisturbedError(Exception):
-    """An arrival has interrupted the search; ``kept`` is true if the solver has accepted the update."""
+    """An arrival has interrupted the search; ``accepted`` is true if the solver has accepted the update."""
 
-    def __init__(self, why: str, kept: bool) -> None:
+    def __init__(self, why: str, accepted: bool) -> None:
         super().__init__(f"the search was interrupted: {why}")
-        self.kept = kept
+        self.accepted = accepted
 
 
 class Planner:
@@ -127,14 +127,14 @@ class Planner:
         return self._solver.log
 
     @property
-    def in_force(self) -> StreamUpdate:
+    def last_update(self) -> StreamUpdate:
         """The last accepted update, with its bound and closed cycles; empty if there is none."""
         return self.log.update or StreamUpdate(self.log.step)
 
     @property
     def stream(self) -> Stream:
         """The last update and the history before it, for explanations."""
-        return Stream(self._before or History(), self.in_force, self.lookahead)
+        return Stream(self._before or History(), self.last_update, self.lookahead)
 
     def ends_later(self, step: int) -> bool:
         """Return whether each answer ends later than at ``step``."""
@@ -237,12 +237,12 @@ class Planner:
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
         """Return another planner with the same history, except for the facts ``without``, and with a short horizon."""
-        before, taken = self._before, self.in_force
+        before, last = self._before, self.last_update
         if before is None:
             return self.with_log(self.log.withdraw(without))
-        horizon = max(before.horizon, taken.step or before.step)
+        horizon = max(before.horizon, last.step or before.step)
         return self.with_log(
-            before.withdraw(without).with_entries(AcceptedUpdate(taken.without_facts(without), horizon))
+            before.withdraw(without).with_entries(AcceptedUpdate(last.without_facts(without), horizon))
         )
 
     def with_log(self, log: History) -> "Planner":
@@ -263,7 +263,7 @@ class Planner:
 
         The update withdraws the ``gone`` facts that earlier updates stated.
         """
-        update = self.in_force
+        update = self.last_update
         present = update.heads | update.committed
         stated = (Statement(one) for one in dict.fromkeys(new) if one not in present - gone)
         items = (*map(Withdraw, sorted(gone - present)), *update.without_facts(gone).items, *stated)
@@ -277,7 +277,7 @@ class Planner:
         for last, now in zip([0, *stops], stops):
             past = (CloseCycles(last, now - 1), Expire(now - RECENT)) if now > 1 else ()
             result = planner.update(StreamUpdate(now, items=past if last else (Reset(), *past)))
-            fed.append(planner.in_force)
+            fed.append(planner.last_update)
         return planner, fed, result
 
     @property
@@ -308,14 +308,14 @@ class Planner:
             except DroppedError:
                 self.ended_by = halt.why if halt else ""
                 if halt and halt.disturbed:
-                    raise DisturbedError(halt.why, kept=False) from None
+                    raise DisturbedError(halt.why, accepted=False) from None
                 raise
 
     def _note(self, halt: Optional[Halt]) -> None:
         """Record why the search was stopped, if it was; raises DisturbedError after an arrival."""
         self.ended_by = halt.why if halt else ""
         if halt and halt.disturbed:
-            raise DisturbedError(halt.why, kept=True)
+            raise DisturbedError(halt.why, accepted=True)
 
 
 def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
@@ -342,7 +342,7 @@ def split_batch(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Pl
             return planner, batch, result
         other, found = planner.replace_update(batch.first.update)
     except DisturbedError as disturbance:
-        disturbance.kept = True
+        disturbance.accepted = True
         raise
     except SolverError:
         return planner, batch, result

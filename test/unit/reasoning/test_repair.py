@@ -52,7 +52,7 @@ class World:
             *(commitment(one.atom) for one in self.done[-1:]),
             *map(Statement, self.requests + facts),
         ]
-        self.in_force = StreamUpdate(STEP, 7, tuple(items))
+        self.last_update = StreamUpdate(STEP, 7, tuple(items))
 
     def watch(self):
         self.left = self.time

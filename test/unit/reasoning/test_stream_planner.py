@@ -135,7 +135,7 @@ def test_planner_keeps_or_drops_update_of_stopped_search(kept):
     bench.halt, bench.solver.drops = Halt("news", disturbed=True), not kept
     with pytest.raises(DisturbedError, match="the search was interrupted: news") as caught:
         bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3).")
-    assert caught.value.kept == kept
+    assert caught.value.accepted == kept
     bench.halt, bench.solver.drops = None, False
     beside = bench.planner.restarted()
     told = plan(beside.update(parse_update("#step 3. #endstep.")))
@@ -206,7 +206,7 @@ def fed(planner, *texts):
 def test_planner_sends_expected_entries_to_solver():
     planner = Planner(LoggingSolver, 8)
     assert planner.ended_by == ""
-    assert words(planner.in_force) == "#step 1."
+    assert words(planner.last_update) == "#step 1."
     planner.solve()
     assert planner.first_open(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
     fed(planner, "#step 11. #over 2. _seen(a).", "#step 14. #over 2. #over 3. _seen(b).")
@@ -218,7 +218,7 @@ def test_planner_sends_expected_entries_to_solver():
         "#step 15 : 0. #closed 14. _seen(c).",
     ]
     assert planner.log.keep_from == 3
-    assert str(planner.in_force).startswith("#step 15 : 0.")
+    assert str(planner.last_update).startswith("#step 15 : 0.")
 
 
 def test_planner_trial_repeats_last_update_without_lookahead():
@@ -242,8 +242,8 @@ def test_planner_replaces_the_last_update():
     beside, result = planner.replace_update(other)
     assert told(beside) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(d). _seen(e)."]
     assert result.step == 2
-    assert beside.in_force.step == 2
-    again, _ = planner.replace_update(planner.in_force)
+    assert beside.last_update.step == 2
+    again, _ = planner.replace_update(planner.last_update)
     assert told(again) == told(planner), "the past is told once"
     beside, _ = Planner(LoggingSolver, 8).replace_update(parse_update("#step 1. _seen(d). #endstep."))
     assert told(beside) == ["#step 1 : 8. _seen(d)."]
