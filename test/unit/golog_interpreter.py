@@ -1,6 +1,6 @@
-"""Golog by its definitions: what programs may do, Trans and Final, in plain Python; nothing of the encoding is in it.
+"""Golog by its definitions in plain Python: Trans and Final, written independently of the encoding.
 
-A program is a tuple, its kind first; programs within stand behind. A state is a frozenset of fluents. Variables are
+A program is a tuple of its kind and its parts, which can be programs. A state is a frozenset of fluents. Variables are
 strings that begin with a capital letter; ``pick`` and ``every`` put values in their place.
 
     ("nil",)                      ("do", action)               ("test", condition)       ("await", condition)
@@ -22,14 +22,14 @@ WRAPS = {"search", "searching", "try", "retry", "rerun", "undoing", "begun"}
 
 
 def put(thing, variable, value):
-    """``thing`` with a value in place of a variable."""
+    """Return ``thing`` with a value substituted for a variable."""
     if thing == variable:
         return value
     return tuple(put(one, variable, value) for one in thing) if isinstance(thing, tuple) else thing
 
 
 def plain(thing):
-    """``thing`` with sums of numbers worked out."""
+    """Return ``thing`` with sums of numbers evaluated."""
     if isinstance(thing, tuple):
         thing = tuple(plain(one) for one in thing)
         if thing[:1] == ("minus",):
@@ -40,8 +40,8 @@ def plain(thing):
 class Interpreter:
     """Programs in a domain, with procedures.
 
-    ``procedures`` maps names to pairs (parameters, body). ``domain`` has ``actions``, all there are, ``possible(action,
-    state)`` and ``after(action, state)``. ``lost`` are actions that nobody can do for now.
+    ``procedures`` maps names to pairs (parameters, body). ``domain`` has all ``actions``, ``possible(action, state)``
+    and ``after(action, state)``. ``lost`` are actions that are impossible at present.
     """
 
     def __init__(self, domain, procedures=None):
@@ -51,13 +51,13 @@ class Interpreter:
         self.rests = lru_cache(maxsize=None)(self._rests)
 
     def lose(self, lost):
-        """From now on these actions are not possible."""
+        """Make these actions impossible from now on."""
         self.lost = frozenset(lost)
         for one in (self.transitions, self.final, self.rests):
             one.cache_clear()
 
     def holds(self, condition, state):
-        """Whether a condition holds."""
+        """Return whether a condition holds."""
         kind = condition[0]
         if kind == "not":
             return not self.holds(condition[1], state)
@@ -72,22 +72,22 @@ class Interpreter:
         return condition in state
 
     def body(self, name, arguments):
-        """The body of a procedure for some arguments."""
+        """Return the body of a procedure for some arguments."""
         parameters, body = self.procedures[name]
         for variable, value in zip(parameters, plain(arguments)):
             body = put(body, variable, value)
         return body
 
     def options(self, program, state):
-        """The programs among which pick and every choose."""
+        """Return the programs among which pick and every choose."""
         _, variable, values, condition, body = program
         return [put(body, variable, value) for value in values if self.holds(put(condition, variable, value), state)]
 
     def possible(self, action, state):
-        """Whether an action can be done."""
+        """Return whether an action is possible."""
         return action not in self.lost and self.domain.possible(action, state)
 
-    # ---- Trans: pairs of an event and the program that is left; the event is None for a test, ("done", action) or
+    # ---- Trans: pairs of an event and the remaining program; the event is None for a test, ("done", action) or
     # ---- ("bad", action) for one that fails, which leaves RAISE where nothing catches it
 
     def _transitions(self, program, state):
@@ -203,7 +203,7 @@ class Interpreter:
         return RAISE if left == RAISE else wrap(left)
 
     def locked(self, program):
-        """Whether a program is in the middle of a search."""
+        """Return whether a program is within a search."""
         kind = program[0]
         if kind == "searching":
             return True
@@ -228,7 +228,7 @@ class Interpreter:
         return any(self.final(one, state) for one in self.within(program, state))
 
     def within(self, program, state):
-        """The programs one of which a program goes on as, or that it has something around of."""
+        """Return the alternatives with which a program continues, or of which it is a context."""
         kind, *parts = program
         if kind == "if":
             return [parts[1] if self.holds(parts[0], state) else parts[2]]
@@ -244,7 +244,8 @@ class Interpreter:
             return [parts[1 if kind == "retry" else 0]]
         return []  # do, any, test, await
 
-    # ---- waiting for what comes from outside -----------------------------------------------------------------------
+    # ---- waiting for external events
+    # --------------------------------------------------------------------------------
 
     def _rests(self, program, state):
         kind, *parts = program
@@ -264,7 +265,7 @@ class Interpreter:
         return any(self.rests(one, state) for one in (parts if kind == "star" else self.within(program, state)))
 
     def over(self, program, state):
-        """Whether a program has ended, and nothing else can be meant."""
+        """Return whether a program has ended in every reading."""
         kind, *parts = program
         if kind == "while":
             return not self.holds(parts[0], state)
@@ -277,7 +278,7 @@ class Interpreter:
         return program in (("nil",), ("order", ()))
 
     def passes(self, program, state):
-        """Whether what a program was waiting for is there, or a part of it over, and nothing else can be meant."""
+        """Return whether the awaited event is there, or a part of the program over, in every reading."""
         kind, *parts = program
         if kind == "await":
             return self.holds(parts[0], state)
@@ -302,7 +303,7 @@ class Interpreter:
     # ---- whole runs ------------------------------------------------------------------------------------------------
 
     def closure(self, programs, state):
-        """All that may be left once tests have passed that pass in this state."""
+        """Return all possible remainders after tests that pass in this state."""
         found, waiting = set(programs), list(programs)
         while waiting:
             for event, left in self.transitions(waiting.pop(), state):
@@ -312,7 +313,7 @@ class Interpreter:
         return found
 
     def traces(self, program, state, longest):
-        """All sequences of at most ``longest`` actions that Do(program, state, ...) allows."""
+        """Return all sequences of at most ``longest`` actions that Do(program, state, ...) permits."""
         return set(self._traces({program}, state, longest))
 
     def _traces(self, programs, state, longest):

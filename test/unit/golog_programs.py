@@ -1,4 +1,4 @@
-"""Random control programs in a small domain, and how they are written: as terms for the encoding, and as text."""
+"""Random control programs in a small domain, and their representations: terms for the encoding, and text."""
 
 from pathlib import Path
 
@@ -18,19 +18,19 @@ class Toy:
 
     @staticmethod
     def possible(action, state):
-        """Whether an action is possible in a state."""
+        """Return whether an action is possible in a state."""
         return {"b": ("f",) in state, "e": action != ("e", 1) or ("g",) not in state}.get(action[0], True)
 
     @staticmethod
     def after(action, state):
-        """The state after an action."""
+        """Return the state after an action."""
         if action[0] == "c":
             return state ^ {("g",)}
         added = {"a": {("f",)}, "e": {("h", *action[1:])}}.get(action[0], set())
         return (state | added) - ({("f",)} if action[0] == "b" else set())
 
 
-#: The same for the encoding; ``event(F,V,t)`` tells that fluent F has become true or false by then.
+#: The same domain for the encoding; ``event(F,V,t)`` sets fluent F to true or false before the step.
 TOY = """
 #program base.
 golog_does(a,act,a). golog_does(b,act,b). golog_does(c,act,c).
@@ -71,7 +71,7 @@ inner = st.tuples(st.just("do"), st.sampled_from([*ACTIONS, ("e", "X")])) | st.t
 
 
 def larger(p):
-    """Programs made of others."""
+    """Generate programs made of others."""
     x = st.tuples(st.just("seq"), inner, p) | inner
     return st.one_of(
         st.tuples(st.sampled_from(["seq", "choice", "conc", "prio", "try", "undoing"]), p, p),
@@ -86,12 +86,12 @@ def larger(p):
 
 
 def programs(calls=True, leaves_at_most=6):
-    """Programs; those that call do so by these procedures, in which an action comes before any call."""
+    """Generate programs; calls refer to these procedures, in which an action precedes any call."""
     call = st.just(("call", "p", ())) | st.tuples(st.just("call"), st.just("q"), st.sampled_from([(1,), (2,)]))
     return st.recursive(leaves | call if calls else leaves, larger, max_leaves=leaves_at_most)
 
 
-#: Each with a body that recursion goes through: p of any length, q down from a number.
+#: Procedures with recursive bodies: p of any length, q down from a number.
 PROCEDURES = {
     "p": ((), ("seq", ("do", ("c",)), ("choice", ("nil",), ("seq", ("call", "p", ()), ("do", ("a",)))))),
     "q": (
@@ -104,13 +104,13 @@ PROCEDURES = {
 
 
 class Terms:
-    """Writes programs as terms; ``facts`` says what pick and every choose from."""
+    """Writes programs as terms; ``facts`` holds the options of pick and every."""
 
     def __init__(self):
         self.facts, self._numbers = "", {}
 
     def program(self, one):
-        """A program without variables as a term."""
+        """Return a program without variables as a term."""
         kind, *parts = one
         if kind in ("nil", "any"):
             return kind
@@ -132,7 +132,7 @@ class Terms:
         return f"{kind}({','.join(map(self.program, parts))})"
 
     def options(self, one):
-        """The name of what a pick or every chooses from."""
+        """Return the name of the options of a pick or every."""
         key = one[1:]
         if key not in self._numbers:
             self._numbers[key] = name = f"k({len(self._numbers)})"
@@ -144,7 +144,7 @@ class Terms:
         return self._numbers[key]
 
     def condition(self, one):
-        """A condition as a term."""
+        """Return a condition as a term."""
         words = {"not": "neg", "and": "both", "or": "either"}
         if one[0] in words:
             return f"{words[one[0]]}({','.join(map(self.condition, one[1:]))})"
@@ -154,7 +154,7 @@ class Terms:
 
     @staticmethod
     def atom(one):
-        """An action or a fluent."""
+        """Return an action or a fluent as a term."""
         arguments = [f"{part[1]}-{part[2]}" if isinstance(part, tuple) else str(part) for part in one[1:]]
         return one[0] + (f"({','.join(arguments)})" if arguments else "")
 

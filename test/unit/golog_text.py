@@ -4,7 +4,7 @@ from golog_programs import PROCEDURES
 
 
 def program_text(name, program):
-    """A file with a procedure that is this program, and the procedures that it may call."""
+    """Return a file with a procedure that is this program, and the procedures that it can call."""
     texts = [_procedure(name, (), program), *(_procedure(one, *parts) for one, parts in PROCEDURES.items())]
     return "\n".join(texts)
 
@@ -13,7 +13,7 @@ def _procedure(name, parameters, body):
     return f"proc {name}{'(' + ', '.join(parameters) + ')' if parameters else ''} {{ {statement(body)} }}"
 
 
-#: What stands before a block, and between that and another one.
+#: The words before a block, and between two blocks.
 WORDS = {
     "choice": ("choose", " or "),
     "conc": ("interleave", " with "),
@@ -27,7 +27,7 @@ WORDS = {
 
 
 def statement(one):
-    """A program as statements."""
+    """Return a program as statements."""
     kind, *parts = one
     if kind in WORDS:
         parts = parts[0] if kind == "order" else parts
@@ -45,12 +45,12 @@ def statement(one):
 
 
 def blocks(parts, between):
-    """Programs in brackets."""
+    """Return programs in brackets."""
     return " " + between.join(f"{{ {statement(part)} }}" for part in parts)
 
 
 def simple(kind, *parts):
-    """A program of one statement, or of two one after the other."""
+    """Return a program of one statement, or of two in sequence."""
     if kind == "seq":
         return f"{statement(parts[0])} {statement(parts[1])}"
     if kind in ("test", "await"):
@@ -61,7 +61,7 @@ def simple(kind, *parts):
 
 
 def condition(one):
-    """A condition, in brackets where it has parts."""
+    """Return a condition, in brackets if it has parts."""
     kind = one[0]
     if kind == "not":
         return f"not {condition(one[1])}"
@@ -75,6 +75,6 @@ def condition(one):
 
 
 def atom(one):
-    """An action or a fluent."""
+    """Return an action or a fluent as text."""
     arguments = [f"{part[1]} - {part[2]}" if isinstance(part, tuple) else str(part) for part in one[1:]]
     return one[0] + (f"({', '.join(arguments)})" if arguments else "")

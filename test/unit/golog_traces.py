@@ -1,4 +1,4 @@
-"""What sequences of actions the encoding allows for a control program, in the small domain of golog_programs."""
+"""The action sequences that the encoding allows for a control program, in the small domain of golog_programs."""
 
 import re
 
@@ -8,7 +8,7 @@ from golog_programs import ENCODINGS, END, PROCEDURE_RULES, TOY, Terms
 OPEN = re.compile(r"^#external \w+/\d\.", re.MULTILINE)
 ENGINE = [OPEN.sub("", (ENCODINGS / "golog" / f"{name}.lp").read_text()) for name in ("transitions", "running")]
 
-#: Every step but those after the last action has one; a program that is over does nothing any more.
+#: Every step except those after the last action has one; a program that is over does nothing any more.
 WHOLE = """
 #external event(F,V,t) : fluent(F), V = (yes;no).
 acted(t) :- _action_lib(A,X,t).
@@ -24,9 +24,9 @@ golog_does(z,last,z).
 
 
 def encoded_traces(program, state, longest, rules=PROCEDURE_RULES):
-    """All sequences of at most ``longest`` actions after which the program may end.
+    """Return all sequences of at most ``longest`` actions after which the program can end.
 
-    As a program ends as soon as it can, an action is put behind it.
+    As a program ends as soon as it can, an action follows it.
     """
     terms = Terms()
     text = terms.program(("seq", program, ("do", END)))
@@ -47,7 +47,7 @@ def encoded_traces(program, state, longest, rules=PROCEDURE_RULES):
 
 
 def trace(atoms):
-    """The actions of a plan in order, without the last one."""
+    """Return the actions of a plan in order, without the last one."""
     actions = sorted((atom.arguments[2].number, atom.arguments[1]) for atom in atoms)
     assert actions[-1][1].name == "z"
     return tuple((one.name, *(part.number for part in one.arguments)) for _, one in actions[:-1])

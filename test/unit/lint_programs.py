@@ -1,4 +1,4 @@
-"""The programs that the lint must have nothing to say of, and what it says of any other."""
+"""The programs in which the lint must find nothing, and the findings in any other."""
 
 import json
 import re
@@ -27,14 +27,16 @@ GOLDEN = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 
 def block(page, file):
-    """The text of a file that a document shows, whose name stands in the paragraph before."""
+    """Return a file that a document shows after a paragraph with its name."""
     text = (ROOT / "doc" / page).read_text(encoding="utf-8")
     pattern = rf"`[\w/]*{re.escape(file)}`(?:(?!\n\n).)*\n\n```\w*\n(.*?)^```$"
     return re.search(pattern, text, re.MULTILINE | re.DOTALL).group(1)
 
 
 def seeded(text, old, new):
-    """The text with ``new``, a fault, in place of the first ``old``, and the line and column of it, or of its @."""
+    """Return the text with the fault ``new`` in place of the first ``old``, and the line and column of it, or of its
+    @.
+    """
     assert old in text, f"{old} is not in the text"
     before, _, after = text.partition(old)
     offset = len(before) + max(new.find("@"), 0)
@@ -44,7 +46,7 @@ def seeded(text, old, new):
 
 @lru_cache(maxsize=None)
 def program(name):
-    """The sources of a program with all that they include, each named as below its folder."""
+    """Return the sources of a program with all includes, each named relative to its folder."""
     if name == "garden":
         return (Source("garden.lp", block("tutorial.md", "garden.lp")),)
     if name == "lift":
@@ -56,13 +58,13 @@ def program(name):
 
 
 def marked(seeds, quick=4):
-    """The rows of a table of tests, those of large programs marked as slow, but for the first ones."""
+    """Return the rows of a table of tests, those of large programs marked as slow, except for the first ones."""
     large = [one for one in seeds if one[0] in ("mailbot", "house")][quick:]
     return [pytest.param(*one, marks=[pytest.mark.slow, pytest.mark.once] if one in large else []) for one in seeds]
 
 
 def short(name):
-    """A file's name below the folder of the encodings."""
+    """Return a file's name relative to the folder of the encodings."""
     path = Path(name).resolve()
     return path.relative_to(ENCODINGS).as_posix() if ENCODINGS in path.parents else path.name
 
@@ -71,6 +73,6 @@ NAMES = (*FILES, "garden", "lift", *(one["name"] for one in GOLDEN))
 
 
 def lint(sources, constants=None):
-    """What the lint says of the sources, in which all is that they include."""
+    """Return the lint's findings in the sources, which contain all their includes."""
     read, faults = lint_sources(sources, constants, whole=True)
     return findings(faults, [(one.name, one.text) for one in sources], faults if read is None else read.faults)

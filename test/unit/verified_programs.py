@@ -1,4 +1,4 @@
-"""Small programs for verification, sound ones and such with a fault, and how a finding is played on a core."""
+"""Small programs for verification, correct and faulty ones, and the replay of a finding on a core."""
 
 from core_driver import Driver
 
@@ -9,7 +9,7 @@ from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: A robot goes where somebody wants it; what fails is given up. A sensor tells of closed places, which nothing heeds.
+#: A robot drives to requested places; failed goals are aborted. A sensor reports closed places, which no rule uses.
 VISITS = """
 #program base.
 place(home). place(hall). place(den). at(home,0).
@@ -34,7 +34,8 @@ seen(P,t) :- _closed(P,t), place(P).
 :- wanted(P,t), not at(P,t), not failed(P,t).
 """
 
-#: A robot grabs a thing, goes to the door and drops it there; where it cannot go it gives up, and still has it.
+#: A robot grabs a thing, goes to the door and drops it there; if it cannot go, the goal is aborted and it keeps the
+#: thing.
 CARRIES = """
 #program base.
 thing(cup). thing(pen). spot(desk). spot(door). at(desk,0).
@@ -61,7 +62,7 @@ _status(X,canceled,t) :- _request(cancel(X),t), not dropped(X,t-1), not failed(t
 :- wanted(X,t), not dropped(X,t), not failed(t).
 """
 
-#: What is done is known from the returns of the step before; their values are looked at.
+#: The effects follow from the returns of the step before, whose values are compared.
 ECHO = """
 #program base.
 job(wash). job(iron).
@@ -85,7 +86,7 @@ tried(J,t) :- tried(J,t-1), not _request(do(J),t+1).
 
 
 def edited(text, *pairs):
-    """A program in which some words are replaced by others; where there are none to be replaced, it has rules more."""
+    """Return a program in which each pair's first text is replaced by its second."""
     for old, new in pairs:
         assert old in text, old
         text = text.replace(old, new)
@@ -93,19 +94,19 @@ def edited(text, *pairs):
 
 
 def more(text, rules):
-    """A program with further rules in its cumulative part."""
+    """Return a program with further rules in its cumulative part."""
     return text.replace("#show _action_lib/3.", f"{rules}\n#show _action_lib/3.")
 
 
 class SteeredSolver(PlanSolver):
-    """A solver that takes, of several shortest plans, one that begins with the actions that are ``chosen``."""
+    """A solver that prefers, among the shortest plans, one that begins with the ``chosen`` actions."""
 
     def __init__(self, program, chosen):
         super().__init__(program)
         self._chosen = chosen
 
     def update(self, update, stopped=None):
-        """Take ``update`` as any solver does; where its answer begins otherwise, look for one of the same length."""
+        """Accept ``update`` as any solver does; if its answer begins otherwise, search for one of equal length."""
         before = self.log
         result = super().update(update, stopped)
         wanted, has = self._chosen.get(result.step), _actions_of(result)
@@ -128,7 +129,7 @@ def _actions_of(result):
 
 
 def play(program, way, steps=20):
-    """The real core after a way that was found, with a solver that takes of several shortest plans the one found."""
+    """Play a finding on the real core, with a solver that prefers its plan among the shortest ones."""
     chosen = {step.cycle: step.chosen for step in way if step.cycle}
     settings = CoreSettings(horizon_limit=steps)
     driver = Driver(settings=settings, program=program, solver=lambda one: SteeredSolver(one, chosen))
