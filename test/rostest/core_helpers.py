@@ -18,7 +18,7 @@ from rosoclingo.common.action_clients import cancel_goal
 from rosoclingo.reasoning.keywords import CORE
 
 
-class Hands:
+class ManualInterfaces:
     """A manual interface layer: receives the core's commands and answers them on demand, or at once."""
 
     def __init__(self, namespace=""):
@@ -154,7 +154,7 @@ class Updates:
         return next(text for text in self.texts if words in text)
 
 
-class Told:
+class CommandProcess:
     """One of the package's commands, and its standard output; it ends with the test."""
 
     def __init__(self, *words):

@@ -15,10 +15,10 @@ class Clients:
     """A goal manager with its feeder, and its reports. Goal ``go(N)`` has the key ``gN``."""
 
     def __init__(self, text=HEARING, at_once=0, overtaking_limit=0, search_timeout=0.0):
-        self.feeder, self.told, self.step = InputFeeder(), [], 0
+        self.feeder, self.reports, self.step = InputFeeder(), [], 0
         program = ReactiveProgram.from_text(text)
         settings = CoreSettings(goals_at_once=at_once, overtaking_limit=overtaking_limit, search_timeout=search_timeout)
-        self.goals = GoalManager(program, self.feeder, self.told.append, lambda: 7, settings)
+        self.goals = GoalManager(program, self.feeder, self.reports.append, lambda: 7, settings)
 
     # -- events, as words of a script; goals are numbers, or ranges such as 3-8
 
@@ -121,7 +121,7 @@ class Clients:
 
     def waits(self, number):
         """Return the reasons for which a goal was queued, each time that it was."""
-        return [one.waits for one in self.told if isinstance(one, GoalProgress) and one.key == f"g{number}"]
+        return [one.waits for one in self.reports if isinstance(one, GoalProgress) and one.key == f"g{number}"]
 
     @property
     def served(self):
@@ -140,7 +140,9 @@ class Clients:
         return [goal.key for goal in self.goals.fed]
 
     def ends(self):
-        return [(one.key, one.outcome) for one in self.told if isinstance(one, GoalChanged) and one.outcome is not None]
+        return [
+            (one.key, one.outcome) for one in self.reports if isinstance(one, GoalChanged) and one.outcome is not None
+        ]
 
 
 def crowd(goals, **limits):

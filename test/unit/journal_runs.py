@@ -24,10 +24,10 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
 
     ``kept`` are settings that the journal has, ``settings`` those of the core; an action that fails is ``blocked``.
     """
-    told, clock = [], [BEGIN]
+    published, clock = [], [BEGIN]
     description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
     journal = Journal(path, Header("run", program.fingerprint, "", description))
-    keeper = Keeper(told.append, journal, lambda: 0.0, (lambda: clock[0]) if timed else None)
+    keeper = Keeper(published.append, journal, lambda: 0.0, (lambda: clock[0]) if timed else None)
     core = ResumableCore(program, lambda: soon(program), keeper, settings or CoreSettings())
     keeper.attach(core)
     core.start()
@@ -52,7 +52,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
             break
     assert not core.live_goals
     keeper.close()
-    return journal.path, told
+    return journal.path, published
 
 
 def changed(file, to, statement):

@@ -13,12 +13,12 @@ PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
 
 
 class Node:
-    """Drives a core, a keeper and a journal as a node does; ``told`` are the published events."""
+    """Drives a core, a keeper and a journal as a node does; ``published`` are its events."""
 
     def __init__(self, path, program=PROGRAM, horizon_limit=8):
         self.folder = Journal(path, Header("run", "program"))
         kept = self.folder.read()
-        self.told, self.at_event = [], lambda event: None
+        self.published, self.at_event = [], lambda event: None
         self.keeper = Keeper(self._tell, self.folder, lambda: 0.0)
         record = None if kept is None else kept.state
         settings = CoreSettings(horizon_limit=horizon_limit, search_timeout=0.0)
@@ -29,7 +29,7 @@ class Node:
 
     def _tell(self, event):
         self.at_event(event)
-        self.told.append(event)
+        self.published.append(event)
 
     @property
     def on_disk(self):

@@ -11,7 +11,7 @@ from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import HTTPRedirectHandler, Request, build_opener
 
-from told_runs import delivery
+from published_runs import delivery
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
@@ -102,7 +102,7 @@ def play(scene):
     return asyncio.new_event_loop().run_until_complete(asyncio.wait_for(scene, 3 * PATIENCE))
 
 
-async def told(client):
+async def next_message(client):
     """Return the next message, None if the server has closed the connection."""
     text = await asyncio.wait_for(client.read_message(), PATIENCE)
     return None if text is None else json.loads(text)
@@ -118,6 +118,6 @@ def wait_until(condition):
 async def answered(client):
     """Return the next answer, None if the connection is closed."""
     while True:
-        found = await told(client)
+        found = await next_message(client)
         if found is None or "answer" in found:
             return found and found["answer"]

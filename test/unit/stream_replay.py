@@ -32,10 +32,10 @@ def recorded(journal):
 
 def check_replay(program, journal, verdicts=(*AGREEING, CycleVerdict.MISSED)):
     """Check that each decision is one of the ``verdicts``, different answers are explained, and updates occur once."""
-    told = journal.of(UpdateSent)
-    reports = list(Replay(recorded(journal), program).reports()) if told else []
+    reported = journal.of(UpdateSent)
+    reports = list(Replay(recorded(journal), program).reports()) if reported else []
     odd = [report.line() for report in reports if not report.explained or report.verdict not in verdicts]
     assert not odd, odd
-    begun_anew = any("#anew." in event.stream for event in told)
-    steps = [event.cycle for event in told]
-    assert begun_anew or steps == list(range(1, len(steps) + 1)), "each cycle's update is told once"
+    begun_anew = any("#anew." in event.stream for event in reported)
+    steps = [event.cycle for event in reported]
+    assert begun_anew or steps == list(range(1, len(steps) + 1)), "each cycle's update is sent once"

@@ -43,17 +43,17 @@ def test_dev_known_scenario_starts_set_up(scenario):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["nosuch"], "no such bench: nosuch; the benches are cut_off "),
         (["oclingo", "--rounds", "0"], "--rounds must be at least 1"),
         (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
     ],
 )
-def test_dev_wrong_bench_is_refused_before_set_up(arguments, told):
+def test_dev_wrong_bench_is_refused_before_set_up(arguments, message):
     code, said = dev("bench", *arguments)
     assert code == 2
-    assert told in said
+    assert message in said
     assert "/proc/no/folder" not in said
 
 

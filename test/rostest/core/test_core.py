@@ -20,7 +20,7 @@ from rosoclingo.reasoning.goals import Outcome
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, SentGoal, Told, Updates
+from core_helpers import Client, CommandProcess, ManualInterfaces, SentGoal, Updates
 from interface_helpers import PATIENCE, executable, init_node, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
@@ -31,7 +31,7 @@ class Core(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         init_node("core_test")
-        cls.hands = Hands()
+        cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
         cls.updates = Updates()
@@ -239,20 +239,24 @@ class Core(unittest.TestCase):
     def test_goals_are_latched_as_by_actionlib(self):
         goal = self.client.send(self.errand())
         command = self.hands.take()
-        one = self.told(self.latched("rosoclingo/goals", GoalStates, lambda told: self.told(told, goal).request), goal)
+        one = self.entry_of(
+            self.latched("rosoclingo/goals", GoalStates, lambda message: self.entry_of(message, goal).request), goal
+        )
         self.assertEqual((one.request, one.status, one.reason), (goal.text, GoalStatus.PENDING, ""))
         self.assertEqual((one.since, one.ended), (rospy.Time(), rospy.Time()))
         refused = self.client.send("do(")
         message = refused.ends_as(REJECTED)
         self.hands.succeed(command)
         goal.ends_as(SUCCEEDED)
-        over = self.latched("rosoclingo/goals", GoalStates, lambda told: self.told(told, goal).status == SUCCEEDED)
-        met = self.told(over, goal)
+        over = self.latched(
+            "rosoclingo/goals", GoalStates, lambda message: self.entry_of(message, goal).status == SUCCEEDED
+        )
+        met = self.entry_of(over, goal)
         self.assertEqual((met.id, met.came, met.reason), (one.id, one.came, goal.wait()[1].message))
         self.assertTrue(rospy.Time() < met.came <= met.since <= met.ended)
-        lost = self.told(over, refused)
+        lost = self.entry_of(over, refused)
         self.assertEqual((lost.status, lost.reason, lost.since), (REJECTED, message, rospy.Time()))
-        self.assertLess(over.goals.index(self.told(over, goal)), over.goals.index(lost))
+        self.assertLess(over.goals.index(self.entry_of(over, goal)), over.goals.index(lost))
 
     @staticmethod
     def latched(topic, kind, fit):
@@ -265,7 +269,7 @@ class Core(unittest.TestCase):
     def key_of(goal):
         return goal.handle.comm_state_machine.action_goal.goal_id
 
-    def told(self, goals, goal):
+    def entry_of(self, goals, goal):
         """Return the published state of a goal."""
         return next((one for one in goals.goals if one.id == self.key_of(goal)), GoalState())
 
@@ -282,7 +286,7 @@ class Core(unittest.TestCase):
     def test_request_in_plain_words_is_understood(self):
         self.hands.tell(origin="walk")  # announced, since another test has announced an interface of this node
         text = self.errand()
-        with Told("request", "--plain", text) as client:
+        with CommandProcess("request", "--plain", text) as client:
             command = self.hands.take()
             number = command.split(",")[1]
             client.lines_until(f"walks {number}")
@@ -296,7 +300,7 @@ class Core(unittest.TestCase):
         goal = self.client.send(self.errand())
         command = self.hands.take()
         _, number, cycle = command[:-1].split(",")
-        with Told("watch", "--state") as watch:
+        with CommandProcess("watch", "--state") as watch:
             lines = watch.lines_until("action   walks")
             self.assertTrue(all(f"cycle {cycle} " in line for line in lines), lines)
             self.assertTrue(lines[0].endswith(f"plan     walk {number}"), lines)

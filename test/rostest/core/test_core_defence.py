@@ -14,7 +14,7 @@ from rosoclingo.msg import InterfaceIO
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, Updates
+from core_helpers import Client, ManualInterfaces, Updates
 from interface_helpers import init_node, wait_to_hear, wait_until
 
 CORES = ("/rosoclingo", "/arms/rosoclingo", "/lonely/rosoclingo")
@@ -52,9 +52,9 @@ class CoreDefence(unittest.TestCase):
     def setUpClass(cls):
         init_node("core_defence_test")
         cls.diagnostics = Diagnostics()
-        cls.hands = Hands()
+        cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
-        cls.arms = Hands("/arms/")
+        cls.arms = ManualInterfaces("/arms/")
         cls.arms.wait_for("/arms/rosoclingo")
         cls.client = Client()
         cls.updates = Updates()

@@ -16,7 +16,7 @@ from rosoclingo.msg import TaskPlan
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, Updates
+from core_helpers import Client, ManualInterfaces, Updates
 from interface_helpers import PATIENCE, Process, executable, init_node, process_of, wait_until
 
 ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
@@ -159,7 +159,7 @@ class CoreInterrupted(unittest.TestCase):
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
     def test_ctrl_c_cancels_running_actions_but_death_does_not(self):
-        hands = Hands("moving/")
+        hands = ManualInterfaces("moving/")
         with tempfile.TemporaryDirectory() as folder:
             settings = {"journal": folder, "resume": "yes", "action_timeout": 0}
             with core("moving", **settings) as process:

@@ -19,7 +19,7 @@ from rosoclingo.msg import GoalStates, State
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands
+from core_helpers import Client, ManualInterfaces
 from interface_helpers import (
     PATIENCE,
     Process,
@@ -47,7 +47,7 @@ class CoreKilled(unittest.TestCase):
         cls.stale = Path(f"{cls.journal}.stale")
         cls.said = []
         cls.log = rospy.Subscriber("/rosout", Log, lambda message: cls.said.append(message.msg), queue_size=None)
-        cls.hands, cls.client = Hands(), Client()
+        cls.hands, cls.client = ManualInterfaces(), Client()
 
     def setUp(self):
         self.hands.wait_for(NODE)
@@ -137,7 +137,7 @@ class CoreKilled(unittest.TestCase):
     def test_folder_that_cannot_be_created_is_reported(self):
         values = [f"_program_files:=[{ERRANDS}]", "_journal:=/proc/rosoclingo"]
         with Process(executable("core"), "__name:=rosoclingo", "__ns:=nowhere", *values) as process:
-            hands = Hands("nowhere/")
+            hands = ManualInterfaces("nowhere/")
             hands.wait_for("/nowhere/rosoclingo")
             words = "no journal is kept in /proc/rosoclingo: No such file or directory"
             wait_for_diagnosis("nowhere/rosoclingo: core", warns(words), "the trouble")

@@ -20,7 +20,7 @@ from rosoclingo.msg import TaskPlan
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands
+from core_helpers import Client, ManualInterfaces
 from interface_helpers import PATIENCE, Process, executable, init_node, is_another, process_of, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
@@ -134,7 +134,7 @@ class CoreLaunch(unittest.TestCase):
 
     def test_killed_core_resumes_until_its_name_is_taken(self):
         with core_launch(programs=f"[{ERRANDS}]") as launched:
-            hands, client = Hands(), Client()
+            hands, client = ManualInterfaces(), Client()
             hands.wait_for(NODE)
             goal = client.send("do(walk,1)")
             command = hands.take()

@@ -14,7 +14,7 @@ from rosoclingo.msg import GoalState, GoalStates
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, Updates
+from core_helpers import Client, ManualInterfaces, Updates
 from interface_helpers import PATIENCE, init_node, wait_until
 
 ACTIVE = GoalStatus.ACTIVE
@@ -24,10 +24,12 @@ class CoreWords(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         init_node("core_words_test")
-        cls.hands = Hands()
+        cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
         cls.goals = GoalStates()
-        cls.subscriber = rospy.Subscriber("rosoclingo/goals", GoalStates, lambda told: setattr(cls, "goals", told))
+        cls.subscriber = rospy.Subscriber(
+            "rosoclingo/goals", GoalStates, lambda message: setattr(cls, "goals", message)
+        )
         updates = Updates()
         cls.hands.tell("_lift(3,now)", origin="lift")  # without it the program rejects goals
         updates.wait_for("_lift(3,")
@@ -62,12 +64,12 @@ class CoreWords(unittest.TestCase):
         """Wait until the goal's status, its feedback and the topic of all goals agree."""
         key = goal.handle.comm_state_machine.action_goal.goal_id
 
-        def told():
+        def entry():
             return next((one for one in self.goals.goals if one.id == key), GoalState())
 
         wait_until(lambda: goal.handle.get_goal_status_text() == text, f"the status to say '{text}'")
         wait_until(lambda: goal.feedback and goal.feedback[-1].status == state, f"the feedback to say '{state}'")
-        wait_until(lambda: (told().status, told().reason) == (ACTIVE, text), f"the topic to say '{text}'")
+        wait_until(lambda: (entry().status, entry().reason) == (ACTIVE, text), f"the topic to say '{text}'")
 
     def test_goal_that_no_rule_sees_is_rejected(self):
         client = Client("paper/rosoclingo")

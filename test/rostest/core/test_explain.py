@@ -20,13 +20,13 @@ from rosoclingo.srv import Explain
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands
+from core_helpers import Client, ManualInterfaces
 from interface_helpers import PATIENCE, init_node, process_of, wait_until
 
 
 class ExplainGoals(unittest.TestCase):
     def setUp(self):
-        self.hands = Hands()
+        self.hands = ManualInterfaces()
         self.hands.at_once = True
         self.hands.wait_for("/rosoclingo")
         self.client = Client()

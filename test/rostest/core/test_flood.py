@@ -16,7 +16,7 @@ from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands
+from core_helpers import Client, ManualInterfaces
 from interface_helpers import Process, init_node, wait_to_hear, wait_until
 
 #: The messages of a flood, with a running number.
@@ -34,7 +34,7 @@ def flood(kind):
 
 class Flood(unittest.TestCase):
     def setUp(self):
-        self.hands, self.client = Hands(), Client()
+        self.hands, self.client = ManualInterfaces(), Client()
         self.hands.wait_for("/rosoclingo")
         self.reports, self.updates = [], []
         for topic, kind, note in (

@@ -19,7 +19,7 @@ from std_msgs.msg import UInt32
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, Updates
+from core_helpers import Client, ManualInterfaces, Updates
 from interface_helpers import PATIENCE, executable, init_node, wait_to_hear, wait_until
 
 DATA = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "test", "data")
@@ -29,7 +29,7 @@ class Side:
     """A core with its interfaces, a client, and all published messages."""
 
     def __init__(self, namespace):
-        self.hands = Hands(namespace + "/")
+        self.hands = ManualInterfaces(namespace + "/")
         self.hands.wait_for(namespace + "/rosoclingo")
         self.client = Client(namespace + "/rosoclingo")
         self.updates = Updates(namespace + "/rosoclingo")

@@ -57,13 +57,13 @@ class Silence(unittest.TestCase):
             handle.set_succeeded()
             goal.ends_as(GoalStatus.SUCCEEDED)
         wait_until(lambda: self.interfaces() == "run, walk", "the new one to be gone")
-        self.assertEqual(len([line for line in self.lines if MISSING in line]), 1, "it is told once")
+        self.assertEqual(len([line for line in self.lines if MISSING in line]), 1, "it is reported once")
 
 
 class Misspelt(unittest.TestCase):
     """Each node reports once at its start which of its private parameters it does not read."""
 
-    def told(self, script, *values):
+    def warning_of(self, script, *values):
         command = (executable(script), f"__name:=misspelt_{script}", "_zzz:=1", *values)
         with Process(*command) as process:
             lines = process.lines_until("unknown parameters")
@@ -71,7 +71,9 @@ class Misspelt(unittest.TestCase):
         return lines[-1]
 
     def test_unread_parameters_of_core(self):
-        line = self.told("core", f"_program_files:=[{DATA / 'errands.lp'}]", "_horizon_limt:=7", "_labels:={hall: {}}")
+        line = self.warning_of(
+            "core", f"_program_files:=[{DATA / 'errands.lp'}]", "_horizon_limt:=7", "_labels:={hall: {}}"
+        )
         self.assertIn("~horizon_limt (is ~horizon_limit meant?), ~zzz", line)
 
     def test_unread_parameters_of_bare_interface_node(self):
@@ -81,22 +83,22 @@ class Misspelt(unittest.TestCase):
 
     def test_unread_parameters_of_interface(self):
         entry = "{arm: {type: actionlib/TestAction}}"
-        line = self.told("interface", f"_interfaces:={entry}", "_server_timout:=3", "_retries:=1")
+        line = self.warning_of("interface", f"_interfaces:={entry}", "_server_timout:=3", "_retries:=1")
         self.assertIn("~server_timout (is ~server_timeout meant?), ~zzz", line)
 
     @NEEDS_TF2
     def test_unread_parameters_of_office(self):
-        line = self.told("office", "_labels:={hall: [1, 2]}", "_capacty:=3")
+        line = self.warning_of("office", "_labels:={hall: [1, 2]}", "_capacty:=3")
         self.assertIn("~capacty (is ~capacity meant?), ~zzz", line)
 
     def test_unread_parameters_of_map_server(self):
-        line = self.told("map_server", f"_map:={DATA.parents[1] / 'worlds' / 'office.yaml'}", "_frame:=x")
+        line = self.warning_of("map_server", f"_map:={DATA.parents[1] / 'worlds' / 'office.yaml'}", "_frame:=x")
         self.assertIn("~frame (is ~frame_id meant?), ~zzz", line)
 
     @NEEDS_TF2
     def test_unread_parameters_of_move_base(self):
         values = ("_controler_frequency:=10", "_global_costmap:={robot_radius: 0.2, robot_radus: 0.3}")
-        line = self.told("move_base", *values)
+        line = self.warning_of("move_base", *values)
         self.assertIn("~controler_frequency (is ~controller_frequency meant?)", line)
         self.assertIn("~global_costmap/robot_radus (is ~global_costmap/robot_radius meant?)", line)
         self.assertNotIn("~global_costmap/robot_radius (", line)

@@ -13,7 +13,7 @@ from rosgraph_msgs.msg import Log
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Hands, Updates
+from core_helpers import Client, ManualInterfaces, Updates
 from interface_helpers import init_node, wait_to_hear, wait_until
 
 from rosoclingo.checking.verifying.moves import GOAL
@@ -29,7 +29,7 @@ class VerifiedStream(unittest.TestCase):
         init_node("verified_stream_test")
         self.said = []
         log = rospy.Subscriber("/rosout", Log, lambda message: self.said.append(message.msg))
-        self.hands = Hands()
+        self.hands = ManualInterfaces()
         self.hands.wait_for("/rosoclingo")
         self.client, self.updates = Client(), Updates()
         wait_to_hear(log, nodes=["/rosoclingo"])
@@ -48,13 +48,13 @@ class VerifiedStream(unittest.TestCase):
                     self.client.send(one.text)
                 else:
                     self.hands.tell(one.text, origin="sensor")
-                    self.told = one.text
+                    self.finding = one.text
             for answer in step.move.answers:
                 self.hands.tell(answer.text)
-        wait_until(lambda: any(self._is_doubt(text) for text in self.said), "the core to doubt what it was told")
+        wait_until(lambda: any(self._is_doubt(text) for text in self.said), "the core to doubt the finding")
 
     def _is_doubt(self, text):
-        return self.told in text and "contradicts that go(" in text
+        return self.finding in text and "contradicts that go(" in text
 
 
 if __name__ == "__main__":

@@ -19,15 +19,15 @@ from interface_helpers import CoreSide, Server, init_node, wait_until
 class SimulatedTimeInterfaces(unittest.TestCase):
     def set_clock(self, seconds):
         self.clock.publish(Clock(rospy.Time(seconds)))
-        wait_until(lambda: rospy.get_time() == seconds == self.told, "the time to arrive, at the interface too")
+        wait_until(lambda: rospy.get_time() == seconds == self.reported, "the time to arrive, at the interface too")
 
     def note(self, message):
-        self.told = message.header.stamp.to_sec()
+        self.reported = message.header.stamp.to_sec()
 
     def test_interface_survives_a_day_in_simulated_time(self):
         init_node("core_side")
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
-        self.told = None  # the interface's time, which it publishes once a second of wall time
+        self.reported = None  # the interface's time, which it publishes once a second of wall time
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.note)
         core = CoreSide()
         server = Server("slow", TestAction)

@@ -19,7 +19,7 @@ from rosoclingo.nodes.server_watch import SILENCE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Hands
+from core_helpers import ManualInterfaces
 from interface_helpers import PATIENCE, Process, executable, init_node, wait_to_hear, wait_until
 
 ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
@@ -83,7 +83,7 @@ class RequestLost(unittest.TestCase):
 
     def asks(self, namespace):
         """Start a request whose action is under way."""
-        hands = Hands(f"{namespace}/")
+        hands = ManualInterfaces(f"{namespace}/")
         hands.wait_for(f"/{namespace}/rosoclingo")
         request = Request(f"{namespace}/rosoclingo", PATIENCE)
         return hands, hands.take(), request
@@ -124,7 +124,7 @@ class RequestLost(unittest.TestCase):
     def test_request_waits_for_time_to_begin(self):
         other = "/clock:=/late_clock"
         with core("early", other), Request("early/rosoclingo", PATIENCE, other) as request:
-            hands = Hands("early/")
+            hands = ManualInterfaces("early/")
             hands.wait_for("/early/rosoclingo")
             for _ in range(int(4 * SILENCE)):
                 self.assertTrue(request.running, "the core is there, and waits for time to begin")

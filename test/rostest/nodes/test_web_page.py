@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import browser
-from core_helpers import Client, Hands
+from core_helpers import Client, ManualInterfaces
 from interface_helpers import Process, executable, init_node, process_of, wait_until
 
 TOPICS = [
@@ -37,7 +37,7 @@ class WebPage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         init_node("web_page_test")
-        cls.hands = Hands()
+        cls.hands = ManualInterfaces()
         cls.hands.at_once = True
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()

@@ -66,7 +66,7 @@ def test_deliveries_floors_have_names():
 
 
 @pytest.mark.parametrize(
-    ("before", "action", "told"),
+    ("before", "action", "message"),
     [
         ([], ("move_base", "office3"), "no corridor leads from office 1 to 3"),
         ([], ("move_base", "office1"), "no corridor"),
@@ -85,12 +85,12 @@ def test_deliveries_floors_have_names():
         ([], ("fly", "office2"), "no action fly"),
     ],
 )
-def test_deliveries_refused_action_changes_nothing(before, action, told):
+def test_deliveries_refused_action_changes_nothing(before, action, message):
     here = world(Request(1, 1, 2), Request(2, 2, 1), Request(3, 1, 4), Request(4, 1, 4), Request(5, 1, 4))
     for one in before:
         here.do(*one)
     left = here.copy()
-    with pytest.raises(RuleError, match=told):
+    with pytest.raises(RuleError, match=message):
         here.do(*action)
     assert vars(here) == vars(left)
 
@@ -111,8 +111,8 @@ def test_deliveries_copy_is_independent():
 def test_deliveries_shortest_plan_is_valid_and_minimal(floor):
     requests = deliveries.random_requests(floor, 3, seed=1)
     program = ReactiveProgram([Source.from_file(ROOT / "encodings" / "mailbot.lp"), Source(floor.name, floor.instance)])
-    told = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
-    result = PlanSolver(program, horizon_limit=200).update(StreamUpdate(1, None, told))
+    message = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
+    result = PlanSolver(program, horizon_limit=200).update(StreamUpdate(1, None, message))
     actions = sorted((one.arguments for one in Plan.from_result(result).actions), key=lambda action: action[2].number)
     here = world(*requests, floor=floor)
     for interface, parameter, _ in actions:

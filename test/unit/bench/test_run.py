@@ -106,12 +106,12 @@ def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "message"),
     [("raise SystemExit(3)", "exit code 3"), ("raise SystemExit", "no figures"), ("print('here', 1 / 0)", "division")],
 )
-def test_bench_run_reports_a_bench_that_fails_here(repository, more, told):
+def test_bench_run_reports_a_bench_that_fails_here(repository, more, message):
     repository.bench("a value", more)
-    with pytest.raises(run.BenchError, match=told):
+    with pytest.raises(run.BenchError, match=message):
         compare(repository, repository.commit(3))
 
 

@@ -96,9 +96,9 @@ def test_worker_end_leaves_no_question_waiting(make, monkeypatch, job):
 
 @pytest.mark.parametrize("at_the_end", [False, True])
 def test_worker_error_ends_node_with_a_traceback(make, monkeypatch, at_the_end):
-    told, ended, after = [], [], []
+    logged, ended, after = [], [], []
     monkeypatch.setattr(worker_module, "_failure", threading.Event())
-    monkeypatch.setattr(rospy, "logfatal", lambda text, *values: told.append(text % values))
+    monkeypatch.setattr(rospy, "logfatal", lambda text, *values: logged.append(text % values))
     monkeypatch.setattr(rospy, "signal_shutdown", ended.append)
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: at_the_end)
     worker = make()
@@ -109,11 +109,11 @@ def test_worker_error_ends_node_with_a_traceback(make, monkeypatch, at_the_end):
     assert not after, "its state may be half changed"
     assert worker_module.failed() != at_the_end
     if at_the_end:
-        assert not told, "topics are closed then, which is no fault"
+        assert not logged, "topics are closed then, which is no fault"
     else:
-        assert len(told) == len(ended) == 1
-        assert "Traceback" in told[0]
-        assert "ZeroDivisionError" in told[0]
+        assert len(logged) == len(ended) == 1
+        assert "Traceback" in logged[0]
+        assert "ZeroDivisionError" in logged[0]
 
 
 NODE = """

@@ -139,7 +139,7 @@ HAPPENED = st.one_of(
     st.tuples(st.just("ask"), st.sampled_from(NAMES), st.integers(1, 2)),
     st.tuples(st.just("cancel"), st.integers(0, 3)),
     st.tuples(st.sampled_from(["succeed", "succeed", "fail", "preempted"])),
-    st.tuples(st.just("told"), st.sampled_from(["_set", "_unset"]), st.sampled_from(FLUENTS)),
+    st.tuples(st.just("fact"), st.sampled_from(["_set", "_unset"]), st.sampled_from(FLUENTS)),
 )
 
 
@@ -168,7 +168,7 @@ class Play:
         if self.driver.core.awaited:
             self.driver.fail("preempted")
 
-    def told(self, word, fluent):
+    def fact(self, word, fluent):
         self.driver.facts(f"{word}({fluent},now)")
 
     def end(self):

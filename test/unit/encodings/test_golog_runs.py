@@ -34,7 +34,7 @@ class Play:
     """Random events, step by step, drawn as the programs allow, and the interpreter's view of them."""
 
     def __init__(self, data):
-        self.facts, self.constraints, self.told = [], [], set()
+        self.facts, self.constraints, self.expected = [], [], set()
         self.terms = Terms()
         self.runs = Runs(Toy, PROCEDURES)
         for step in range(1, STEPS + 1):
@@ -70,12 +70,12 @@ class Play:
     def tell(self, step):
         """Record the atoms that this step has to show."""
         for name, how in self.runs.how.items():
-            self.told.add(f"status({name},{how},{step})")
+            self.expected.add(f"status({name},{how},{step})")
         for key in self.runs.left:
             shown = "{}({})".format(*key)
-            self.told |= {f"offers({shown},{Terms.atom(one)},{step})" for one in self.runs.offers(key)}
+            self.expected |= {f"offers({shown},{Terms.atom(one)},{step})" for one in self.runs.offers(key)}
             if self.runs.waits(key):
-                self.told.add(f"waits({shown},{step})")
+                self.expected.add(f"waits({shown},{step})")
 
     def act(self, data, step, free):
         """Execute an action, skip it, or let it fail."""
@@ -115,7 +115,7 @@ class Play:
 @given(st.data())
 def test_golog_remaining_program_agrees_with_the_definitions(data):
     play = Play(data)
-    assert play.shown() == play.told
+    assert play.shown() == play.expected
 
 
 class Script:
@@ -142,9 +142,9 @@ QUIET = [None, False, False, False, None]  # no event, no request for h, no canc
 )
 def test_golog_loop_without_continuation_stays(later):
     play = Play(Script(None, True, ENDLESS, False, False, False, None, *QUIET, *later))
-    assert play.shown() == play.told
-    assert any("succeeded" in one or "canceled" in one for one in play.told)
-    assert not any("could be undone" in one for one in play.told)
+    assert play.shown() == play.expected
+    assert any("succeeded" in one or "canceled" in one for one in play.expected)
+    assert not any("could be undone" in one for one in play.expected)
 
 
 def test_golog_cancel_reaches_program_whose_search_is_lost():
@@ -152,5 +152,5 @@ def test_golog_cancel_reaches_program_whose_search_is_lost():
     acted = [("a",), True]
     play = Play(Script(None, True, search, False, False, False, *acted, None, False, False, True, ("c",), True,
                        None, False, True, True, None, *([None, False, False, False, False, None] * 2)))  # fmt: skip
-    assert play.shown() == play.told
-    assert 'status(g,canceled("not all that was begun could be undone"),3)' in play.told
+    assert play.shown() == play.expected
+    assert 'status(g,canceled("not all that was begun could be undone"),3)' in play.expected

@@ -67,9 +67,9 @@ def ground(program, requests, horizon, heuristic="Domain", facts=(), observer=No
     if observer is not None:
         control.register_observer(observer)
     program.load_into(control)
-    told = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
-    control.add("told", [], " ".join([*told, *(f"{fact}." for fact in facts)]))
-    control.ground([("base", []), ("told", [])])
+    items = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
+    control.add("stream", [], " ".join([*items, *(f"{fact}." for fact in facts)]))
+    control.ground([("base", []), ("stream", [])])
     steps = [[("cumulative", [number]), ("volatile", [number])] for number in map(clingo.Number, range(1, horizon + 1))]
     counts = []
     for parts in steps if observer is not None else [list(chain(*steps))]:  # grounding all at once takes half the time

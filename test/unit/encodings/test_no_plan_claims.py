@@ -73,11 +73,11 @@ def test_no_plan_claims_are_the_omitted_rules():
     assert len(left_out) == 2
 
 
-def check(floor, told, note=lambda text: None):
+def check(floor, updates, note=lambda text: None):
     """Send the facts to both solvers and execute the plan of the first; return the outcomes."""
     claiming, other = (PlanSolver(program(floor, claims)) for claims in (True, False))
     action, outcomes = None, []
-    for step, (reason, facts) in enumerate(told, 1):
+    for step, (reason, facts) in enumerate(updates, 1):
         update = written(step, action, reason, facts)
         ours, theirs = claiming.update(update), other.update(update)
         assert ours.outcome is theirs.outcome, str(update)
@@ -86,7 +86,7 @@ def check(floor, told, note=lambda text: None):
             assert ours.horizon == theirs.horizon
             action = next(filter(is_action_of(step), ours.answers[0]), None)
         elif claiming.horizon < other.horizon:
-            note("told by a claim")
+            note("refuted by a claim")
         outcomes.append(ours.outcome is SolveOutcome.SATISFIABLE)
     return outcomes
 
@@ -98,7 +98,7 @@ CANCEL = "_request(cancel(1),{1})."
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
-    ("told", "outcomes"),
+    ("updates", "outcomes"),
     [
         ([(None, [GOAL]), (None, [SHUT]), (None, []), (None, [OPEN])], [1, 0, 0, 1]),
         ([(None, [GOAL]), (None, [SHUT]), (None, [CANCEL])], [1, 0, 1]),
@@ -108,13 +108,13 @@ CANCEL = "_request(cancel(1),{1})."
     ],
     ids=["opened again", "cancelled", "cancelled, what it carries cut off", "opened later", "driven by somebody else"],
 )
-def test_no_plan_claims_agree_with_program_without_them(told, outcomes):
-    assert check("row", told) == list(map(bool, outcomes))
+def test_no_plan_claims_agree_with_program_without_them(updates, outcomes):
+    assert check("row", updates) == list(map(bool, outcomes))
 
 
 @pytest.mark.slow
 @pytest.mark.once
 @settings(max_examples=settings.default.max_examples // 4)
 @given(st.sampled_from(sorted(FLOORS)), st.lists(news(), min_size=2, max_size=7))
-def test_no_plan_claims_preserve_existing_plans(floor, told):
-    check(floor, told, event)
+def test_no_plan_claims_preserve_existing_plans(floor, updates):
+    check(floor, updates, event)

@@ -20,7 +20,7 @@ CORRECTIONS = {
     "robot that is carried away under way plans from there": f"""
         goal a goal(office3,office4,1); facts _at(office4,now); does move_base,office2,1; acts move_base,office2; finish
         {FROM_4}""",
-    **{f"{fact} is told late, and it went on since": f"""
+    **{f"{fact} arrives late, after further steps": f"""
         goal a goal(office3,office4,1); succeed; succeed; succeed; facts {fact}; finish; all a active succeeded
         acts move_base,office2 move_base,office3 pickup,1 move_base,office4 deliver,1; problems 0"""
        for fact in ("_at(office4,1)", "_at(office2,2)")},

@@ -24,8 +24,8 @@ def floor(distances):
 def plans(distances, requests, prefers, **options):
     sources = [Source.from_file(ENCODINGS / "mailbot.lp"), floor(distances), *([PREFERS] if prefers else [])]
     solver = PlanSolver(ReactiveProgram(sources), **options)
-    told = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
-    result = solver.update(parse_update(f"#step 1. {told} #endstep."))
+    facts = " ".join(f"_request(goal({a},{b},{number}),2)." for number, (a, b) in enumerate(requests, 1))
+    result = solver.update(parse_update(f"#step 1. {facts} #endstep."))
     assert result.outcome is SolveOutcome.SATISFIABLE
     return [moves(answer) for answer in result.answers]
 

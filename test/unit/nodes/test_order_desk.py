@@ -2,7 +2,7 @@
 
 import pytest
 import yaml
-from told_runs import LABELS
+from published_runs import LABELS
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.pages.order_desk import MOST_KNOWN, MOST_OPEN, OrderDesk

@@ -2,8 +2,8 @@
 
 import pytest
 import yaml
+from published_runs import LABELS, delivery
 from served_page import serving
-from told_runs import LABELS, delivery
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.pages.order_desk import OrderDesk

@@ -6,8 +6,8 @@ import json
 
 import browser
 import pytest
-from served_page import PATIENCE, answered, play, serving, told, wait_until
-from told_runs import GOAL
+from published_runs import GOAL
+from served_page import PATIENCE, answered, next_message, play, serving, wait_until
 from tornado.httpclient import HTTPClientError
 
 from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_MESSAGES, MOST_VIEWERS
@@ -121,9 +121,9 @@ def test_server_disconnects_viewers_that_send_too_much(served):
     async def scene():
         for text in ("hello", "x" * (MOST_BYTES + 1)):
             client = await served.connect()
-            assert (await told(client))["whole"]
+            assert (await next_message(client))["whole"]
             await client.write_message(text)
-            while await told(client) is not None:
+            while await next_message(client) is not None:
                 pass
 
     play(scene())
@@ -141,7 +141,7 @@ def test_server_limits_the_number_of_viewers(served):
         clients.pop().close()
         while served.viewers() == MOST_VIEWERS:
             await asyncio.sleep(0.02)
-        assert (await told(await served.connect()))["whole"]
+        assert (await next_message(await served.connect()))["whole"]
 
     play(scene())
 
@@ -151,10 +151,10 @@ def test_server_reports_its_end_and_leaves_nothing_open(served, capfd):
     async def scene():
         clients = [await served.connect() for _ in range(3)]
         for client in clients:
-            assert await told(client)
+            assert await next_message(client)
         await asyncio.get_event_loop().run_in_executor(None, served.server.stop, PATIENCE)
         for client in clients:
-            while await told(client) is not None:
+            while await next_message(client) is not None:
                 pass
             assert client.close_code == 1001
 
@@ -171,10 +171,10 @@ def test_server_reports_its_end_and_leaves_nothing_open(served, capfd):
 def test_server_sends_whole_view_and_then_changes(served):
     async def scene():
         client = await served.connect()
-        first = await told(client)
+        first = await next_message(client)
         assert (first["whole"], first["core"], first["goals"][0][1]["request"]) == (True, True, GOAL)
         served.do(lambda view: view.goal(140.0, "b", "goal(office1,office2,2)"))
-        more = await told(client)
+        more = await next_message(client)
         assert (more["whole"], more["about"], more["first"]) == (False, None, len(first["poses"]))
         assert [number for number, _ in more["goals"]] == [1]
 
@@ -185,9 +185,9 @@ def test_server_sends_whole_view_and_then_changes(served):
 def test_server_reports_that_the_core_is_gone(served):
     async def scene():
         client = await served.connect()
-        await told(client)
+        await next_message(client)
         served.extra = {"core": False}
-        assert (await told(client))["core"] is False
+        assert (await next_message(client))["core"] is False
 
     play(scene())
 
@@ -196,11 +196,11 @@ def test_server_reports_that_the_core_is_gone(served):
 def test_server_sends_another_view_as_a_whole(served):
     async def scene():
         client = await served.connect()
-        await told(client)
+        await next_message(client)
         served.do(lambda view: view.goal(140.0, "b", "g(b)"))
-        await told(client)
+        await next_message(client)
         served.view = served.view.renewed()
-        found = await told(client)
+        found = await next_message(client)
         assert found["whole"]
         assert [goal["request"] for _, goal in found["goals"]] == ["g(b)"]
         assert found["about"]["title"] == "A delivery"

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from journal_runs import GOALS, play
+from published_runs import GOAL, LABELS, plan_of
 from shipped import shipped
-from told_runs import GOAL, LABELS, plan_of
 
 from rosoclingo.reasoning.journal.database import NAME
 from rosoclingo.runs.recorded_run import RunProgram

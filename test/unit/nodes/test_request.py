@@ -32,9 +32,9 @@ class Client:
         self.goal = SimpleNamespace(
             text="walk(3)", ended=False, feedback=feedback("active"), outcome="", message="", cancel=lambda: None
         )
-        self.looks = self.told()
+        self.looks = self.feedbacks()
 
-    def told(self):
+    def feedbacks(self):
         yield from (None, KeyboardInterrupt, None)
         self.goal.feedback = feedback("preempting")
         yield None

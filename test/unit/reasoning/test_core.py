@@ -191,8 +191,8 @@ def test_core_plan_without_answer_holds_only_the_past():
     driver = Driver()
     driver.core.add_goal("a", "do(walk,1)")
     driver.goal("b", "do(run,2)").goal("c", "do(never,3)").succeed()
-    told = [(event.cycle, len(event.actions)) for event in driver.journal.of(PlanMade)]
-    assert told == [(1, 0), (1, 2), (2, 1), (3, 2)]
+    reported = [(event.cycle, len(event.actions)) for event in driver.journal.of(PlanMade)]
+    assert reported == [(1, 0), (1, 2), (2, 1), (3, 2)]
 
 
 def test_core_first_update_contains_no_past():
@@ -265,8 +265,8 @@ def test_core_limits_facts_queued_during_an_action(monkeypatch):
 
 def test_core_sends_feedback_after_each_answer():
     driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").succeed()
-    told = [(one.key, one.cycle, len(one.actions), one.position) for one in driver.journal.of(GoalProgress)]
-    assert told == [("a", 1, 1, 0), ("a", 2, 2, 1), ("b", 2, 2, 1)]
+    reported = [(one.key, one.cycle, len(one.actions), one.position) for one in driver.journal.of(GoalProgress)]
+    assert reported == [("a", 1, 1, 0), ("a", 2, 2, 1), ("b", 2, 2, 1)]
 
 
 def test_core_abandon_ends_every_goal():

@@ -149,8 +149,8 @@ def test_core_defers_kept_plan_by_its_idle_cycles():
     play(driver, f"fault undecided unless #volatile; run; does walk,{one},3")
     later = [str(action.atom) for action in driver.core.plan.remaining(3)]
     assert later == [f"_action_lib(walk,{one},3)", f"_action_lib(walk,{last},4)"]
-    told = [type(event) for event in driver.journal.events if event.cycle == 3]
-    assert told.index(UpdateSent) < told.index(ActionsDispatched) < told.index(GoalProgress)
+    types = [type(event) for event in driver.journal.events if event.cycle == 3]
+    assert types.index(UpdateSent) < types.index(ActionsDispatched) < types.index(GoalProgress)
 
 
 #: Only these requests are declared.
@@ -210,15 +210,15 @@ class Arm:
     """The world, independent of the program: the things that were grasped with success."""
 
     def __init__(self, driver):
-        self.driver, self.things, self.told = driver, set(), []
+        self.driver, self.things, self.returns = driver, set(), []
 
     def answer(self, fails, *facts):
         """End the action under way; ``facts`` come in the same message."""
         (action,) = self.driver.core.awaited
         thing = str(action.parameter)
         self.things |= set() if fails else {thing}
-        self.told.append(f"_return(arm,{'failed' if fails else thing},{action.cycle})")
-        self.driver.core.receive("arm", [*facts[:1], self.told[-1], *facts[1:]])
+        self.returns.append(f"_return(arm,{'failed' if fails else thing},{action.cycle})")
+        self.driver.core.receive("arm", [*facts[:1], self.returns[-1], *facts[1:]])
         self.go_on()
 
     def go_on(self):
@@ -245,7 +245,7 @@ class Arm:
 
     def check(self):
         """Check that the stream reports each action together with its return."""
-        assert self.heads.issuperset(self.told), self.driver.problems
+        assert self.heads.issuperset(self.returns), self.driver.problems
         for update in parse_updates(self.driver.journal.stream):
             returns = [one for one in update.heads if one is not None and one.match("_return", 3)]
             for action in update.committed:

@@ -57,9 +57,9 @@ def test_core_state_counts_problems_beyond_the_limit(origin, whose):
     assert throttle.take(Problem(1, "z", origin), QUIET)
 
 
-@pytest.mark.parametrize(("long", "told"), [(20, "x" * 20), (21, f"{'x' * 10} ... {'x' * 10} (21 characters)")])
-def test_core_state_shortens_long_texts_in_the_middle(long, told):
-    assert shortened("x" * long, 20) == told
+@pytest.mark.parametrize(("long", "shown"), [(20, "x" * 20), (21, f"{'x' * 10} ... {'x' * 10} (21 characters)")])
+def test_core_state_shortens_long_texts_in_the_middle(long, shown):
+    assert shortened("x" * long, 20) == shown
 
 
 def test_core_state_makes_a_diagnostics_report():

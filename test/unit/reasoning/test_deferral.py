@@ -45,10 +45,10 @@ class World:
         self.planners.append(TrialPlanner(self, without))
         return self.planners[-1]
 
-    def put_off(self, *chosen, told=STEP):
+    def put_off(self, *chosen, last_update=STEP):
         """Withdraw the chosen goals or others; return the planner that continues, and the outcome."""
         goals = [self.clients.goal(number) for number in chosen]
-        return defer(self, self.clients.goals, goals, WHY, told, [LAST], lambda: None)
+        return defer(self, self.clients.goals, goals, WHY, last_update, [LAST], lambda: None)
 
     @property
     def questions(self):
@@ -86,8 +86,8 @@ def requests(*terms):
 
 def test_deferral_queues_goals_without_any_action():
     world = World(4)
-    planner, told = world.put_off(3, 4)
-    assert told == "it took too long: 2 of 4 goals wait"
+    planner, message = world.put_off(3, 4)
+    assert message == "it took too long: 2 of 4 goals wait"
     assert (world.clients.served, world.clients.waiting) == ([1, 2], [3, 4])
     assert world.clients.waits(4) == ["4 goals were too many: it took too long"]
     assert planner is world.planners[-1]
@@ -106,8 +106,8 @@ def test_deferral_queues_new_goals_without_a_question():
     assert world.clients.waiting == [3, 4]
     assert (planner.without, world.updates) == (requests("_request(go(3),8)", "_request(go(4),8)"), [])
     world = World(4, fresh="3 4")
-    world.put_off(3, 4, told=STEP - 1)
-    assert world.clients.feed(STEP + 1) == [], "an update with their requests was never told"
+    world.put_off(3, 4, last_update=STEP - 1)
+    assert world.clients.feed(STEP + 1) == [], "an update with their requests was never sent"
 
 
 def test_deferral_leaves_new_goals_out_of_questions():
@@ -148,10 +148,10 @@ UNKNOWN = [
 )
 def test_deferral_leaves_goals_in_hand_alone(world, chosen, waiting):
     total = len(world.clients.live)
-    _, told = world.put_off(*numbers_of(chosen.split()))
+    _, message = world.put_off(*numbers_of(chosen.split()))
     assert world.clients.waiting == numbers_of(waiting.split())
     number = len(world.clients.waiting)
-    assert told == "it took too long: " + (f"{number} of {total} goals wait" if number else "the search goes on")
+    assert message == "it took too long: " + (f"{number} of {total} goals wait" if number else "the search goes on")
     assert waiting or total > 2 or len(world.updates) <= 2
 
 
@@ -166,8 +166,8 @@ def test_deferral_queues_the_others_if_all_are_in_hand():
 def test_deferral_continues_search_if_everything_is_in_hand():
     world = World(3, bound=["1", "2", "3"])
     queue = world.clients.goals.queue
-    planner, told = world.put_off(2, 3)
-    assert (planner, told) == (world, "it took too long: the search goes on")
+    planner, message = world.put_off(2, 3)
+    assert (planner, message) == (world, "it took too long: the search goes on")
     assert (world.clients.waiting, queue.stuck) == ([], 1)
     assert world.clients.feed(STEP + 1) == []
 
@@ -182,4 +182,4 @@ def test_deferral_preserves_order_of_chosen_goals():
     world = World(4, fresh="2")
     world.put_off(1, 2, 3)
     assert numbers(world.clients.goals.queue.waiting) == [1, 2, 3]
-    assert [one.key for one in world.clients.told if getattr(one, "waits", "")] == ["g1", "g2", "g3"]
+    assert [one.key for one in world.clients.reports if getattr(one, "waits", "")] == ["g1", "g2", "g3"]

@@ -64,19 +64,19 @@ def test_repair_withholds_the_fewest_contradicting_facts(pairs, seen, asked):
     driver = Driver(settings=CoreSettings(horizon_limit=8), program=program)
     for number, room in enumerate(ROOMS, 1):
         driver.goal(f"g{number}", f"go({room},{number})").finish()
-    told = [f"_seen({what},{cycle})" for what, cycle in seen]
+    sent = [f"_seen({what},{cycle})" for what, cycle in seen]
     if asked:
         driver.core.add_goal("late", "go(hall,9)")
     first = len(driver.journal.updates)
-    driver.facts(*told)
+    driver.facts(*sent)
     stream = "".join(event.stream for event in driver.journal.of(UpdateSent)[: first + 1])
     fewest = next(
         size
-        for size in range(len(told) + 1)
-        if any(has_answer(program, stream, set(told) - set(some)) for some in combinations(told, size))
+        for size in range(len(sent) + 1)
+        if any(has_answer(program, stream, set(sent) - set(some)) for some in combinations(sent, size))
     )
     assert len(denied(driver)) == fewest
-    assert has_answer(program, stream, set(told) - denied(driver))
+    assert has_answer(program, stream, set(sent) - denied(driver))
     driver.finish()
     assert [driver.states(f"g{number}")[-1] for number in (1, 2, 3)] == ["succeeded"] * 3
     assert not asked or driver.states("late")[-1] == "succeeded"

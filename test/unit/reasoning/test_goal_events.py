@@ -28,8 +28,8 @@ def table():
 
 def a_goal(state):
     """Return a goal manager with a fed goal in a state, the goal's states from then on, and the manager."""
-    told = []
-    manager = GoalManager(PROGRAM, InputFeeder(), told.append, lambda: 5, CoreSettings())
+    events = []
+    manager = GoalManager(PROGRAM, InputFeeder(), events.append, lambda: 5, CoreSettings())
     manager.add("key", "go(1)")
     goal = manager.live[0]
     goal.feed(4)
@@ -42,8 +42,8 @@ def a_goal(state):
     }
     for event in steps[state]:
         goal.apply(event)
-    told.clear()
-    return manager, goal, told
+    events.clear()
+    return manager, goal, events
 
 
 def happen(event, manager):
@@ -62,10 +62,10 @@ def happen(event, manager):
 
 @pytest.mark.parametrize(("event", "state", "cell"), list(table()))
 def test_goal_events_have_the_documented_effect(event, state, cell):
-    manager, goal, told = a_goal(state)
+    manager, goal, events = a_goal(state)
     happen(event, manager)
     expected = [] if cell == "–" else cell.split(";")[0].split(", ")
-    assert [one.state.value for one in told] == expected
+    assert [one.state.value for one in events] == expected
     ended = goal.state in TERMINAL
     assert (goal in manager.live) != ended
     assert (goal.outcome is not None and bool(goal.message)) == (ended and state != "ended")

@@ -61,7 +61,7 @@ def test_goal_manager_ends_only_undeclared_requests():
 def test_goal_manager_rejects_goals(key, text, reason):
     clients = Clients().add(1)
     clients.goals.add(key, text)
-    refused = [event for event in clients.told if isinstance(event, GoalRefused)]
+    refused = [event for event in clients.reports if isinstance(event, GoalRefused)]
     assert [(event.cycle, event.key, event.text) for event in refused] == [(7, key, text)]
     assert reason in refused[0].message
     assert clients.live == ["g1"]
@@ -69,7 +69,7 @@ def test_goal_manager_rejects_goals(key, text, reason):
 
 def test_goal_manager_rejects_all_without_declared_requests():
     clients = Clients("#external _request/1.").add(1)
-    assert "no external _request/2" in clients.told[0].message
+    assert "no external _request/2" in clients.reports[0].message
     assert clients.live == []
 
 

@@ -57,7 +57,7 @@ def test_goal_status_ends_goal_with_words_of_program():
 
 
 @pytest.mark.parametrize(
-    ("word", "told", "ends"),
+    ("word", "cycle", "ends"),
     [
         ("succeeded", 4, True),
         ("aborted", 5, True),
@@ -68,10 +68,10 @@ def test_goal_status_ends_goal_with_words_of_program():
         ("accepted", 5, False),
     ],
 )
-def test_goal_status_end_counts_in_cycle_without_answer(word, told, ends):
-    atoms = f"_status(1,{word},{told})", "_status(1,accepted,6)"
+def test_goal_status_end_counts_in_cycle_without_answer(word, cycle, ends):
+    atoms = f"_status(1,{word},{cycle})", "_status(1,accepted,6)"
     assert judged(*atoms, cycle=6, since=2).live is not ends
-    assert judged(*atoms, cycle=6, since=told + 1).live
+    assert judged(*atoms, cycle=6, since=cycle + 1).live
 
 
 def test_goal_status_first_of_missed_ends_counts():

@@ -56,9 +56,9 @@ def test_core_reports_and_sends_an_improved_plan(driver):
     improve(driver)
     assert driver.awaited == running
     assert rest(driver) == [("2", 1), ("3", 2), ("4", 3)]
-    told = driver.journal.of(PlanMade)[plans:]
-    assert told[-1].actions == driver.core.plan.remaining(driver.core.cycle)
-    assert [one.actions for one in driver.feedback("a")[progress:]] == [one.actions for one in told]
+    published = driver.journal.of(PlanMade)[plans:]
+    assert published[-1].actions == driver.core.plan.remaining(driver.core.cycle)
+    assert [one.actions for one in driver.feedback("a")[progress:]] == [one.actions for one in published]
     assert isinstance(driver.feedback("a")[-1], GoalProgress)
     first = driver.core.cycle
     driver.finish()

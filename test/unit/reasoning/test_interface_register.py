@@ -28,7 +28,7 @@ def test_register_reports_action_without_interface_and_alternatives():
     assert looked(found, [HOLD, MOVE]) == [(HOLD, text, True)]
     assert looked(found, [], first=5.0) == []
     assert looked(found, [HOLD], first=10.0) == [(HOLD, text, True)], "another action of the kind"
-    assert [one.new for one in found.look([HOLD], NODES, NODES, 20.0)] == [False], "each is told once"
+    assert [one.new for one in found.look([HOLD], NODES, NODES, 20.0)] == [False], "each is reported once"
     found.announce("/b", "hold")
     assert found.look([HOLD], NODES, NODES, 30.0) == []
     assert found.names == ["deliver", "hold", "move_base", "pickup"]

@@ -82,7 +82,7 @@ class Play:
     """Applies events to a driver."""
 
     def __init__(self, driver, ask):
-        self.driver, self.ask, self.goals, self.told = driver, ask, 0, []
+        self.driver, self.ask, self.goals, self.sent = driver, ask, 0, []
 
     def do(self, event, *values):
         """Apply one event."""
@@ -108,15 +108,15 @@ class Play:
 
     def again(self):
         """Send an earlier message again."""
-        self.driver.facts(*self.told[-3:])
+        self.driver.facts(*self.sent[-3:])
 
     def text(self, fact):
         """Return a fact's text; small cycles are absolute, others relative to now."""
         *words, cycle = fact
         if cycle != "now":
             cycle = cycle if 0 <= cycle <= 1 else max(0, self.driver.core.cycle + cycle)
-        self.told.append(f"{words[0]}({','.join(map(str, [*words[1:], cycle]))})")
-        return self.told[-1]
+        self.sent.append(f"{words[0]}({','.join(map(str, [*words[1:], cycle]))})")
+        return self.sent[-1]
 
     def succeed(self):
         """Let the actions under way succeed."""

@@ -66,7 +66,7 @@ def test_returns_predict_failure_that_differs_from_success(parameter, value):
 def test_returns_limit_remembered_facts_with_a_cycle(monkeypatch):
     monkeypatch.setattr("rosoclingo.reasoning.returns.KNOWN", 2)
     driver = Driver(BATTERY).facts("_battery(high,7)", "_battery(high,8)").facts("_battery(high,7)", "_battery(high,8)")
-    assert len(driver.journal.updates) == 1, "told again they are nothing new"
+    assert len(driver.journal.updates) == 1, "repeated facts are not new"
     driver.facts("_battery(high,9)").facts("_battery(high,8)")
     assert len(driver.journal.updates) == 2
     driver.facts("_battery(high,7)")
@@ -144,7 +144,7 @@ def test_returns_treat_unsent_facts_as_new_on_repeat():
     monitor.update_accepted([Observation(high, 2, origin="meter", original=low, outdated=True)], ())
     assert events[-1].message == f"{low} from interface meter is too late: it is redated to {high}"
     monitor.receive("meter", [str(low)])
-    assert events[-1].atom == low, "it is known by what was told"
+    assert events[-1].atom == low, "the report identifies it"
 
 
 def test_returns_limit_queued_facts_by_text_length(monkeypatch):

@@ -71,7 +71,7 @@ WHY = "goals were too many: no plan was found before the search was ended: the t
 
 #: The initial number of goals for which planning has time, and the script.
 BUSY = {
-    "newest goals wait, and are told so once": (3, f"""
+    "newest goals wait, which is reported once": (3, f"""
         ask 1-8; run; plans; deferred 3-8; reason 8 8 {WHY}; reason 3 4 {WHY}; reason 2; withdraws 3 2
         unsent ...do(walk,5)...; problem no plan was found before the search was ended: the test: 4 of 8 goals wait
         all_met 1-8; reason 8 8 {WHY}"""),

@@ -200,17 +200,17 @@ def test_account_counts_resent_action_again_only_in_another_run(account, lines):
 
 
 def test_account_can_begin_during_a_run(account, lines):
-    told = [
+    published = [
         GoalReport("a", "g(1)", 3, "g(1) is met"),
         GoalReport("b", "g(2)", 1, "g(2) is accepted", 4900.0),
         GoalReport("c", "g(3)", 0, "at most 8 goals are planned for at a time"),
     ]
-    account.goals(5000.0, told)
+    account.goals(5000.0, published)
     account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
     account.dispatched(5000.1, ["_action_lib(go,y,412)"])
     account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
     account.status(5001.0, "a", 3, "g(1) is met")
-    account.goals(5002.0, [*told, GoalReport("d", "g(4)", 0, "")])
+    account.goals(5002.0, [*published, GoalReport("d", "g(4)", 0, "")])
     account.goal(5002.0, "d", "g(4)")
     account.status(5003.0, "b", 3, "g(2) is met")
     assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [

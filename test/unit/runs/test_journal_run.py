@@ -28,23 +28,23 @@ def late(tmp_path_factory):
         return play(tmp_path_factory.mktemp("late"), ReactiveProgram.from_text(FORGETFUL), goals, None, None)
 
 
-def streams(told):
-    return "".join(event.stream for event in told if isinstance(event, UpdateSent))
+def streams(published):
+    return "".join(event.stream for event in published if isinstance(event, UpdateSent))
 
 
-def dispatched(told):
-    events = [event for event in told if isinstance(event, ActionsDispatched)]
+def dispatched(published):
+    events = [event for event in published if isinstance(event, ActionsDispatched)]
     return {event.cycle: [str(one.atom) for one in event.actions] for event in events}
 
 
 @pytest.mark.slow
 def test_journal_run_has_the_published_messages_and_actions(whole):
-    file, told = whole
+    file, published = whole
     run = journal_run(file)
     assert run.program.run == "run"
     assert run.program.load().fingerprint == shipped("mailbot.lp", "office.lp").fingerprint
-    assert run.stream.split() == streams(told).split()
-    assert {one.cycle: one.dispatched for one in run.cycles if one.dispatched} == dispatched(told)
+    assert run.stream.split() == streams(published).split()
+    assert {one.cycle: one.dispatched for one in run.cycles if one.dispatched} == dispatched(published)
 
 
 @pytest.mark.slow
@@ -66,9 +66,9 @@ def test_journal_run_reports_a_different_decision(whole):
 
 @pytest.mark.slow
 def test_journal_run_continues_from_a_stored_state(late):
-    file, told = late
+    file, published = late
     run = journal_run(file)
-    first, sent = run.cycles[0].cycle, dispatched(told)
+    first, sent = run.cycles[0].cycle, dispatched(published)
     assert first > 1
     assert {one.cycle: one.dispatched for one in run.cycles if one.dispatched} == {
         cycle: actions for cycle, actions in sent.items() if cycle >= first

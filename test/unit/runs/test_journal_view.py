@@ -44,13 +44,13 @@ def test_journal_view_goals_have_times_states_and_reasons(whole):
 
 @pytest.mark.slow
 def test_journal_view_cycles_have_published_updates_and_plans(whole):
-    file, told = whole
+    file, published = whole
     cycles = {one["cycle"]: one for one in records(journal_view(file), "cycles")}
-    sent = {event.cycle: event.stream for event in told if isinstance(event, UpdateSent)}
+    sent = {event.cycle: event.stream for event in published if isinstance(event, UpdateSent)}
     assert {cycle: one["updates"] for cycle, one in cycles.items() if one["updates"]} == {
         cycle: [str(parse_update(text).plain).strip()] for cycle, text in sent.items()
     }
-    made = {event.cycle: event for event in told if isinstance(event, PlanMade) and event.cycle > 1}
+    made = {event.cycle: event for event in published if isinstance(event, PlanMade) and event.cycle > 1}
     for cycle, event in made.items():
         plan = cycles[cycle]["plans"][-1]
         assert (plan["horizon"], plan["ground"], plan["solve"]) == (event.horizon, None, None)
@@ -58,10 +58,10 @@ def test_journal_view_cycles_have_published_updates_and_plans(whole):
 
 @pytest.mark.slow
 def test_journal_view_actions_have_their_begin_and_end(whole):
-    file, told = whole
+    file, published = whole
     view = journal_view(file)
     actions = records(view, "actions")
-    sent = [action for event in told if isinstance(event, ActionsDispatched) for action in event.actions]
+    sent = [action for event in published if isinstance(event, ActionsDispatched) for action in event.actions]
     names = [view.changes()["words"][one["action"]] for one in actions]
     assert [(one["interface"], one["parameter"], one["cycle"]) for one in names] == [
         (one.interface_name, str(one.parameter), one.cycle) for one in sent
@@ -118,12 +118,12 @@ def test_journal_view_without_times_counts_records(tmp_path):
 def test_journal_view_of_rewritten_journal_begins_with_open_goals(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "RECORDS", 100)
     goals = [(str(number), f"do({number})") for number in range(1, 60)]
-    file, told = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
+    file, published = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
     view = journal_view(file)
     first = min(one["cycle"] for one in records(view, "cycles"))
     assert first > 1
     assert f"it begins with cycle {first}" in view.about["lacks"]
-    last = [one for event in told if isinstance(event, ActionsDispatched) for one in event.actions][-1]
+    last = [one for event in published if isinstance(event, ActionsDispatched) for one in event.actions][-1]
     word = view.changes()["words"][records(view, "actions")[-1]["action"]]
     assert (word["interface"], word["cycle"]) == (last.interface_name, last.cycle)
     assert all(goal["ended"] is not None for goal in records(view, "goals"))

@@ -113,7 +113,7 @@ def test_orders_from_unknown_location_offer_no_place():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("3", "a list of orders"),
         ("- {title: A, goal: g}", "choices"),
@@ -126,8 +126,8 @@ def test_orders_from_unknown_location_offer_no_place():
         ("- {title: A, goal: 'g({a})', choices: {a: [x]}, choose: 1}", "choose"),
     ],
 )
-def test_orders_declaration_faults_are_reported(text, told):
-    assert told in "\n".join(read(text)[1])
+def test_orders_declaration_faults_are_reported(text, message):
+    assert message in "\n".join(read(text)[1])
 
 
 def test_orders_can_be_undeclared():

@@ -208,10 +208,10 @@ def test_replay_stream_gives_same_answers_by_command(goals, tmp_path, capsys):
     words = RunProgram.of("run", driver.program, {}).write(tmp_path)
     (tmp_path / "stream").write_text(run.stream)
     assert oclingo([*words, "--shortest", "--stream", str(tmp_path / "stream"), "--json"]) in (0, 20)
-    told = [line for line in capsys.readouterr().out.splitlines() if line]
+    reported = [line for line in capsys.readouterr().out.splitlines() if line]
     found = [report.found for report in Replay(run, driver.program).reports()]
-    assert len(told) == len(found) > 5
-    for line, shown in zip(told, found):
+    assert len(reported) == len(found) > 5
+    for line, shown in zip(reported, found):
         answers = re.findall(r'"answers": (\[.*?\]\]|\[\])', line)[0]
         assert (answers == "[]") is (shown is None)
         if shown is not None:

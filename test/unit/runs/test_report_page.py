@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from told_runs import GOAL, LABELS, delivery, long_run
+from published_runs import GOAL, LABELS, delivery, long_run
 
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.report_page import SCRIPTS, report_page

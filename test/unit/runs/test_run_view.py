@@ -4,7 +4,7 @@ import json
 import math
 
 import pytest
-from told_runs import GOAL, delivery
+from published_runs import GOAL, delivery
 
 from rosoclingo.runs import run_view
 from rosoclingo.runs.events import GoalReport
@@ -14,7 +14,7 @@ from rosoclingo.runs.run_view import RunView
 
 
 @pytest.fixture(scope="module")
-def told():
+def published():
     return delivery().changes()
 
 
@@ -27,25 +27,25 @@ def names(changes, numbers):
     return [f"{word['interface']} {word['parameter']}" for word in words]
 
 
-def test_view_is_json_and_begins_with_first_request(told):
-    assert json.loads(json.dumps(told, allow_nan=False))["seconds"] == 32.5
-    (goal,) = records(told, "goals")
+def test_view_is_json_and_begins_with_first_request(published):
+    assert json.loads(json.dumps(published, allow_nan=False))["seconds"] == 32.5
+    (goal,) = records(published, "goals")
     assert (goal["request"], goal["sent"], goal["ended"]) == (GOAL, 0.0, 32.5)
     assert goal["states"] == [[0.0, "pending", ""], [1.5, "active", "is accepted"], [32.5, "succeeded", "is met"]]
 
 
-def test_view_cycle_has_update_and_plans_with_times(told):
-    cycles = records(told, "cycles")
+def test_view_cycle_has_update_and_plans_with_times(published):
+    cycles = records(published, "cycles")
     assert [one["cycle"] for one in cycles] == [1, 2, 3, 4, 5, 6]
     assert cycles[0]["updates"] == [f"#step 1.\n_request({GOAL},2).\n#end step."]
     early, plan = cycles[0]["plans"]
     assert (early["time"], early["actions"], early["ground"]) == (0.0, [], 0.1)
     assert (plan["time"], plan["horizon"], plan["ground"], plan["solve"]) == (1.0, 4, 0.02, 0.01)
-    assert names(told, plan["actions"]) == ["move_base office2", "pickup 1", "move_base office1", "deliver 1"]
+    assert names(published, plan["actions"]) == ["move_base office2", "pickup 1", "move_base office1", "deliver 1"]
 
 
-def test_view_action_has_its_return(told):
-    actions = records(told, "actions")
+def test_view_action_has_its_return(published):
+    actions = records(published, "actions")
     assert [(one["begun"], one["ended"], one["value"], one["failed"]) for one in actions] == [
         (1.0, 10.0, "office2", False),
         (10.0, 12.0, "1", False),
@@ -55,17 +55,17 @@ def test_view_action_has_its_return(told):
     ]
 
 
-def test_view_log_equals_the_account(told):
-    log = records(told, "log")
+def test_view_log_equals_the_account(published):
+    log = records(published, "log")
     assert [one["kind"] for one in log[:4]] == ["plan", "request", "update", "plan"]
     assert log[-1] == {"time": 32.5, "cycle": 6, "kind": "goal", "text": f"{GOAL}: succeeded"}
     assert [one["time"] for one in log] == sorted(one["time"] for one in log)
 
 
-def test_view_keeps_packages_and_poses_when_they_change(told):
-    assert [one["time"] for one in records(told, "packages")] == [0.0, 12.0, 32.0]
-    assert told["poses"][0] == [-10.0, 1.0, 1.0, 0.0, 0.0]
-    assert told["poses"][-1] == [9.0, 5.0, 1.0, 0.0, 4.0]
+def test_view_keeps_packages_and_poses_when_they_change(published):
+    assert [one["time"] for one in records(published, "packages")] == [0.0, 12.0, 32.0]
+    assert published["poses"][0] == [-10.0, 1.0, 1.0, 0.0, 0.0]
+    assert published["poses"][-1] == [9.0, 5.0, 1.0, 0.0, 4.0]
 
 
 def test_view_sends_only_changes():
@@ -112,15 +112,15 @@ def test_view_pending_goal_waits_until_core_begins():
 
 def test_view_reports_earlier_goals_at_once():
     view = RunView()
-    told = [
+    published = [
         GoalReport("old", "g(0)", 3, "is met", 10.0),
         GoalReport("a", "g(1)", 1, "g(1) is accepted", 90.0),
         GoalReport("b", "g(2)", 0, "at most 8 goals are planned for at a time", 95.0),
     ]
-    view.goals(100.0, told)
+    view.goals(100.0, published)
     view.status(101.0, "b", 0, "")
     refused = GoalReport("c", "g(3)", 5, "g(3) there is no g", 101.5)
-    view.goals(102.0, [*told[:2], GoalReport("b", "g(2)", 0, "", 95.0), refused])
+    view.goals(102.0, [*published[:2], GoalReport("b", "g(2)", 0, "", 95.0), refused])
     found = {goal["id"]: goal for goal in records(view.changes(), "goals")}
     assert {key: (goal["sent"], goal["ended"]) for key, goal in found.items()} == {
         "a": (0.0, None),
@@ -183,7 +183,7 @@ def test_view_matches_returns_with_concurrent_actions():
 
 
 @pytest.mark.parametrize(
-    ("told", "returns", "expected"),
+    ("published", "returns", "expected"),
     [
         (["_cancel(go,a,1)"], "preempted", (False, True)),
         (["_cancel(go,a,1)"], "a", (False, False)),
@@ -194,11 +194,11 @@ def test_view_matches_returns_with_concurrent_actions():
         ([], "preempted", (True, False)),
     ],
 )
-def test_view_tells_preempted_actions_from_failures(told, returns, expected):
+def test_view_tells_preempted_actions_from_failures(published, returns, expected):
     view = RunView()
     view.goal(0.0, "a", "g(1)")
     view.dispatched(1.0, ["_action_lib(go,a,1)"])
-    view.dispatched(2.0, told)
+    view.dispatched(2.0, published)
     view.returned(3.0, "go", [f"_return(go,{returns},1)"])
     (action,) = records(view.changes(), "actions")
     assert (action["ended"], action["failed"], action["preempted"]) == (3.0, *expected)

@@ -22,7 +22,7 @@ def ask(node, **texts):
     return node.run()
 
 
-def told(core, name):
+def explained(core, name):
     """Return the explanation of an aborted goal."""
     found = core.keeper.given_up.find(name)
     return explain(PROGRAM, found.stream)
@@ -34,17 +34,17 @@ def test_resumed_core_explains_aborted_goals_like_its_predecessor(start):
     (walk,) = first.core.awaited
     first.core.receive("hand", [f"_return(walk,1,{walk.cycle})"])
     ask(first, c="do(never,3)")
-    reasons = {name: told(first, name) for name in ("b", "do(never, 2)", "2", "c")}
+    reasons = {name: explained(first, name) for name in ("b", "do(never, 2)", "2", "c")}
     assert reasons["b"].rules
     assert "do(never,2)" in " ".join(fact.text for fact in reasons["b"].told)
     again = start(horizon_limit=4)
     assert [str(term) for term in again.keeper.aborted_goals.terms] == ["do(never,2)", "do(never,3)"]
-    assert {name: told(again, name) for name in reasons} == reasons
+    assert {name: explained(again, name) for name in reasons} == reasons
     assert again.keeper.aborted_goals.find("walk") is None
     ask(again, d="do(never,4)")
     third = start(horizon_limit=4)
     assert [str(term) for term in third.keeper.aborted_goals.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
-    assert told(third, "3") == reasons["c"]
+    assert explained(third, "3") == reasons["c"]
 
 
 def unmet(number, text="#step 1.\n#end step."):

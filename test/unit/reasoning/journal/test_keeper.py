@@ -43,7 +43,7 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
 
     node.at_event = look
     node.goal("a", "do(walk,1)").goal("b", "do(").succeed()
-    assert [type(event) for event in node.told].count(GoalRefused) == 1
+    assert [type(event) for event in node.published].count(GoalRefused) == 1
     assert not node.keeper.clients
 
 
@@ -67,7 +67,7 @@ def test_keeper_makes_a_return_durable_at_once(start, records):
     records.clear()
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     node.keeper.send()
-    assert [type(event) for event in node.told][-1] is ReturnAccepted
+    assert [type(event) for event in node.published][-1] is ReturnAccepted
     assert len(records) == 1
     assert start().core.awaited == ()
 
@@ -119,7 +119,7 @@ def test_keeper_holds_unconfirmed_end_until_it_expires(start):
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     while node.core.advance(1.0):
         node.keeper.send(keep_ends=True)
-    assert any(isinstance(event, GoalChanged) and event.outcome is not None for event in node.told)
+    assert any(isinstance(event, GoalChanged) and event.outcome is not None for event in node.published)
     again = start()
     assert again.keeper.clients["a"].ending == Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
     again.keeper.forget(["a"])
@@ -140,7 +140,7 @@ def test_keeper_still_awaits_action_that_was_perhaps_sent(start):
     again = start()
     assert [str(action.atom) for action in again.core.awaited] == ["_action_lib(walk,1,1)"]
     again.succeed()
-    ends = [event for event in again.told if isinstance(event, GoalChanged) and event.outcome is not None]
+    ends = [event for event in again.published if isinstance(event, GoalChanged) and event.outcome is not None]
     assert [event.outcome for event in ends] == [Outcome.SUCCEEDED]
 
 
@@ -171,8 +171,8 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
     node.at_event = look
     node.core.shut_down("is aborted: the core shuts down")
     node.keeper.send()
-    assert [one.actions for one in node.told if isinstance(one, ActionsPreempted)] == [under_way]
-    ends = [one for one in node.told if isinstance(one, GoalChanged) and one.outcome is Outcome.ABORTED]
+    assert [one.actions for one in node.published if isinstance(one, ActionsPreempted)] == [under_way]
+    ends = [one for one in node.published if isinstance(one, GoalChanged) and one.outcome is Outcome.ABORTED]
     assert len(ends) == 2
     again = start(program)
     assert again.core.awaited == again.core.preempted == under_way, "who comes late hears of the actions and their ends"
@@ -182,7 +182,7 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
     assert not again.core.awaited
     assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
     again.goal("c", "do(walk,3)").succeed()
-    assert [one.outcome for one in again.told if isinstance(one, GoalChanged)][-1] is Outcome.SUCCEEDED
+    assert [one.outcome for one in again.published if isinstance(one, GoalChanged)][-1] is Outcome.SUCCEEDED
 
 
 def test_keeper_second_shutdown_cancels_no_action_twice(start):
@@ -192,7 +192,7 @@ def test_keeper_second_shutdown_cancels_no_action_twice(start):
     again = start()
     again.core.shut_down("is aborted")
     again.keeper.send()
-    assert not [one for one in again.told if isinstance(one, ActionsPreempted)]
+    assert not [one for one in again.published if isinstance(one, ActionsPreempted)]
 
 
 def test_keeper_killed_core_cancels_no_action(start):
@@ -219,7 +219,9 @@ def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
         node.goal(str(number), f"do({number})").succeed()
         sizes.append(size_of(node.folder))
         states.append(len(json.dumps(node.core.record())))
-    assert [event.outcome for event in node.told if isinstance(event, GoalChanged)].count(Outcome.SUCCEEDED) == goals
+    assert [event.outcome for event in node.published if isinstance(event, GoalChanged)].count(
+        Outcome.SUCCEEDED
+    ) == goals
     half = len(sizes) // 2
     assert max(states[half:]) < 1.25 * max(states[:half])
     assert max(sizes[half:]) < 1.25 * max(sizes[:half])
@@ -228,21 +230,21 @@ def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
 
 def kept(journal, now=lambda: 0.0):
     """Return a core that has not begun, its keeper, and the released messages."""
-    told = []
-    keeper = Keeper(told.append, journal, now)
+    published = []
+    keeper = Keeper(published.append, journal, now)
     core = ResumableCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
-    return core, keeper, told
+    return core, keeper, published
 
 
 def test_keeper_records_core_from_start_until_journal_closes(tmp_path):
     place = Journal(tmp_path, Header("run", "program"))
-    core, keeper, told = kept(place)
+    core, keeper, published = kept(place)
     assert place.read().state["core"]["started"] is False
     keeper.close()
     core.start()
     keeper.send()
-    assert told != []
+    assert published != []
     assert keeper.fault == ""
     other = Journal(tmp_path)
     assert other.read().state["core"]["started"] is False
@@ -250,14 +252,14 @@ def test_keeper_records_core_from_start_until_journal_closes(tmp_path):
 
 
 def test_keeper_releases_all_messages_without_journal(tmp_path):
-    core, keeper, told = kept(None)
+    core, keeper, published = kept(None)
     core.start()
     keeper.add("a", ClientGoal("do(", (1, 2)))
     keeper.keep()
     core.add_goal("a", "do(")
-    assert told == []
+    assert published == []
     keeper.send()
-    assert [one.key for one in told if isinstance(one, GoalRefused)] == ["a"]
+    assert [one.key for one in published if isinstance(one, GoalRefused)] == ["a"]
     assert (keeper.clients, keeper.fault) == ({}, "")
     keeper.close()
 

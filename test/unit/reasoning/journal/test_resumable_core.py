@@ -148,9 +148,9 @@ def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, c
 
 
 def test_resumed_core_answers_queries_of_its_node():
-    program, disk, told = ReactiveProgram.from_text(ERRANDS), Disk(), []
+    program, disk, events = ReactiveProgram.from_text(ERRANDS), Disk(), []
     settings = dataclasses.replace(SETTINGS, preempt=True)
-    first = ResumableCore(program, lambda: shortest(program), told.append, settings)
+    first = ResumableCore(program, lambda: shortest(program), events.append, settings)
     first.start()
     for key, text in (("a", "do(walk,1)"), ("b", "do(run,2)")):
         first.add_goal(key, text)
@@ -159,33 +159,35 @@ def test_resumed_core_answers_queries_of_its_node():
     first.cancel_goal("a" if action.interface_name == "walk" else "b")
     assert not first.advance(0.0)
     disk.write(first.record())
-    core = ResumableCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
+    core = ResumableCore(program, lambda: shortest(program), events.append, settings, record=disk.read())
     assert core.preempted == first.preempted == (action,)
     assert {*first.awaited} <= {*core.shown} == {*first.shown}
     assert core.horizon == first.horizon >= 1
     assert (str(core.goal("b")), core.goal("c")) == ("do(run,2)", None)
     core.shut_down("is aborted: the core shuts down")
-    ends = {one.key: one.message for one in told if isinstance(one, GoalChanged) and one.outcome is not None}
+    ends = {one.key: one.message for one in events if isinstance(one, GoalChanged) and one.outcome is not None}
     assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
     assert core.live_goals == []
     disk.write(core.record())
-    next_one = ResumableCore(program, lambda: shortest(program), told.append, settings, record=disk.read())
+    next_one = ResumableCore(program, lambda: shortest(program), events.append, settings, record=disk.read())
     for one in next_one.awaited:
         next_one.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
     assert next_one.advance(0.0)
-    updates = " ".join(str(one) for one in told if isinstance(one, UpdateSent))
-    assert all(f"_request(cancel({number})," in updates for number in (1, 2)), "the program is told when it goes on"
+    updates = " ".join(str(one) for one in events if isinstance(one, UpdateSent))
+    assert all(f"_request(cancel({number})," in updates for number in (1, 2)), (
+        "the resumed core sends them to the program"
+    )
 
 
 def test_resumed_core_publishes_beliefs_before_solving():
     program = ReactiveProgram.from_text(ERRANDS + 'at(1,t) :- t=1. #show at/2. at(2,0). #show "a,b". #show 7.')
-    told, again, disk = [], [], Disk()
-    first = ResumableCore(program, lambda: shortest(program), told.append, SETTINGS)
+    events, again, disk = [], [], Disk()
+    first = ResumableCore(program, lambda: shortest(program), events.append, SETTINGS)
     first.report_beliefs()
-    assert not told
+    assert not events
     first.start()
     disk.write(first.record())
-    believed = told[-1]
+    believed = events[-1]
     assert isinstance(believed, StateChanged)
     assert believed.atoms
     next_one = ResumableCore(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
