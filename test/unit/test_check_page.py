@@ -36,7 +36,7 @@ def matches(shown, printed):
 @pytest.mark.once
 @pytest.mark.parametrize("page", [PAGE, WHY, VERIFY], ids=["check", "why_no_plan", "verify"])
 def test_check_page_shows_the_real_output(tmp_path, page):
-    pytest.importorskip("genpy", reason="types of messages are looked at")
+    pytest.importorskip("genpy", reason="message types are checked")
     files, commands, end = [], 0, 0
     for match in BLOCK.finditer(page):
         before = page[end : match.start()].strip().rpartition("\n\n")[2]

@@ -1,1 +1,1 @@
-"""What may be wrong with a program before it drives: lint, trial plans, verification."""
+"""Checks of a program before it drives a robot: lint, trial plans, verification."""

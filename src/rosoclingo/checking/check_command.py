@@ -1,4 +1,4 @@
-"""The command ``check``: what may be wrong with a program, as a compiler says it; nothing is run."""
+"""The command ``check``: reports likely errors of a program in the format of a compiler."""
 
 import argparse
 import gc
@@ -26,17 +26,16 @@ if TYPE_CHECKING:
     from rosoclingo.checking.verifying.verification import Verification
 
 CLEAN, FOUND, UNREADABLE = 0, 1, 2
-"""The exit codes: nothing was found, something was, a file cannot be read or the command line is wrong."""
+"""Exit codes: no findings; findings; an unreadable file or a wrong command line."""
 
 _DESCRIPTION = """\
-Says what may be wrong with a reactive logic program before it runs: misspelt predicates, values that no rule gives,
-heads without their step and more; with --plan, what it would do about requests, or which rules forbid it. No master is
-needed."""
+Reports likely errors of a reactive logic program before it runs: misspelt predicates, impossible values, heads without
+a step and more. With --plan it shows the plan for a request, or the rules that exclude one. It needs no ROS master."""
 
 _EPILOG = """\
-A comment "% check: ok KIND" silences findings of a kind on its line or, alone on a line, on the next one. Exit code: 0
-nothing was found; 1 something was, an error, a warning, no plan for a request, or what --verify looks for;
-2 a file can't be read, or the command line is wrong."""
+A comment "% check: ok KIND" silences findings of a kind on its line or, alone on a line, on the next one. Exit code:
+0 no findings; 1 an error, a warning, a request without a plan, or a defect found by --verify; 2 an unreadable file or a
+wrong command line."""
 
 
 def make_parser(extension: CheckExtension = NO_EXTENSION) -> argparse.ArgumentParser:
@@ -44,38 +43,38 @@ def make_parser(extension: CheckExtension = NO_EXTENSION) -> argparse.ArgumentPa
     parser = argparse.ArgumentParser(prog="check", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("files", nargs="+", metavar="FILE", help="program files, read in order (-: standard input)")
     parser.add_argument(
-        "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; may be repeated"
+        "-c", "--const", action="append", default=[], metavar="NAME=VALUE", help="replace a constant; can be repeated"
     )
-    parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are looked at as well")
+    parser.add_argument("--stream", metavar="FILE", help="updates for the program, which are checked as well")
     add_trials(parser, extension)
     parser.add_argument("--json", action="store_true", help="print the findings as one JSON object")
     return parser
 
 
 def add_trials(parser: argparse.ArgumentParser, extension: CheckExtension = NO_EXTENSION) -> None:
-    """Add what else than its rules is looked at of a program, and how."""
+    """Add the options of trial plans, of the extension and of the verification."""
     parser.add_argument(
         "--plan",
         action="append",
         nargs="?",
         default=[],
         metavar="REQUEST",
-        help="show the plan for a request, as in goal(office1,office2,1), after the updates of --stream, or which "
-        "rules forbid it; may be repeated; without REQUEST one of each kind that the program asks for, or of --orders",
+        help="show the plan for a request such as goal(office1,office2,1) after the updates of --stream, or the rules "
+        "that exclude one; can be repeated; without REQUEST: one of each kind in the program's rules, or in --orders",
     )
     parser.add_argument(
         "--steps",
         type=positive,
         default=TRIAL_STEPS,
         metavar="N",
-        help=f"steps that a plan may have (default: {TRIAL_STEPS})",
+        help=f"greatest number of steps of a plan (default: {TRIAL_STEPS})",
     )
     parser.add_argument(
         "--seconds",
         type=seconds,
         default=TRIAL_SECONDS,
         metavar="S",
-        help=f"time for each plan, and again for the reasons where there is none (default: {TRIAL_SECONDS:g})",
+        help=f"time limit for each plan, and for the reasons if there is none (default: {TRIAL_SECONDS:g})",
     )
     extension.add_arguments(parser)
     verify_option.add_arguments(parser)
@@ -83,7 +82,7 @@ def add_trials(parser: argparse.ArgumentParser, extension: CheckExtension = NO_E
 
 @ends_unread
 def main(arguments: Optional[Sequence[str]] = None, extension: CheckExtension = NO_EXTENSION) -> int:
-    """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
+    """Run the command and return its exit code; ``arguments`` default to those of the process."""
     options = make_parser(extension).parse_args(arguments)
     try:
         return check(options, extension)
@@ -92,11 +91,11 @@ def main(arguments: Optional[Sequence[str]] = None, extension: CheckExtension = 
 
 
 def check(options: argparse.Namespace, extension: CheckExtension = NO_EXTENSION) -> int:
-    """Look at what the options ``files``, ``const``, ``stream`` and ``json`` name, print it; return the exit code."""
+    """Check the files that ``options`` name, print the report, and return the exit code."""
     unreadable: List[Fault] = []
     sources = [source for file in options.files for source in _read(file, unreadable)]
     stream = _read(options.stream, unreadable) if options.stream else []
-    added: List[Source] = []  # to the program, without a file of the command line
+    added: List[Source] = []  # rules of the program that come from options
     try:
         constants = constants_of(options.const)
         parse_constants(constants)
@@ -107,7 +106,7 @@ def check(options: argparse.Namespace, extension: CheckExtension = NO_EXTENSION)
         sys.stderr.writelines(f"{fault}\n" for fault in unreadable)
         return UNREADABLE
     try:
-        with _nothing_dropped():
+        with _without_collection():
             report, program = _lint([*sources, *added], constants, stream, extension)
         if program is not None and not program.faults:
             trials, verification = (
@@ -126,7 +125,7 @@ def check(options: argparse.Namespace, extension: CheckExtension = NO_EXTENSION)
 
 
 class _Report(NamedTuple):
-    """The findings, the names and texts of the files, the plans that were tried, and the verification."""
+    """The findings, the texts of files by name, the trial plans, and the result of the verification."""
 
     found: Sequence[LintFinding]
     files: Dict[str, str]
@@ -140,19 +139,19 @@ class _Report(NamedTuple):
 
     @property
     def failed(self) -> bool:
-        """Whether there is any finding, a request without a plan, or a stream that breaks the program."""
+        """Whether there are findings, requests without a plan, or defects."""
         unplanned = any(one.answer is None or one.fault for one in self.trials)
         return bool(self.found) or unplanned or (self.verification is not None and not self.verification.clean)
 
     def text(self, width: int) -> str:
-        """Return the report as a compiler prints it."""
+        """Return the report in the format of a compiler."""
         lines = {name: text.splitlines() for name, text in self.files.items()}
         parts = []
         for fault, severity in self.found:
             place = f"{fault.file}:{fault.line}:{fault.column}" if fault.line else fault.file
             mend = f" ({fault.mend})" if fault.mend else ""
             parts.append(f"{place}: {severity}: {fault.message}{mend} [{fault.kind}]\n")
-            parts.append(_shown(fault, lines.get(fault.file, ())))
+            parts.append(_excerpt(fault, lines.get(fault.file, ())))
         counts = [_counted(self.errors, "error"), _counted(len(self.found) - self.errors, "warning")]
         parts.append(f"{', '.join(filter(None, counts)) or 'nothing'} in {_counted(len(self.files), 'file')}\n")
         parts += [f"\n{one.text(width)}" for one in self.trials]
@@ -172,8 +171,8 @@ class _Report(NamedTuple):
 
 
 @contextmanager
-def _nothing_dropped() -> Iterator[None]:
-    """While all that is made is kept, as it is to the end: Python does not look for what could be freed."""
+def _without_collection() -> Iterator[None]:
+    """Suspend Python's garbage collection, which costs time and frees nothing, as all objects stay in use."""
     on = gc.isenabled()
     gc.disable()
     try:
@@ -187,10 +186,10 @@ def _nothing_dropped() -> Iterator[None]:
 def _trials(
     program: ReactiveProgram, stream: Sequence[Source], options: argparse.Namespace, extension: CheckExtension
 ) -> "List[TrialPlan]":
-    """Try the requests, if there are any, after the stream; errors of its syntax are findings already."""
+    """Play the stream, then try the requests; syntax errors of the stream are findings already."""
     if not options.plan:
         return []
-    from rosoclingo.checking.trial_plans import Trials  # noqa: PLC0415 much to load, and rarely asked for
+    from rosoclingo.checking.trial_plans import Trials  # noqa: PLC0415 slow to load, and rarely used
 
     trials, found = Trials(program, options.steps, options.seconds), []  # type: Trials, List[TrialPlan]
     for source in stream:
@@ -208,19 +207,19 @@ def _lint(
     stream: Sequence[Source],
     extension: CheckExtension,
 ) -> Tuple[_Report, Optional[ReactiveProgram]]:
-    """Return the findings and files, and the program if it could be read."""
+    """Return the findings with their files, and the program if it is readable."""
     program, faults = lint_sources(sources, constants)
     grave = faults if program is None else program.faults
     files = [(one.name, one.text) for one in (*(sources if program is None else program.texts), *stream)]
     if program is not None:
         faults = [*faults, *(fault for one in stream for fault in lint_stream(program, one.text, one.name))]
-    others = extension.look(program)
-    files += others.files
-    return _Report(findings([*faults, *others.faults], files, grave), dict(files)), program
+    checked = extension.check(program)
+    files += checked.files
+    return _Report(findings([*faults, *checked.faults], files, grave), dict(files)), program
 
 
 def _read(file: str, unreadable: List[Fault]) -> List[Source]:
-    """Return the text of a file, standard input for ``-``; note if it can't be read."""
+    """Return the text of a file, or of standard input for ``-``; adds the faults of unreadable files."""
     if file == "-":
         return [Source("<stdin>", sys.stdin.read(), Path())]
     try:
@@ -230,10 +229,10 @@ def _read(file: str, unreadable: List[Fault]) -> List[Source]:
         return []
 
 
-_WIDEST = 200  # columns of a line that are shown
+_WIDEST = 200  # greatest number of columns of an excerpt
 
 
-def _shown(fault: Fault, lines: Sequence[str]) -> str:
+def _excerpt(fault: Fault, lines: Sequence[str]) -> str:
     """Return the line of a fault with a mark below its column."""
     if not 0 < fault.line <= len(lines) or not lines[fault.line - 1].strip():
         return ""

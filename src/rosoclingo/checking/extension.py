@@ -1,4 +1,4 @@
-"""The extension of a check beyond program and stream, by the files of a robot, which need ROS's messages."""
+"""The extension of ``check`` by further files, such as those of a robot, whose check needs ROS."""
 
 import argparse
 from typing import Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
@@ -10,36 +10,36 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
 Kinds = Sequence[Iterable[str]]
-"""Requests, as texts, of each kind; the likely ones come first."""
+"""The texts of requests of each kind, the most likely first."""
 
 
 class CheckedFiles(NamedTuple):
-    """The faults of files, and the names and texts of these in the order of the findings."""
+    """The faults of files, and the names and texts of the files, in the order of the report."""
 
     faults: List[Fault]
     files: List[Tuple[str, str]]
 
 
 class CheckExtension:
-    """An extension that adds nothing; subclasses override what they add."""
+    """An extension that adds nothing; subclasses override its methods."""
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Add command line arguments."""
 
     def sources(self, options: argparse.Namespace) -> List[Source]:
-        """Return further texts of the program; raises ProgramError if a file cannot be read."""
+        """Return further rules of the program; raises ProgramError if a file is unreadable."""
         return []
 
-    def look(self, program: Optional[ReactiveProgram]) -> CheckedFiles:
-        """Return the faults of files, also against the program if it could be read."""
+    def check(self, program: Optional[ReactiveProgram]) -> CheckedFiles:
+        """Check the files, also against the program if it is readable."""
         return CheckedFiles([], [])
 
     def reasons(self) -> Mapping[str, Sequence[clingo.Symbol]]:
-        """Return the values of failed actions by interface."""
+        """Return the return values of failed actions by interface."""
         return {}
 
     def requests(self, program: ReactiveProgram) -> Kinds:
-        """Return requests to try, of each kind; if empty, those that the program's rules ask for are tried."""
+        """Return requests of each kind to try; if empty, they are formed from the program's rules."""
         return ()
 
 

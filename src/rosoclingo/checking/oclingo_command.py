@@ -1,4 +1,4 @@
-"""The command ``oclingo`` with all that it uses: the planner for ``--shortest``, the check for ``--check``."""
+"""The command ``oclingo`` with the planner (``--shortest``) and the check (``--check``)."""
 
 import argparse
 import sys
@@ -15,11 +15,11 @@ from rosoclingo.planning.workers.process_solver import ProcessSolver
 def main(
     arguments: Optional[Sequence[str]] = None, load_extension: Callable[[], CheckExtension] = CheckExtension
 ) -> int:
-    """Run the command; return its exit code. ``load_extension`` is called for ``--check`` only."""
+    """Run the command and return its exit code; ``load_extension`` is only called for ``--check``."""
 
     def add_check(parser: argparse.ArgumentParser) -> Callable[[argparse.Namespace], int]:
         """Add the arguments of the check."""
-        from rosoclingo.checking.check_command import add_trials, check  # noqa: PLC0415 as much as all else
+        from rosoclingo.checking.check_command import add_trials, check  # noqa: PLC0415 slow to load
 
         extension = load_extension()
         add_trials(parser, extension)
@@ -30,7 +30,7 @@ def main(
 
 @contextmanager
 def _solver(program: ReactiveProgram, **options: Any) -> Iterator[ProcessSolver]:
-    """A solver in a process of its own, a fork of this one."""
+    """Run a solver in a forked process."""
     with WorkerPool(program, fork=True, **options) as pool:
         pool.start()
         yield ProcessSolver(pool)

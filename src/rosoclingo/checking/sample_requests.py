@@ -1,4 +1,4 @@
-"""Requests that a program may get, made of what its rules ask for and of the names in its facts."""
+"""Sample requests for a program, formed from its rules for requests and the names in its facts."""
 
 from collections import Counter
 from itertools import islice, product
@@ -12,15 +12,15 @@ from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import parse_atom
 
-#: So many names, those that facts mention most, and so many requests of a kind.
+#: Greatest numbers of names, which facts mention most, and of requests of each kind.
 NAMES, MOST = 20, 200
 
 IDENTIFIER = "1"
-"""What the last argument of a request may be, which tells it from others."""
+"""The preferred last argument of a request, which identifies it."""
 
 
 def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
-    """Return, for each kind of request that the program's rules ask for, some that are likely to make sense."""
+    """Return likely requests for each kind of request in the program's rules."""
     kinds = {
         _shape(one.term.arguments[0]): one.term.arguments[0]
         for part in program.parts
@@ -28,7 +28,7 @@ def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
         if (one.signature.name, one.signature.arity) == ("_request", 2) and statement.ast_type == ASTType.Rule
     }
     names = names_in_facts(program)
-    return [_filled(kind, names) for text, kind in sorted(kinds.items()) if _is_goal(kind)]
+    return [_requests(kind, names) for text, kind in sorted(kinds.items()) if _is_goal(kind)]
 
 
 def _is_goal(term: Node) -> bool:
@@ -36,40 +36,40 @@ def _is_goal(term: Node) -> bool:
 
 
 def _shape(term: Node) -> str:
-    """Return a term's text, whatever its variables are called."""
+    """Return the text of a term with anonymous variables."""
     if not _is_goal(term):
         return str(term)
     arguments = ("_" if one.ast_type == ASTType.Variable else str(one) for one in term.arguments)
     return f"{term.name}({','.join(arguments)})"
 
 
-def _filled(kind: Node, names: List[str]) -> Iterator[str]:
-    """Yield requests of a kind, in which each name stands once, those first whose names are mentioned most."""
+def _requests(kind: Node, names: List[str]) -> Iterator[str]:
+    """Yield requests of a kind with different names in all arguments, the most frequent names first."""
     arguments = list(kind.arguments)
     choices = [names if one.ast_type == ASTType.Variable else [str(one)] for one in arguments]
     if len(arguments) > 1 and arguments[-1].ast_type == ASTType.Variable:
         choices[-1] = [IDENTIFIER, *names]
-    return (f"{kind.name}({','.join(words)})" for words in chosen(choices))
+    return (f"{kind.name}({','.join(words)})" for words in combine(choices))
 
 
-def chosen(choices: Sequence[Sequence[str]]) -> Iterator[List[str]]:
-    """Yield, :data:`MOST` times at the most, a word of each choice, none twice, from those that come first on."""
+def combine(choices: Sequence[Sequence[str]]) -> Iterator[List[str]]:
+    """Yield rows of different words, one of each choice, the first words first; at most :data:`MOST` rows."""
     places = sorted(product(*(range(len(choice)) for choice in choices)), key=sum)
-    every = ([choice[place] for choice, place in zip(choices, some)] for some in places)
-    return islice((words for words in every if len(set(words)) == len(words)), MOST)
+    rows = ([choice[place] for choice, place in zip(choices, some)] for some in places)
+    return islice((words for words in rows if len(set(words)) == len(words)), MOST)
 
 
 def names_in_facts(program: ReactiveProgram) -> List[str]:
-    """Return the names that the program's facts mention most often, and of these the first ones."""
+    """Return the names that the program's facts mention most often."""
     found: Counter = Counter()
     for part in program.parts:
         for statement in part.statements if part.name == "base" else ():
             if statement.ast_type == ASTType.Rule and not statement.body:
                 try:
                     fact = parse_atom(str(statement.head))
-                except ProgressionError:  # an interval, a pool: not one fact
+                except ProgressionError:  # an interval or a pool, which stands for several facts
                     continue
-                if fact.name.startswith("_"):  # for people, or of no concern to requests
+                if fact.name.startswith("_"):  # keywords such as _says/2, whose names are no arguments of requests
                     continue
                 found.update(str(one) for one in fact.arguments if one.type is clingo.SymbolType.Function)
     return [name for name, _ in found.most_common(NAMES)]

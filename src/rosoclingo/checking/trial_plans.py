@@ -1,4 +1,4 @@
-"""Plans on trial: what a program would do about requests, and why nothing where there is no plan."""
+"""Trial plans: the plan of a program for a request, or an explanation why there is none."""
 
 import time
 from dataclasses import dataclass, replace
@@ -29,14 +29,14 @@ from rosoclingo.reasoning.hearing import Hearing
 
 @dataclass(frozen=True)
 class TrialPlan:
-    """What came of a request, or of an update of the stream.
+    """The result of a request or of an update of the stream.
 
     Attributes:
-        name: the request as it was written, or which update it was.
-        answer: the shown atoms of the plan, None where there is none.
-        horizon: that of the plan.
-        why: why there is none.
-        fault: why it is not known, empty where it is.
+        name: the request as it was written, or the step of the update.
+        answer: the shown atoms of the plan; None if there is no plan.
+        horizon: the horizon of the plan.
+        why: the explanation if there is no plan.
+        fault: an error, or why the result is unknown; else empty.
 
     """
 
@@ -47,7 +47,7 @@ class TrialPlan:
     fault: str = ""
 
     def text(self, width: int) -> str:
-        """Return it for people; a plan is a table over time."""
+        """Return the result as text; a plan is a table over time."""
         if self.fault:
             return f"{self.name}: {self.fault}\n"
         if self.answer is None:
@@ -58,7 +58,7 @@ class TrialPlan:
         return f"{self.name}: {f'a plan up to step {last}' if actions else 'nothing to do'}\n{table}"
 
     def to_message(self) -> Dict[str, Any]:
-        """Return it as a plain value that JSON knows."""
+        """Return the result as a value for JSON."""
         return {
             "name": self.name,
             "plan": None if self.answer is None else sorted(map(str, self.answer)),
@@ -69,9 +69,9 @@ class TrialPlan:
 
 
 class Trials:
-    """Tries requests on a program, each on its own, after a stream.
+    """Plans requests of a program, each one independently after the same stream.
 
-    Plans are shortest, and have at most ``steps`` steps beyond the present one.
+    Plans are shortest ones of at most ``steps`` further steps; ``seconds`` limits each search.
     """
 
     def __init__(self, program: ReactiveProgram, steps: int = TRIAL_STEPS, seconds: float = TRIAL_SECONDS) -> None:
@@ -81,7 +81,7 @@ class Trials:
         self._played = False
 
     def play(self, updates: Iterable[StreamUpdate]) -> List[TrialPlan]:
-        """Take updates, and return what came of those that have no answer."""
+        """Play updates, and return the results of those without an answer."""
         found: List[TrialPlan] = []
         for update in updates:
             bounded = replace(update, bound=self._steps) if update.bound is None else update
@@ -92,7 +92,7 @@ class Trials:
         return found
 
     def request(self, text: str) -> TrialPlan:
-        """Try a request; the stream is as it was before then. Raises ProgramError where it is none."""
+        """Plan a request, then restore the stream. Raises ProgramError if ``text`` is not a request."""
         log = self._solver.log
         step = log.step + 1 if self._played else log.step
         past: Tuple[Item, ...] = (CloseCycles(log.step, log.step),) if self._played else ()
@@ -106,11 +106,14 @@ class Trials:
             self._solver.restore(log)
 
     def samples(self, kinds: Kinds = ()) -> List[TrialPlan]:
-        """Try requests of each kind, up to the first with something to do; without kinds those of the rules."""
+        """Plan requests of each kind, up to the first one with actions; the default kinds are those of the rules."""
         return [self._sample(texts) for texts in kinds or sample_requests(self._program)]
 
     def _sample(self, texts: Iterable[str]) -> TrialPlan:
-        clock, trial = self._clock(), TrialPlan("a sample", fault="no request could be made of the names in the facts")
+        clock, trial = (
+            self._clock(),
+            TrialPlan("a sample", fault="no request can be formed from the names in the facts"),
+        )
         for text in texts:
             trial = self.request(text)
             if any(map(is_action, trial.answer or ())) or clock():
@@ -118,8 +121,8 @@ class Trials:
         return trial
 
     def _facts(self, text: str, step: int) -> List[clingo.Symbol]:
-        """Return the facts that a request stands for: those of an external of the program are taken as they are."""
-        mend = "write a term as in goal(office1,office2,1), or a fact about an external of the program"
+        """Return the facts of a request; facts of an external of the program are used as they are."""
+        mend = "write a term such as goal(office1,office2,1), or a fact of an external of the program"
         try:
             update = parse_update(f"{text.strip().rstrip('.')}.\n#endstep.")
         except ProgressionError as error:
@@ -127,14 +130,14 @@ class Trials:
         heads = [item.head if isinstance(item, Statement) and not item.body else None for item in update.items]
         terms = [head for head in heads if head is not None]
         if not terms or len(terms) < len(heads) or update.step is not None:
-            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, "no request", mend)])
+            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, "not a request", mend)])
         return [self._fact(term, step, text) for term in terms]
 
     def _fact(self, term: clingo.Symbol, step: int, text: str) -> clingo.Symbol:
         if signature_of(term) in self._program.external_signatures:
             return term
         if not self._program.declares_external("_request", 2):
-            message = f"the program takes no requests, and {signature_of(term)} is no external of it"
+            message = f"the program takes no requests, and {signature_of(term)} is not an external"
             raise ProgramError([Fault(f"--plan {text!r}", 0, 0, message, "declare #external _request/2.")])
         cycle = step if term.match("cancel", 1) else step + 1
         return clingo.Function("_request", [term, clingo.Number(cycle)])
@@ -150,16 +153,16 @@ class Trials:
             stream = Stream(before, update, (update.bound or 0))
             return TrialPlan(name, why=explain(self._program, stream, self._clock()))
         except UndecidedError:
-            return TrialPlan(name, fault=f"no plan; it was not found out in {self._seconds:g} s why")
+            return TrialPlan(name, fault=f"no plan; the reason was not found in {self._seconds:g} s")
         except SolverError as error:
             return TrialPlan(name, fault=str(error))
 
     def _clock(self) -> Stop:
-        """Return a stop after the seconds of a search."""
+        """Return a stop that ends a search after its time limit."""
         end = time.monotonic() + self._seconds
         return lambda: time.monotonic() >= end
 
 
 def _ignored(result: SolveResult) -> str:
-    """Return why a request was not taken at all."""
+    """Return the warning that a request was ignored, empty if it was accepted."""
     return next((text for text in result.warnings if "has not been declared external" in text), "")

@@ -18,7 +18,7 @@ The places of one goal differ: a label chosen from ``labels`` cannot be another 
 import re
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
-from rosoclingo.checking.sample_requests import IDENTIFIER, chosen
+from rosoclingo.checking.sample_requests import IDENTIFIER, combine
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgressionError, parse_term
 
@@ -104,7 +104,7 @@ class OrderForm(NamedTuple):
         A package can also be a number, and can be at any of the ``labels``.
         """
         known = {LABELS: labels, PLACE_OF: labels, PACKAGES: [IDENTIFIER, *packages]}
-        for words in chosen([known.get(one.kind, one.terms) for one in self.choices]):
+        for words in combine([known.get(one.kind, one.terms) for one in self.choices]):
             found = dict(zip((one.name for one in self.choices), words))
             yield _NAME.sub(lambda match, found=found: found[match.group(1)], self.goal)  # type: ignore[misc]
 

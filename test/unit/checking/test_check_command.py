@@ -1,4 +1,4 @@
-"""The command ``check``, and ``oclingo --check``: what is printed, exit codes, files that can't be read."""
+"""The command ``check``, and ``oclingo --check``: output, exit codes, unreadable files."""
 
 import json
 import subprocess
@@ -32,20 +32,20 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture(params=["check", "oclingo"])
 def run(request, capsys):
-    """Runs the command in one of its forms; gives exit code, output and errors."""
+    """Run the command in one of its forms; return exit code, output and errors."""
 
-    def started(*arguments):
+    def run_command(*arguments):
         if request.param == "check":
             code = check_command.main(arguments)
         else:
             code = oclingo_command.main(["--check", *arguments])
-        told = capsys.readouterr()
-        return code, told.out, told.err
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
 
-    return started
+    return run_command
 
 
-def test_a_finding_is_told_with_its_line(folder, run):
+def test_check_prints_a_finding_with_its_line(folder, run):
     assert run("lift.lp") == (
         1,
         f"lift.lp:4:14: warning: {UNDEFINED} [undefined]\n"
@@ -56,11 +56,11 @@ def test_a_finding_is_told_with_its_line(folder, run):
     )
 
 
-def test_nothing_is_found(folder, run):
+def test_check_succeeds_without_findings(folder, run):
     assert run("right.lp") == (0, "nothing in 1 file\n", "")
 
 
-def test_all_is_told_at_once(folder, run):
+def test_check_reports_all_files_at_once(folder, run):
     (folder / "more.lp").write_text("a(X) :- not b.\n_request(1).\n#program cumulative(t).\nc :- up(t).\n")
     code, out, _ = run("lift.lp", "more.lp", "-c", "n=3")
     assert code == 1
@@ -76,22 +76,22 @@ def test_all_is_told_at_once(folder, run):
     ], out
 
 
-def test_a_stream_is_looked_at(folder, run):
+def test_check_reports_faults_of_a_stream(folder, run):
     code, out, _ = run("right.lp", "--stream", "calls.str")
-    told = [line for line in out.splitlines() if line.startswith("calls.str")]
+    printed = [line for line in out.splitlines() if line.startswith("calls.str")]
     assert code == 1
-    assert told[0].startswith(
+    assert printed[0].startswith(
         "calls.str:2:1: warning: call/2 is never external with 7 as argument 1 (it may be 0, 1, 2"
     )
-    assert told[1].startswith("calls.str:5:4: error: ")
-    assert len(told) == 2
+    assert printed[1].startswith("calls.str:5:4: error: ")
+    assert len(printed) == 2
 
 
-def test_findings_as_json(folder, run):
+def test_check_prints_findings_as_json(folder, run):
     code, out, _ = run("lift.lp", "--json")
-    told = json.loads(out)
-    (one,) = told.pop("findings")
-    assert (code, told) == (1, {"errors": 0, "warnings": 1, "files": ["lift.lp"]})
+    report = json.loads(out)
+    (one,) = report.pop("findings")
+    assert (code, report) == (1, {"errors": 0, "warnings": 1, "files": ["lift.lp"]})
     assert one == {
         "kind": "undefined",
         "severity": "warning",
@@ -114,7 +114,7 @@ def test_findings_as_json(folder, run):
         ["lift.lp", "--stream", "none.str"],
     ],
 )
-def test_what_cannot_be_read(folder, run, arguments):
+def test_check_reports_unreadable_files(folder, run, arguments):
     code, out, err = run(*arguments)
     assert (code, out) == (2, "")
     missing = [one for one in arguments if one in ("nofile.lp", "nor_this.lp", "none.str", "n", "n=X")]
@@ -122,7 +122,7 @@ def test_what_cannot_be_read(folder, run, arguments):
     assert all(one in line for one, line in zip(missing, err.splitlines()))
 
 
-def test_a_file_that_is_not_utf_8_and_one_that_includes_what_is_not_there(folder, run):
+def test_check_reports_wrong_encodings_and_missing_includes(folder, run):
     (folder / "latin.lp").write_bytes(b'a("\xe4").')
     assert run("latin.lp")[0] == 2
     (folder / "outer.lp").write_text('a.\n#include "inner.lp".\n')
@@ -133,20 +133,20 @@ def test_a_file_that_is_not_utf_8_and_one_that_includes_what_is_not_there(folder
     )
 
 
-def test_a_wrong_command_line(folder, run):
+def test_check_rejects_a_wrong_command_line(folder, run):
     with pytest.raises(SystemExit) as ended:
         run("lift.lp", "--nonsense")
     assert ended.value.code == 2
 
 
-def test_oclingo_checks_no_prompt(folder):
+def test_oclingo_check_rejects_an_interactive_session(folder):
     with pytest.raises(SystemExit) as ended:
         oclingo_command.main(["lift.lp", "--check", "--interactive"])
     assert ended.value.code == 2
 
 
 @pytest.mark.slow
-def test_the_script_reads_standard_input():
+def test_check_script_reads_standard_input():
     script = lint_programs.ROOT / "scripts" / "check"
     done = subprocess.run(
         [sys.executable, script, "-"], input=PROGRAM, capture_output=True, text=True, check=False, timeout=300
@@ -155,13 +155,13 @@ def test_the_script_reads_standard_input():
     assert done.stdout.startswith("<stdin>:4:14: warning: no rule")
 
 
-def test_what_is_silenced_is_not_told(folder, run):
+def test_check_omits_silenced_findings(folder, run):
     (folder / "quiet.lp").write_text(PROGRAM.replace("cal(F,t).", "cal(F,t). % check: ok undefined (a test)"))
     assert run("quiet.lp")[0] == 0
 
 
 @pytest.mark.parametrize("name", ["assert_retract", "back", "bodies", "bound"])
-def test_nothing_is_said_of_streams_of_the_real_oclingo(folder, run, name):
+def test_check_accepts_streams_of_the_real_oclingo(folder, run, name):
     (case,) = [one for one in lint_programs.GOLDEN if one["name"] == name]
     (folder / "golden.lp").write_text(case["program"], encoding="utf-8")
     (folder / "golden.str").write_text("".join(one["update"] for one in case["updates"]), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""``check --plan``: plans as tables, reasons where there is none, requests that are none, streams before them."""
+"""``check --plan``: plans as tables, explanations of infeasible requests, wrong requests, preceding streams."""
 
 import json
 
@@ -40,7 +40,7 @@ _action_lib(go,c,t)    . x
 
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
-    """Runs the command on the program; gives exit code, output and errors."""
+    """Run the command on the program; return exit code, output and errors."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "walk.lp").write_text(PROGRAM)
     (tmp_path / "shut.str").write_text("#step 1. shut(c,1). #end step.\n")
@@ -48,21 +48,21 @@ def run(tmp_path, monkeypatch, capsys):
         "#step 1. _request(go(b),2). #end step.\n#step 2. :- not _action_lib(go,b,1). #end step.\n"
     )
 
-    def started(*arguments):
+    def run_command(*arguments):
         code = check_command.main(["walk.lp", *arguments])
         return (code, *capsys.readouterr())
 
-    return started
+    return run_command
 
 
-def test_a_plan_is_a_table_over_time(run):
+def test_trial_plan_is_printed_as_a_table(run):
     code, out, _ = run("--plan", "go(c)")
     assert code == 0
     assert out.replace(" ", "").endswith(TABLE.replace(" ", ""))
 
 
 @pytest.mark.slow
-def test_where_there_is_none_the_rules_and_facts_are_told(run):
+def test_trial_plan_explains_an_infeasible_request(run):
     code, out, _ = run("--plan", "go(b).", "--plan", "go(c)", "--stream", "shut.str")
     assert code == 1
     assert "go(b).: a plan up to step 2\n" in out
@@ -72,17 +72,17 @@ def test_where_there_is_none_the_rules_and_facts_are_told(run):
 
 
 @pytest.mark.slow
-def test_a_sample_of_each_kind_of_request_is_tried(run, tmp_path):
+def test_trial_plans_sample_each_kind_of_request(run, tmp_path):
     code, out, _ = run("--plan")
     assert code == 0
     assert "\ngo(b): a plan up to step 1\n" in out
     code, out, _ = run("--plan", "--plan", "go(c)", "--stream", "walked.str")
     assert "\ngo(c): a plan up to step 3\n" in out
     (tmp_path / "walk.lp").write_text("#program cumulative(t).\n#external _request/2.\np(t) :- _request(go(X),t).\n")
-    assert "a sample: no request could be made of the names in the facts" in run("--plan")[1]
+    assert "a sample: no request can be formed from the names in the facts" in run("--plan")[1]
 
 
-def test_steps_bound_plans(run):
+def test_trial_plan_is_bounded_by_steps(run):
     assert run("--plan", "go(c)", "--steps", "1")[0] == 0
     code, out, _ = run("--plan", "go(c)", "--stream", "walked.str", "--steps", "1", "--plan", "go(a)")
     assert code == 1
@@ -91,7 +91,7 @@ def test_steps_bound_plans(run):
 
 
 @pytest.mark.slow
-def test_facts_of_the_program_come_as_they_are(run):
+def test_trial_plan_accepts_facts_of_externals(run):
     code, out, _ = run("--plan", "shut(b,1). go(c)", "--plan", "go(c). cancel(c)")
     assert code == 1
     assert "walk.lp:19:1: b is shut" in out
@@ -99,7 +99,7 @@ def test_facts_of_the_program_come_as_they_are(run):
 
 
 @pytest.mark.slow
-def test_updates_of_the_stream_without_an_answer_are_explained(run, tmp_path):
+def test_trial_plans_explain_updates_without_an_answer(run, tmp_path):
     (tmp_path / "wrong.str").write_text("#step 1. _request(go(d),2). #end step.\n")
     code, out, _ = run("--stream", "wrong.str", "--plan", "go(b)")
     assert code == 1
@@ -107,14 +107,14 @@ def test_updates_of_the_stream_without_an_answer_are_explained(run, tmp_path):
 
 
 @pytest.mark.parametrize("text", ["go(X)", "", "go(c) :- go(d)", ":- go(c)", "#step 3. go(c)"])
-def test_what_is_no_request_is_told(run, text):
+def test_trial_plan_rejects_a_wrong_request(run, text):
     code, _, error = run("--plan", text)
     assert code == 2
     assert f"--plan {text!r}" in error
-    assert "write a term as in goal(office1,office2,1)" in error
+    assert "write a term such as goal(office1,office2,1)" in error
 
 
-def test_a_program_without_requests_takes_facts_of_its_externals(run, tmp_path):
+def test_trial_plan_without_requests_accepts_facts(run, tmp_path):
     text = "#program cumulative(t).\n#external go(t).\n{ gone(t) } :- go(t).\n#program volatile(t).\n:- go(9).\n"
     (tmp_path / "walk.lp").write_text(text)
     assert run("--plan", "go(1)")[0] == 0
@@ -124,7 +124,7 @@ def test_a_program_without_requests_takes_facts_of_its_externals(run, tmp_path):
 
 
 @pytest.mark.slow
-def test_plans_and_reasons_as_json(run):
+def test_trial_plans_are_printed_as_json(run):
     code, out, _ = run("--plan", "go(c)", "--plan", "go(d)", "--json")
     first, second = json.loads(out)["plans"]
     assert code == 1
@@ -138,7 +138,7 @@ def test_plans_and_reasons_as_json(run):
     assert second["why"]["rules"][0]["rule"]["line"] == 21
 
 
-def test_ctrl_c_ends_it_without_a_traceback(run, monkeypatch):
+def test_trial_plans_end_without_a_traceback_on_ctrl_c(run, monkeypatch):
     def interrupted(*_arguments):
         raise KeyboardInterrupt
 
@@ -146,14 +146,14 @@ def test_ctrl_c_ends_it_without_a_traceback(run, monkeypatch):
     assert run("--plan", "go(d)")[0] == 130
 
 
-def test_no_time_is_told(run):
+def test_trial_plan_reports_its_time_limit(run):
     code, out, _ = run("--plan", "go(c)", "--seconds", "0.000000001")
     assert code == 1
     assert out.endswith("go(c): no plan was found in 1e-09 s\n")
 
 
-def test_request_that_no_rule_can_see_has_no_plan(run):
-    code, told, _ = run("--plan", "og(c)", "--plan", "go(c)")
+def test_trial_plan_reports_a_request_without_rules(run):
+    code, out, _ = run("--plan", "og(c)", "--plan", "go(c)")
     assert code == 1
-    assert "og(c): no rule of the program can see it: did you mean go(c)?" in told
-    assert told.replace(" ", "").endswith(TABLE.replace(" ", ""))
+    assert "og(c): no rule of the program can see it: did you mean go(c)?" in out
+    assert out.replace(" ", "").endswith(TABLE.replace(" ", ""))

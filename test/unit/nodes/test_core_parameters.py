@@ -200,7 +200,7 @@ def test_core_parameters_lint_findings_are_logged_at_start(tmp_path):
     told = [re.sub(r" \(.*\)", "", one.replace(str(path), "drive.lp")) for one in odd]
     assert told == [
         "drive.lp:5:11: no rule and no #external defines brocken/1: it is never true [undefined]",
-        "~labels: no action ever asks for the label kitchen [idle-label]",
-        "~labels: no action ever asks for the label attic [idle-label]",
-        "~labels: no action ever asks for the label study [idle-label]",
+        "~labels: no action uses the label kitchen [idle-label]",
+        "~labels: no action uses the label attic [idle-label]",
+        "~labels: no action uses the label study [idle-label]",
     ]

@@ -1,1 +1,1 @@
-"""What may be wrong with a program, one file for each family of findings; :mod:`.kinds` has the table of them."""
+"""The linter: likely errors of a program, in one module for each family; :mod:`.kinds` lists all kinds."""

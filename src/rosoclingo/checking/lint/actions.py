@@ -1,4 +1,4 @@
-"""Which actions a program may plan, with which parameters; against interfaces and labels."""
+"""The actions that a program can plan, checked against interfaces and labels."""
 
 from typing import (
     AbstractSet,
@@ -30,16 +30,16 @@ from rosoclingo.oclingo.program.survey import LABELS, fault_at
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import ANY, names_of
 
-Labelled = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
-"""Returns of which terms an action asks for the label, by its parameter."""
+LabelQuery = Callable[[clingo.Symbol], Iterable[clingo.Symbol]]
+"""Maps the parameter of an action to the terms whose labels its goal needs."""
 
 
 MANY = 3
-"""So many other facts of a predicate name labels where a fact is odd that does not."""
+"""Least number of other facts with labels in a position from which a missing label is inferred."""
 
 
-class Named(NamedTuple):
-    """A name that a file gives to something, with the place where it stands."""
+class PlacedName(NamedTuple):
+    """A name in a file, with its place."""
 
     name: str
     file: str
@@ -47,7 +47,7 @@ class Named(NamedTuple):
     column: int
 
     def fault(self, kind: str, message: str, mend: str) -> Fault:
-        """Return a fault of it."""
+        """Return a fault at this place."""
         return Fault(self.file, self.line, self.column, message, mend, kind)
 
 
@@ -55,8 +55,8 @@ class Actions:
     """The actions that a program can plan.
 
     Attributes:
-        all_known: whether it has no others than those of ``parameters``.
-        parameters: what the parameter of each can be, by the action's name as text; None for anything.
+        all_known: whether ``parameters`` has all actions.
+        parameters: the possible parameters by the name of the action as text; None if any term is possible.
 
     """
 
@@ -77,56 +77,56 @@ class Actions:
             name: None if ANY in values else frozenset(values) for name, values in found.items()
         }
 
-    def without_interface(self, interfaces: Sequence[Named]) -> Iterator[Fault]:
-        """Yield the actions that no interface drives, and the interfaces that no action drives."""
+    def interface_faults(self, interfaces: Sequence[PlacedName]) -> Iterator[Fault]:
+        """Yield the actions without an interface, and the interfaces without an action."""
         names = [one.name for one in interfaces]
         for action, node in self._nodes.items():
             if action not in names:
-                message = f"no interface drives the action {action}: nothing will be done for it"
+                message = f"no interface drives the action {action}: it is never executed"
                 yield fault_at(node, "no-interface", message, likely_value(action, names) if names else "")
         for one in interfaces if self.all_known and self._nodes else ():
             if one.name not in self.parameters:
                 message = f"the program has no action {one.name}"
                 yield one.fault("idle-interface", message, likely_value(one.name, list(self.parameters)))
 
-    def without_label(self, labels: Sequence[Named], asking: Mapping[str, Labelled]) -> Iterator[Fault]:
-        """Yield the places of the program without a label, and the labels that no action asks for.
+    def label_faults(self, labels: Sequence[PlacedName], queries: Mapping[str, LabelQuery]) -> Iterator[Fault]:
+        """Yield the places of the program without a label, and the labels that no action uses.
 
-        ``asking`` are the actions that ask for labels.
+        ``queries`` has the actions that need labels.
         """
         names = {one.name for one in labels}
         needed: Set[str] = set()
         certain = self.all_known
-        for action, asked in asking.items():
+        for action, query in queries.items():
             parameters = self.parameters.get(action, frozenset())
             if parameters is None or any(map(names_of, parameters)):
                 certain = False
                 continue
-            terms = sorted({term for parameter in parameters for term in asked(parameter)})
+            terms = sorted({term for parameter in parameters for term in query(parameter)})
             needed |= set(map(str, terms))
             for term in terms:
                 if str(term) not in names:
                     yield self._no_label(action, term, names)
         for node in self._odd_in_rows(names):
             if str(node) not in needed:
-                message = f"there is no label {node}, though all others that stand here are labels"
+                message = f"there is no label {node}, although all other facts have labels here"
                 yield fault_at(node, "no-label", message, likely_value(str(node), names))
         for one in labels if certain and needed else ():
             if one.name not in needed:
-                yield one.fault("idle-label", f"no action ever asks for the label {one.name}", _meant(one.name, needed))
+                yield one.fault("idle-label", f"no action uses the label {one.name}", _meant(one.name, needed))
 
-    def like_reasons(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
-        """Yield the parameters that equal a failure reason of their action; ``reasons`` has these by its name."""
+    def ambiguous_parameters(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
+        """Yield the parameters that equal a failure reason of their action; ``reasons`` returns these by its name."""
         for action, parameters in self.parameters.items():
             alike = reasons(action) & set(map(str, parameters or ()))
             for term in sorted(alike):
                 node = self._where(term)
-                message = f"{term} is a parameter of {action} and a reason with which it fails"
-                mend = f"give it another name: _return({action},{term},C) is success and failure"
+                message = f"{term} is both a parameter and a failure reason of {action}"
+                mend = f"rename it: _return({action},{term},C) would mean success and failure"
                 yield fault_at(self._nodes[action] if node is None else node, "like-reason", message, mend)
 
     def _odd_in_rows(self, names: Set[str]) -> Iterator[Node]:
-        """Yield the constants in facts that are no labels, where those of all other facts of a predicate are."""
+        """Yield the only constant without a label in a position where all other facts have labels."""
         rows: Dict[Tuple[Signature, int], Dict[str, Node]] = {}
         for _, statement, found in self._survey.statements:
             if statement.ast_type == ASTType.Rule and not statement.body and all(one.head for one in found):
@@ -145,7 +145,7 @@ class Actions:
         return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
 
     def _where(self, text: str) -> Optional[Node]:
-        """Return the first occurrence of a term in a program's facts, of those with the fewest arguments."""
+        """Return the occurrence of a term in the fact with the fewest arguments."""
         found: List[Tuple[int, Node]] = []
         for _, statement, atoms in self._survey.statements:
             fact = statement.ast_type == ASTType.Rule and not statement.body and len(atoms) == 1 and atoms[0].head
@@ -154,10 +154,10 @@ class Actions:
                     found.append((len(atoms[0].arguments), one))
         return min(found, key=lambda one: one[0])[1] if found else None
 
-    def likely_asking(self, labels: Sequence[Named]) -> Dict[str, Labelled]:
-        """Return the actions of which most parameters are labels, where nobody tells which ask for them."""
+    def likely_queries(self, labels: Sequence[PlacedName]) -> Dict[str, LabelQuery]:
+        """Return the actions that probably need labels, as most of their parameters are labels."""
         names = {one.name for one in labels}
-        found: Dict[str, Labelled] = {}
+        found: Dict[str, LabelQuery] = {}
         for action, parameters in self.parameters.items():
             known = sum(str(one) in names for one in parameters or ())
             if parameters and 2 * known > len(parameters):
@@ -169,7 +169,7 @@ def _meant(name: str, needed: Set[str]) -> str:
     return likely_word(name, needed) or f"places are {', '.join(sorted(needed))}"
 
 
-def lint_labels(program: ReactiveProgram, labels: Sequence[Named]) -> List[Fault]:
-    """Return what is wrong with labels where nothing is known of interfaces."""
+def lint_labels(program: ReactiveProgram, labels: Sequence[PlacedName]) -> List[Fault]:
+    """Return the faults of labels without knowledge of the interfaces."""
     actions = Actions(program)
-    return list(actions.without_label(labels, actions.likely_asking(labels)))
+    return list(actions.label_faults(labels, actions.likely_queries(labels)))

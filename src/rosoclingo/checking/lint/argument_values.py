@@ -1,4 +1,4 @@
-"""Which values the arguments of predicates can have, read from the rules alone: no value that can come is missed."""
+"""The possible argument values of predicates, an over-approximation computed from the rules."""
 
 from functools import lru_cache
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -10,20 +10,20 @@ from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, arguments_in, fits, is_variable, names_of
+from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, arguments_in, is_variable, matches, names_of
 from rosoclingo.planning.explaining.reach import Condition, HeadRule, Reach, UncertainError
 
 STATUS = Signature("_status", 3)
 
-_MOST = 2000  # atoms of a predicate whose values are compared
-_TRANSITION = "_g_"  # begins the predicates of encodings/golog/transitions.lp: many atoms, and none of a user's
+_MOST = 2000  # greatest number of atoms of a predicate whose values are compared
+_TRANSITION = "_g_"  # prefix of the predicates of encodings/golog/transitions.lp: many atoms, none written by users
 
 Misfit = Tuple[int, List[clingo.Symbol]]
-"""The position of an argument that an atom cannot have, and what it can be there."""
+"""The position of an impossible argument, and the values that are possible there."""
 
 
 class Disjoint(NamedTuple):
-    """A variable that has no value in common for an atom, ``its``, and for another before it, ``others``."""
+    """A variable of two atoms that has the values ``its`` in one atom and ``others`` in the other, none in common."""
 
     variable: str
     atom: Condition
@@ -36,7 +36,7 @@ class ArgumentValues:
     """The values of all arguments of a program's predicates.
 
     Attributes:
-        rules: the rules of the program; none if nothing is known of values.
+        rules: the rules of the program; empty if the values are unknown.
 
     """
 
@@ -54,30 +54,30 @@ class ArgumentValues:
     @classmethod
     @lru_cache(maxsize=1)
     def of(cls, program: ReactiveProgram) -> "ArgumentValues":
-        """Return the values of a program, found once for all callers."""
+        """Return the values of a program; those of the last program are cached."""
         return cls(program)
 
     def is_possible(self, signature: Signature) -> bool:
-        """Tell whether some atom of the predicate can be true."""
+        """Return whether any atom of the predicate can be true."""
         return self._is_free(signature) or bool(self._atoms(signature))
 
     def derived_by(self, number: int) -> List[clingo.Symbol]:
-        """Return the actions or statuses that the rule of this number gives."""
+        """Return the actions or statuses that a rule derives, given by its number."""
         return [] if self._reach is None else self._reach.derived_by(number)
 
     def misfit(self, atom: clingo.Symbol) -> Optional[Misfit]:
-        """Return the first argument that a ground atom cannot have."""
+        """Return the first impossible argument of a ground atom."""
         return self._misfit(signature_of(atom), [(one,) for one in atom.arguments])
 
     def misfitting(self, term: Node, step: str) -> Optional[Misfit]:
-        """Return the first argument that an atom of a rule with this step cannot have."""
+        """Return the first impossible argument of an atom in a rule whose step parameter is ``step``."""
         if self._reach is None or self._is_free(term_signature(term)):
             return None
         patterns = self._reach.patterns(term, step)
         return self._misfit(term_signature(term), [*zip(*(one.arguments for one in patterns))])
 
     def disjoint(self, number: int) -> Optional[Disjoint]:
-        """Return two atoms of a rule, given by its number, that have no value in common for a variable."""
+        """Return two atoms of a rule, given by its number, that share a variable but none of its values."""
         known: Dict[str, Tuple[Condition, Set[clingo.Symbol]]] = {}
         body = [one for one in self.rules[number].body if not self._is_free(one.signature) and len(one.patterns) == 1]
         for condition in body if len(body) > 1 else ():
@@ -104,17 +104,17 @@ class ArgumentValues:
             if not any(one == ANY or is_variable(one) for one in patterns):
                 values = self._column(signature, position, first)
                 known = ANY in values or not values.isdisjoint(patterns)
-                if not known and not any(fits(one, value, {}) for one in patterns for value in values):
+                if not known and not any(matches(one, value, {}) for one in patterns for value in values):
                     return position, sorted(values)
         return None
 
     def _column(self, signature: Signature, position: int, first: Optional[clingo.Symbol]) -> Set[clingo.Symbol]:
-        """Return the values of an argument; those of further arguments if the first one is ``first``, unless None."""
+        """Return the values of an argument; unless ``first`` is None, only those of atoms with this first argument."""
         first = first if position else None
         key = signature, position, first
         if key not in self._columns:
             rows = map(arguments_in, self._atoms(signature))
-            self._columns[key] = {row[position] for row in rows if first is None or fits(first, row[0], {})}
+            self._columns[key] = {row[position] for row in rows if first is None or matches(first, row[0], {})}
         return self._columns[key]
 
 

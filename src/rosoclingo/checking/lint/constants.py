@@ -1,4 +1,4 @@
-"""Names in rules that stand where a number has to be."""
+"""Checks for names in place of numbers."""
 
 from typing import Collection, Dict, Iterator, List, Sequence
 
@@ -13,16 +13,16 @@ from rosoclingo.oclingo.program.survey import Survey, fault_at
 
 
 def words_for_numbers(survey: Survey) -> List[Fault]:
-    """Return the names in rules that stand where a number has to be, though no ``#const`` gives them one."""
+    """Return the names in rules that are used as numbers although no ``#const`` defines them."""
     own = own_constants(survey)
     found: Dict[str, Fault] = {}
     for part, statement, _ in survey.statements:
-        # a step's parameter and constants are numbers; those of part headers are the parameters of these
+        # constants and the parameter of the part are numbers
         known = {*own, *survey.constants, part.parameter}
         for term in _counted(statement.nodes):
             name = _word(term)
             if name and name not in known:
-                message = f"{name} stands for a number, but no #const gives it one"
+                message = f"{name} is used as a number, but no #const defines it"
                 fault = fault_at(term, "no-number", message, _mend(name, own))
                 found.setdefault(f"{fault.file}:{fault.line}:{name}", fault)
     return list(found.values())
@@ -41,7 +41,7 @@ def _word(term: Node) -> str:
 
 
 def _counted(nodes: Sequence[Node]) -> Iterator[Node]:
-    """Yield the terms of a statement that have to be numbers."""
+    """Yield the terms of a statement that must be numbers."""
     for node in nodes:
         kind = node.ast_type
         if kind in (ASTType.BinaryOperation, ASTType.Interval):

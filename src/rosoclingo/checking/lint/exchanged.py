@@ -1,4 +1,4 @@
-"""Arguments that stand in the place of others."""
+"""Checks for arguments in the wrong order."""
 
 from collections import Counter
 from typing import Dict, Iterator, List, Optional, Sequence, Tuple
@@ -14,21 +14,21 @@ from rosoclingo.oclingo.progression.terms import Signature
 
 _KIND = "exchanged"
 _TIMELESS = "_says"
-_ALIKE = 2  # so many other atoms have to have two arguments the other way round
+_ALIKE = 2  # least number of other atoms with two arguments the other way round
 
 
-def exchanged(survey: Survey) -> List[Fault]:
-    """Return the atoms whose variables stand the other way round in all others."""
+def swapped_arguments(survey: Survey) -> List[Fault]:
+    """Return the atoms with two variables that are the other way round in all other atoms of the predicate."""
     found: List[Fault] = []
     for signature in dict.fromkeys([*survey.defining, *survey.using]):
         atoms = _places(signature, survey)
         if signature.arity > 1 and len(atoms) > _ALIKE:
-            found += _of_predicate(atoms)
+            found += _swapped_variables(atoms)
     return found
 
 
-def exchanged_words(survey: Survey) -> Iterator[Fault]:
-    """Yield the keywords whose cycle is not their last argument, or whose action is not their first."""
+def swapped_keyword_arguments(survey: Survey) -> Iterator[Fault]:
+    """Yield the keywords whose cycle is not the last argument, or whose action is not the first."""
     acts = [place for one in (ACTION, RETURN) for place in _places(one, survey)]
     first, second = (Counter(str(one.occurrence.arguments[n]) for one in acts) for n in (0, 1))
     for name, signature in KEYWORDS.items():
@@ -36,7 +36,7 @@ def exchanged_words(survey: Survey) -> Iterator[Fault]:
             arguments, term = place.occurrence.arguments, written(place.occurrence.term)
             steps = survey.steps(place)
             if name != _TIMELESS and steps and signature.arity - 1 not in steps:
-                message = f"{term} has its cycle elsewhere than as the last argument"
+                message = f"the cycle of {term} is not its last argument"
                 yield place.fault(_KIND, message, f"write the cycle as argument {signature.arity}")
             elif signature in (ACTION, RETURN) and arguments[0].ast_type == ASTType.Variable:
                 action = str(arguments[1])
@@ -52,14 +52,14 @@ def _places(signature: Signature, survey: Survey) -> List[Place]:
 # ---- variables ------------------------------------------------------------------------------------------------------
 
 
-def _of_predicate(atoms: Sequence[Place]) -> Iterator[Fault]:
+def _swapped_variables(atoms: Sequence[Place]) -> Iterator[Fault]:
     names = [[_variable(one) for one in atom.occurrence.arguments] for atom in atoms]
     count: Dict[Tuple[int, Optional[str]], int] = Counter((n, name) for row in names for n, name in enumerate(row))
     for atom, row in zip(atoms, names):
         pair = _pair(row, count)
         if pair is not None and not _mirrors(atom, row, pair):
             one, other = (row[position] for position in pair)
-            message = f"{written(atom.occurrence.term)} has {one} and {other} the other way round than all others"
+            message = f"all other atoms have {one} and {other} of {written(atom.occurrence.term)} the other way round"
             yield atom.fault(
                 _KIND, message, f"write {other} as argument {pair[0] + 1}, {one} as argument {pair[1] + 1}"
             )
@@ -70,12 +70,12 @@ def _variable(term: Node) -> Optional[str]:
 
 
 def _stem(name: str) -> str:
-    """Return a name without what tells those of a row apart."""
+    """Return a name without its trailing digits and primes."""
     return name.rstrip("'0123456789")
 
 
 def _pair(row: Sequence[Optional[str]], count: Dict[Tuple[int, Optional[str]], int]) -> Optional[Tuple[int, int]]:
-    """Return the arguments of an atom that all others have the other way round."""
+    """Return the positions of two arguments that all other atoms have the other way round."""
     for i, one in enumerate(row):
         for j, other in enumerate(row[i + 1 :], i + 1):
             if one and other and _stem(one) != _stem(other) and max(len(one), len(other)) > 1:
@@ -86,7 +86,7 @@ def _pair(row: Sequence[Optional[str]], count: Dict[Tuple[int, Optional[str]], i
 
 
 def _mirrors(atom: Place, row: Sequence[Optional[str]], pair: Tuple[int, int]) -> bool:
-    """Tell whether the rule says of an atom that it holds the other way round as well."""
+    """Return whether the rule also contains the atom with the two arguments swapped."""
     mine = list(map(str, atom.occurrence.arguments))
     mine[pair[0]], mine[pair[1]] = mine[pair[1]], mine[pair[0]]
     atoms = [one for statement, one in atom.part.atoms if statement is atom.statement]

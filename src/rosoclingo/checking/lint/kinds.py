@@ -1,4 +1,4 @@
-"""The kinds of findings: their names, by which a comment silences them, and their severity; see doc/check.md."""
+"""The kinds of findings and their severity. Comments silence findings by kind; doc/check.md describes the kinds."""
 
 from typing import Dict, NamedTuple
 
@@ -32,4 +32,4 @@ _WARNINGS = (
 )  # fmt: skip
 
 KINDS: Dict[str, str] = {**dict.fromkeys(_ERRORS, ERROR), **dict.fromkeys(_WARNINGS, WARNING)}
-"""The severity of each kind: ERROR if the program, or its setting, cannot be used."""
+"""The severity of each kind: ERROR if the program or its configuration cannot be used."""

@@ -1,25 +1,31 @@
-"""All that may be wrong with a program, at once and in order; what a comment silences is left out."""
+"""Runs all checks on a program, and sorts their findings without those that comments silence."""
 
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.checking.lint.constants import words_for_numbers
-from rosoclingo.checking.lint.exchanged import exchanged, exchanged_words
+from rosoclingo.checking.lint.exchanged import swapped_arguments, swapped_keyword_arguments
 from rosoclingo.checking.lint.kinds import ERROR, KINDS, LintFinding
-from rosoclingo.checking.lint.lone_names import odd_words
-from rosoclingo.checking.lint.other_systems import libraries, of_other_systems
-from rosoclingo.checking.lint.predicates import disjoint, never_matching, odd_rules, unfounded, unused
+from rosoclingo.checking.lint.lone_names import misspelt_names
+from rosoclingo.checking.lint.other_systems import foreign_statements, included_libraries
+from rosoclingo.checking.lint.predicates import (
+    disjoint_bodies,
+    mismatched_atoms,
+    odd_rules,
+    unfounded_predicates,
+    unused_predicates,
+)
 from rosoclingo.checking.lint.punctuation import odd_marks
 from rosoclingo.checking.lint.silence import Silences
 from rosoclingo.checking.lint.steps import histories, other_steps, wrong_steps
 from rosoclingo.checking.lint.talk import (
     demanded_actions,
-    hidden,
+    hidden_predicates,
     idle_words,
-    like_cancel,
-    missing_words,
-    statuses,
-    statuses_at_the_end,
+    missing_keywords,
+    misspelt_cancels,
+    status_faults,
+    volatile_keywords,
 )
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program import checks
@@ -33,9 +39,9 @@ Texts = Iterable[Tuple[str, str]]
 def lint_sources(
     sources: Sequence[Source], constants: Optional[Mapping[str, str]] = None, whole: bool = False
 ) -> Tuple[Optional[ReactiveProgram], List[Fault]]:
-    """Return a program, which may have faults, and what may be wrong with it; None where it can't even be read.
+    """Return the program and its findings; the program can have errors, and is None if it cannot be read.
 
-    With ``whole`` all that the sources include is among them.
+    ``whole``: the sources already contain all included files.
     """
     try:
         program = ReactiveProgram(sources, constants, whole, lenient=True)
@@ -45,37 +51,47 @@ def lint_sources(
 
 
 def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[Fault]:
-    """Return what may be wrong with a program, with its faults; silenced or not.
+    """Return the findings in a program, including its errors and those that comments silence.
 
-    ``core`` says whether it is for rosoclingo's core; without, its keywords tell.
+    ``core``: whether the program is for rosoclingo's core; None infers this from its keywords.
     """
     survey, values = program.survey, ArgumentValues.of(program)
     found = [*program.faults, *program.remarks, *program.first_step_messages()]
-    found += [*unused(survey), *never_matching(survey, values), *disjoint(values), *unfounded(survey, values)]
+    found += [
+        *unused_predicates(survey),
+        *mismatched_atoms(survey, values),
+        *disjoint_bodies(values),
+        *unfounded_predicates(survey, values),
+    ]
     found += [*odd_rules(survey), *wrong_steps(survey, program.first_step)]
-    found += [*words_for_numbers(survey), *exchanged(survey)]
+    found += [*words_for_numbers(survey), *swapped_arguments(survey)]
     texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
-    found += [*odd_marks(texts), *of_other_systems(survey, texts), *libraries(texts)]
+    found += [*odd_marks(texts), *foreign_statements(survey, texts), *included_libraries(texts)]
     if checks.uses_keywords(program.parts) if core is None else core:
         trial = None if program.faults else program.trial
-        found += [*missing_words(survey), *demanded_actions(survey, trial), *statuses(survey, values)]
-        found += [*statuses_at_the_end(survey), *hidden(survey), *like_cancel(survey), *idle_words(program)]
-        found += [*histories(survey), *other_steps(survey), *exchanged_words(survey)]
+        found += [*missing_keywords(survey), *demanded_actions(survey, trial), *status_faults(survey, values)]
+        found += [
+            *volatile_keywords(survey),
+            *hidden_predicates(survey),
+            *misspelt_cancels(survey),
+            *idle_words(program),
+        ]
+        found += [*histories(survey), *other_steps(survey), *swapped_keyword_arguments(survey)]
     known = set(map(_place, found))
-    found += [one for one in odd_words(survey) if _place(one) not in known]
+    found += [one for one in misspelt_names(survey) if _place(one) not in known]
     kinds: Dict[Tuple[str, int, int], Set[str]] = {}
     for one in found:
         kinds.setdefault(_place(one), set()).add(one.kind)
-    return [one for one in found if _SAID_BY.get(one.kind) not in kinds[_place(one)]]
+    return [one for one in found if _COVERED_BY.get(one.kind) not in kinds[_place(one)]]
 
 
-_SAID_BY = {
+_COVERED_BY = {
     "undefined-operation": "not-interpreted",
     "clingo": "not-interpreted",
     "not-interpreted": "syntax",
     "no-step": "redefinition",
 }
-"""Kinds that are left out where another one reports the same fault."""
+"""Kinds of findings that are dropped if another kind reports the same place."""
 
 
 def _place(fault: Fault) -> Tuple[str, int, int]:
@@ -83,9 +99,9 @@ def _place(fault: Fault) -> Tuple[str, int, int]:
 
 
 def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[LintFinding]:
-    """Return the faults that no comment in ``texts`` silences, each once, in the order of files and lines.
+    """Return the faults that no comment in ``texts`` silences, without duplicates, sorted by file and line.
 
-    Those that are ``grave``, a program's own faults, are errors whatever their kinds are, and can't be silenced.
+    ``grave`` faults, those of the program itself, are errors of any kind, and comments cannot silence them.
     """
     listed = list(texts)
     order = {name: number for number, (name, _) in enumerate(listed)}
@@ -100,5 +116,5 @@ def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ())
 
 
 def is_error(finding: LintFinding) -> bool:
-    """Tell whether a finding keeps the program from being used."""
+    """Return whether a finding is an error, with which the program cannot be used."""
     return finding.severity == ERROR

@@ -1,4 +1,4 @@
-"""Constants and variables that stand once and look like slips of others."""
+"""Checks for constants and variables that occur once and look like misspelt others."""
 
 from collections import Counter
 from typing import Dict, Iterator, List, Set, Tuple
@@ -17,15 +17,15 @@ from rosoclingo.oclingo.progression.terms import Signature
 _DIGITS = "0123456789"
 
 _Places = List[Tuple[Node, Node]]
-"""Where a name stands: the statement, and the term."""
+"""The occurrences of a name: statements and terms."""
 
 _Names = Dict[str, _Places]
 
 
-def odd_words(survey: Survey) -> List[Fault]:
-    """Return the constants and variables that stand once in the program and are a letter away from others.
+def misspelt_names(survey: Survey) -> List[Fault]:
+    """Return the constants and variables that occur once and resemble others.
 
-    A constant that is the name of a predicate, too, as in golog_holds(asleep,t) :- asleep(t), is none of them.
+    Constants that are also names of predicates are left out, as in ``golog_holds(asleep,t) :- asleep(t)``.
     """
     constants: _Names = {}
     variables: _Names = {}
@@ -42,7 +42,7 @@ def odd_words(survey: Survey) -> List[Fault]:
 
 
 def _constants(statement: Node) -> Iterator[Tuple[str, Node]]:
-    """Yield the names in a statement that may be anything's."""
+    """Yield the constants without arguments in a statement."""
     for node in statement.nodes if statement.location.begin.filename != LABELS else ():
         symbol = node.symbol if node.ast_type == ASTType.SymbolicTerm else None
         if symbol is not None and symbol.type is clingo.SymbolType.Function and not symbol.arguments and symbol.name:
@@ -50,17 +50,17 @@ def _constants(statement: Node) -> Iterator[Tuple[str, Node]]:
 
 
 def _lower_case(constants: _Names) -> Iterator[Fault]:
-    """Yield the names that may be variables of the only rule in which they stand."""
+    """Yield the constants that occur in one rule only, which has a variable of this name."""
     for name, places in constants.items():
         variable, statement = name[:1].upper() + name[1:], places[0][0]
         alone = statement.ast_type == ASTType.Rule and all(one is statement for one, _ in places)
         if alone and variable in names_in(statement):
-            message = f"{name} is a name that stands nowhere else, and the rule has a variable {variable}"
+            message = f"{name} is a constant that occurs only in this rule, which has a variable {variable}"
             yield from (fault_at(node, "lower-case", message, asked(variable)) for _, node in places)
 
 
 def _slips(constants: _Names, predicates: Set[str], values: List[str]) -> Iterator[Fault]:
-    """Yield the constants that may be others, or those of a longer row, or names of ``#const`` that have ``values``."""
+    """Yield lone constants that resemble a frequent one, one of a longer row, or a ``#const`` in ``values``."""
     rows = Counter(name.rstrip(_DIGITS) for name in constants)
     known = constants.keys() - predicates
     for name, places in constants.items():
@@ -73,11 +73,11 @@ def _slips(constants: _Names, predicates: Set[str], values: List[str]) -> Iterat
                 near.append(one)
         if near:
             meant = max(sorted(near), key=lambda one: len(constants.get(one, ())))
-            yield fault_at(places[0][1], "misspelt", f"{name} stands nowhere else", asked(meant))
+            yield fault_at(places[0][1], "misspelt", f"the constant {name} occurs only once", asked(meant))
 
 
 def _are_apart(one: _Places, other: _Places) -> bool:
-    """Tell whether two names are arguments of predicates, and never the same one."""
+    """Return whether two names are arguments of predicates, and never in the same position."""
     mine, its = set(_arguments(one)), set(_arguments(other))
     return bool(mine and its) and not mine & its
 
@@ -96,7 +96,7 @@ def _slips_of_variables(variables: _Names) -> Iterator[Fault]:
         near = [one for one in often if len(places) == 1 and _is_slip_of_variable(name, one)]
         meant = max(near, key=lambda one: len(variables[one]), default=None)
         if meant is not None:
-            yield fault_at(places[0][1], "misspelt", f"the variable {name} stands nowhere else", asked(meant))
+            yield fault_at(places[0][1], "misspelt", f"the variable {name} occurs only once", asked(meant))
 
 
 def _is_slip_of_variable(text: str, other: str) -> bool:

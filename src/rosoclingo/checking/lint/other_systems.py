@@ -1,4 +1,4 @@
-"""Statements of clingo's incmode, telingo and other drivers with no meaning here, or another one."""
+"""Checks for statements of clingo's incmode, telingo and other drivers, which mean nothing or something else here."""
 
 import re
 from typing import Iterable, Iterator, Tuple
@@ -23,30 +23,30 @@ _DRIVEN = re.compile(r"[@&]\s*_*[a-z]")
 _STATES = ("initial", "final", "tel", "del")
 
 
-def of_other_systems(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+def foreign_statements(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
     """Yield the statements that only another system interprets; ``texts`` are names and texts of the files."""
     yield from _queries(survey)
     suspicious = any(_DRIVEN.search(text) for _, text in texts)
     for _, statement, _ in survey.statements:
         if statement.ast_type == ASTType.Definition and statement.name in _BOUNDS and not _is_used(statement, survey):
-            message = f"#const {statement.name} has no effect: clingo's incmode alone reads it"
-            yield fault_at(statement, _INCMODE, message, f"leave it out: {_BOUNDS[statement.name]}")
+            message = f"#const {statement.name} has no effect: only clingo's incmode reads it"
+            yield fault_at(statement, _INCMODE, message, f"remove it: {_BOUNDS[statement.name]}")
         for node in statement.nodes if suspicious else ():
             if node.ast_type == ASTType.TheoryAtom:
                 yield _theory_atom(node)
             elif node.ast_type == ASTType.Function and node.external:
-                message = f"no script defines @{node.name}: instances that need it are left out"
+                message = f"no script defines @{node.name}: clingo drops instances that need it"
                 yield fault_at(node, _PASSIVE, message, "state the function's results as facts")
 
 
-def libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+def included_libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
     """Yield each ``#include <NAME>`` in ``texts``, names and texts of files in clingo's language."""
     for name, text in texts:
         found = tokens(text) if "#include" in text else []
         for one, bracket, library in zip(found, found[1:], found[2:]):
             if one.kind is TokenKind.DIRECTIVE and one.text == "#include" and bracket.text == "<":
                 message = f"#include <{library.text}> has no effect: rosoclingo adds the steps itself"
-                yield Fault(name, one.line, one.column, message, "leave it out", _PASSIVE)
+                yield Fault(name, one.line, one.column, message, "remove it", _PASSIVE)
 
 
 def _theory_atom(node: Node) -> Fault:
@@ -57,7 +57,7 @@ def _theory_atom(node: Node) -> Fault:
 
 
 def _queries(survey: Survey) -> Iterator[Fault]:
-    """Yield the declared external ``query(t)`` of incmode if rules look at it."""
+    """Yield the declaration of incmode's external ``query(t)`` if rules use it."""
     if QUERY in survey.defining or QUERY in survey.opened:
         return
     declared, asked = (
@@ -71,6 +71,6 @@ def _queries(survey: Survey) -> Iterator[Fault]:
 
 
 def _is_used(definition: Node, survey: Survey) -> bool:
-    """Tell whether a statement other than its definition mentions a constant."""
+    """Return whether a statement other than its definition mentions a constant."""
     others = (statement for _, statement, _ in survey.statements if statement is not definition)
     return any(mentions(one, definition.name) for one in others)

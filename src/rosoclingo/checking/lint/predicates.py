@@ -1,4 +1,4 @@
-"""Predicates that nothing looks at, atoms that cannot be true, names that look misspelt."""
+"""Checks of predicates: unused ones, atoms that are never true, misspelt names, rules that derive nothing."""
 
 from typing import Dict, Iterable, Iterator, List, Optional, Set
 
@@ -15,7 +15,7 @@ from rosoclingo.oclingo.program.signatures import occurrences, signature_and_arg
 from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written
 from rosoclingo.oclingo.program.undefined import primed_mend
 from rosoclingo.oclingo.progression.terms import Signature
-from rosoclingo.planning.explaining.atom_patterns import shown
+from rosoclingo.planning.explaining.atom_patterns import format_pattern
 
 MANY = 6  # values that a message lists
 
@@ -24,14 +24,14 @@ _KEYWORDS = frozenset(KEYWORDS.values())
 _INCOMING = frozenset({"_request", "_return", "_failed", "_cancel"})
 
 _OUTGOING = {one for one in _KEYWORDS if one.name not in _INCOMING} | {Signature("_draws", 2), Signature("_draws", 3)}
-"""The predicates that others read from an answer, even if it does not show them."""
+"""The predicates that are read from an answer even if the program does not show them."""
 
 
-# ---- nothing looks at it --------------------------------------------------------------------------------------------
+# ---- unused predicates ----------------------------------------------------------------------------------------------
 
 
-def unused(survey: Survey) -> List[Fault]:
-    """Return the predicates that nothing looks at: those that look misspelt, others where not all is shown anyway."""
+def unused_predicates(survey: Survey) -> List[Fault]:
+    """Return the unused predicates that look misspelt and, in programs with ``#show``, all others."""
     found: List[Fault] = []
     looked_at = {one for one in survey.using if _is_used(survey, one)} | survey.shown.keys() | _OUTGOING
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
@@ -41,15 +41,15 @@ def unused(survey: Survey) -> List[Fault]:
         places = survey.defining.get(signature, survey.declaring.get(signature))
         primed = primed_mend(signature, survey.known)
         if primed or meant is not None:
-            found += _at(survey, signature, places, "misspelt", primed or asked(meant))
+            found += _unused(survey, signature, places, "misspelt", primed or asked(meant))
         elif survey.shows:
             use = "write a rule for it" if signature.name in _INCOMING else f"use it, #show {signature}."
-            found += _at(survey, signature, places, "unused", f"{use} or leave it out")
+            found += _unused(survey, signature, places, "unused", f"{use} or remove it")
     return found
 
 
 def _is_used(survey: Survey, signature: Signature) -> bool:
-    """Tell whether the predicate is looked at elsewhere than where it defines itself."""
+    """Return whether rules use the predicate, apart from those that only define it recursively."""
     return any(not _defines_alone(one.statement, signature) for one in survey.using[signature])
 
 
@@ -58,21 +58,23 @@ def _defines_alone(statement: Node, signature: Signature) -> bool:
     return statement.ast_type == ASTType.Rule and heads == {signature}
 
 
-def _at(survey: Survey, signature: Signature, places: Optional[List[Place]], kind: str, mend: str) -> Iterator[Fault]:
+def _unused(
+    survey: Survey, signature: Signature, places: Optional[List[Place]], kind: str, mend: str
+) -> Iterator[Fault]:
     if places is None:
         opened = survey.opened[signature]
-        yield Fault(opened.file, opened.line, 1, f"nothing looks at the external {signature}", mend, kind)
+        yield Fault(opened.file, opened.line, 1, f"no rule uses the external {signature}", mend, kind)
     elif places[0].occurrence.term.location.begin.filename != LABELS:
         what = "the external " if places[0].declares else ""
-        shown = "" if places[0].declares or not survey.shows else ", and nothing shows it"
-        yield places[0].fault(kind, f"nothing looks at {what}{signature}{shown}", mend)
+        shown = "" if places[0].declares or not survey.shows else ", and no #show shows it"
+        yield places[0].fault(kind, f"no rule uses {what}{signature}{shown}", mend)
 
 
-# ---- what can never be true -----------------------------------------------------------------------------------------
+# ---- atoms that are never true --------------------------------------------------------------------------------------
 
 
-def never_matching(survey: Survey, values: ArgumentValues) -> List[Fault]:
-    """Return the atoms in bodies with an argument that nothing gives their predicate."""
+def mismatched_atoms(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the body atoms with an argument value that their predicate never has."""
     found = []
     for signature, used in survey.using.items():
         if signature in survey.known and values.is_possible(signature):
@@ -84,31 +86,31 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
     term = place.occurrence.term
     misfit = values.misfitting(term, place.part.parameter)
     if misfit is not None:
-        position, may_be = misfit
+        position, possible = misfit
         argument = signature_and_arguments(term)[1][position]
-        known = sorted(shown(one) for one in may_be)
+        known = sorted(format_pattern(one) for one in possible)
         message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
 
 
-def disjoint(values: ArgumentValues) -> Iterator[Fault]:
-    """Yield the rules of which two atoms share a variable, but no value of it."""
+def disjoint_bodies(values: ArgumentValues) -> Iterator[Fault]:
+    """Yield the rules in which two atoms share a variable but no value of it."""
     for number, rule in enumerate(values.rules):
         found = values.disjoint(number)
         if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
             name, atom, other = found.variable, written(found.atom.term), written(found.other.term)
             message = f"the rule never applies: no {name} fits both {other} and {atom}"
-            mend = f"it is {_listed(found.others)} in the one, {_listed(found.its)} in the other"
+            mend = f"it is {_listed(found.others)} in the first, {_listed(found.its)} in the second"
             yield fault_at(found.atom.term, "no-match", message, mend)
 
 
 def _listed(values: Iterable[clingo.Symbol]) -> str:
-    known = sorted(shown(one) for one in values)
+    known = sorted(format_pattern(one) for one in values)
     return ", ".join(known[:MANY]) + " ..." * (len(known) > MANY)
 
 
-def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
-    """Return the predicates with rules that need one another in a circle, so that none is ever true."""
+def unfounded_predicates(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the predicates that are never true because their rules depend on each other in a circle."""
     needs: Dict[Signature, Set[Signature]] = {}
     excused: Set[Signature] = set()
     for rule in values.rules:
@@ -124,17 +126,19 @@ def unfounded(survey: Survey, values: ArgumentValues) -> List[Fault]:
     found = []
     for signature in needs.keys() - excused:
         names = ", ".join(map(str, sorted(needs[signature])))
-        message = f"{signature} is never true: its rules need {names}, and no fact or choice is at the bottom of these"
+        message = (
+            f"{signature} is never true: its rules need {names} in a circle, without a fact or choice to start from"
+        )
         places = [*survey.defining.get(signature, ()), *survey.declaring.get(signature, ())]
-        found.append(places[0].fault("unfounded", message, "write the rule by which it begins"))
+        found.append(places[0].fault("unfounded", message, "add a fact or rule that starts it"))
     return found
 
 
-# ---- rules that cannot hold, or derive nothing ----------------------------------------------------------------------
+# ---- rules that derive nothing --------------------------------------------------------------------------------------
 
 
 def odd_rules(survey: Survey) -> Iterator[Fault]:
-    """Yield what is odd in a rule by itself: contradictions, its own head in its body, two variables that are one."""
+    """Yield contradictory bodies, rules with their head in the body, and equations of two bound variables."""
     for _, statement, _ in survey.statements:
         body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
         literals = [one for one in body if one.ast_type == ASTType.Literal]
@@ -142,12 +146,12 @@ def odd_rules(survey: Survey) -> Iterator[Fault]:
         for one in literals:
             atom = written(one.atom)
             if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
-                message = f"{atom} and not {atom} stand in one body: it never holds"
-                yield fault_at(one, "contradiction", message, "leave one of them out")
+                message = f"the body never holds: it contains {atom} and not {atom}"
+                yield fault_at(one, "contradiction", message, "remove one of them")
             elif one.sign == Sign.NoSign and one.atom.ast_type == ASTType.Comparison and len(one.atom.guards) == 1:
                 yield from _odd_comparison(one, plain.values())
         if statement.ast_type == ASTType.Rule and _is_plain(statement.head) and str(statement.head.atom) in plain:
-            message = f"the rule needs its own head {written(statement.head.atom)}: it gives nothing"
+            message = f"the rule derives nothing: it requires its own head {written(statement.head.atom)}"
             yield fault_at(statement.head, "tautology", message, "is another step meant in the body?")
 
 
@@ -157,7 +161,7 @@ def _is_plain(literal: Node) -> bool:
 
 
 def _odd_comparison(literal: Node, atoms: Iterable[Node]) -> Iterator[Fault]:
-    """Yield a comparison of a term with itself, and an equation of two variables that atoms bind."""
+    """Yield a fault if a comparison is one of a term with itself, or an equation of two variables bound by atoms."""
     left, guard = literal.atom.term, literal.atom.guards[0]
     if guard.comparison in _STRICT and str(left) == str(guard.term) != "_":
         yield fault_at(
@@ -165,11 +169,11 @@ def _odd_comparison(literal: Node, atoms: Iterable[Node]) -> Iterator[Fault]:
         )
     names = [one.name for one in (left, guard.term) if one.ast_type == ASTType.Variable]
     equation = guard.comparison == ComparisonOperator.Equal and len(names) == 2
-    # in conditions of control programs there is no other way to say it of a parameter
+    # conditions of control programs can only compare a parameter by an equation
     meant = not equation or literal.location.begin.filename.endswith(".golog")
     if not meant and set(names) <= {name for one in atoms for name in names_in(one)}:
-        message = f"{names[0]} = {names[1]} says of two variables of atoms that they are one"
-        mend = f"write {names[0]} in the place of {names[1]}, or {names[0]} != {names[1]}"
+        message = f"{names[0]} = {names[1]} equates two variables that atoms bind"
+        mend = f"write {names[0]} instead of {names[1]}, or {names[0]} != {names[1]}"
         yield fault_at(literal, "same-variables", message, mend)
 
 

@@ -1,4 +1,4 @@
-"""Comments that silence findings: ``% check: ok unused`` on the line, or alone on the line before."""
+"""Comments that silence findings: ``% check: ok unused`` on the same line, or alone on the previous line."""
 
 import re
 from typing import Dict, Iterable, List, Set, Tuple
@@ -13,10 +13,17 @@ _WORD = re.compile(r"[^\s,;]+")
 
 
 class Silences:
-    """Where which kinds of findings are silenced; a reason in round brackets may stand behind the kinds."""
+    """The silenced kinds of findings by line.
+
+    A comment can end with a reason in parentheses, which is ignored.
+
+    Attributes:
+        faults: comments that name no kind, or an unknown one.
+
+    """
 
     def __init__(self, texts: Iterable[Tuple[str, str]]) -> None:
-        """Take files by their names and texts."""
+        """Read the comments of files, given as names and texts."""
         self._kinds: Dict[Tuple[str, int], Set[str]] = {}
         self.faults: List[Fault] = []
         for name, text in texts:
@@ -34,14 +41,14 @@ class Silences:
                     self._kinds.setdefault((name, number + 1), set()).update(kinds)
 
     def _judge(self, name: str, line: int, column: int, kinds: List[str]) -> None:
-        mend = "write % check: ok KIND, with the kind that a finding has at its end in square brackets"
+        mend = "write % check: ok KIND, with the kind in square brackets at the end of the finding"
         if not kinds:
-            self.faults.append(Fault(name, line, column, "nothing is silenced: no kind is named", mend, "silence"))
+            self.faults.append(Fault(name, line, column, "the comment names no kind", mend, "silence"))
         for kind in kinds:
             if kind not in KINDS:
-                told = likely_word(kind, KINDS) or mend
-                self.faults.append(Fault(name, line, column, f"there is no kind {kind} of findings", told, "silence"))
+                hint = likely_word(kind, KINDS) or mend
+                self.faults.append(Fault(name, line, column, f"there is no kind {kind} of findings", hint, "silence"))
 
     def covers(self, fault: Fault) -> bool:
-        """Tell whether a finding is silenced."""
+        """Return whether a finding is silenced."""
         return fault.kind in self._kinds.get((fault.file, fault.line), ())

@@ -1,4 +1,4 @@
-"""Atoms of the wrong step: heads that two steps define, looks ahead and back, actions and ends of another step."""
+"""Checks of steps: heads that two steps define, references to other steps, actions with another cycle."""
 
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -14,11 +14,11 @@ from rosoclingo.oclingo.program.survey import OWN, Place, Survey, fault_at, writ
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature
 
-_ALIKE = 4  # least number of atoms that show which argument of a predicate is its step
+_ALIKE = 4  # least number of atoms from which the position of the step is inferred
 
 
 class _Atom(NamedTuple):
-    """An atom, and its arguments that are the step plus a number, each with this number."""
+    """An atom, and the offsets from the step of its time arguments, by position."""
 
     place: Place
     steps: Dict[int, int]
@@ -32,11 +32,11 @@ def wrong_steps(survey: Survey, first: int) -> List[Fault]:
         uses = [_Atom(one, survey.steps(one)) for one in survey.using.get(signature, ())]
         timed = [one for one in heads if one.place.part.parameter]
         found += [_without_step(one.place) for one in timed if _lacks_step(one)]
-        found += _differing(signature, timed)
-        found += _elsewhere([*heads, *uses])
+        found += _mixed_offsets(signature, timed)
+        found += _misplaced_steps([*heads, *uses])
         found += _first_steps(heads, timed, survey, first)
         if not survey.is_external(signature):
-            found += [*_ahead(heads, timed, uses), *_gone(heads, uses)]
+            found += [*_looks_ahead(heads, timed, uses), *_volatile_look_backs(heads, uses)]
     return found
 
 
@@ -44,7 +44,7 @@ def wrong_steps(survey: Survey, first: int) -> List[Fault]:
 
 
 def _lacks_step(atom: _Atom) -> bool:
-    """Return whether nothing in a rule of steps distinguishes its heads of two steps; clingo accepts a fact twice."""
+    """Return whether a rule derives the same head at each step; facts do not count, as clingo accepts them twice."""
     place = atom.place
     is_fact = place.statement.head.ast_type == ASTType.Literal and not place.statement.body
     return not (
@@ -60,24 +60,24 @@ def _comparisons_with_step(place: Place) -> List[Node]:
 
 def _without_step(place: Place) -> Fault:
     head, step = written(place.occurrence.term), place.part.parameter
-    message = f"the head {head} has no step: once the rules of two steps define it, clingo gives up (redefinition)"
+    message = f"the head {head} has no step: clingo stops (redefinition) when the rules of two steps define it"
     example = "{}({})".format(place.signature.name, ",".join([*map(written, place.occurrence.arguments), step]))
-    return place.fault("no-step", message, f"give it the step, like {example}, or move the rule to base")
+    return place.fault("no-step", message, f"add the step, as in {example}, or move the rule to base")
 
 
-def _differing(signature: Signature, timed: Sequence[_Atom]) -> Iterator[Fault]:
-    """Yield a head if those of its predicate have their step in one argument, at several offsets."""
+def _mixed_offsets(signature: Signature, timed: Sequence[_Atom]) -> Iterator[Fault]:
+    """Yield a head of a predicate whose heads have different offsets of the step in the same argument."""
     steps = {step for one in timed for step in one.steps.items()}
     offsets = sorted({offset for _, offset in steps})
     if len(offsets) > 1 and len({position for position, _ in steps}) == 1:
         words = " and ".join(timed[0].place.part.parameter + (f"{one:+d}" if one else "") for one in offsets)
-        message = f"heads of {signature} are of the steps {words}: the rules of two steps may define the same atom"
-        mend = "let all heads of a predicate have the same step, or use two predicates"
+        message = f"heads of {signature} have the steps {words}: rules of two steps can define the same atom"
+        mend = "use the same step in all heads of a predicate, or two predicates"
         yield timed[-1].place.fault("no-step", message, mend)
 
 
-def _elsewhere(atoms: Sequence[_Atom]) -> Iterator[Fault]:
-    """Yield the atom whose step is another argument than in all others of its predicate."""
+def _misplaced_steps(atoms: Sequence[_Atom]) -> Iterator[Fault]:
+    """Yield the atom whose step is another argument than in all other atoms of its predicate."""
     positioned = [(one.place, set(one.steps)) for one in atoms if one.steps]
     if len(positioned) < _ALIKE or any(one.place.part.parameter and not one.steps for one in atoms):
         return
@@ -85,12 +85,12 @@ def _elsewhere(atoms: Sequence[_Atom]) -> Iterator[Fault]:
         others = set.intersection(*(other for one, other in positioned if one is not place))
         if others and not others & positions:
             number = min(others) + 1
-            message = f"{written(place.occurrence.term)} has its step elsewhere: in all others it is argument {number}"
+            message = f"{written(place.occurrence.term)} misplaces its step: in all other atoms it is argument {number}"
             yield place.fault("exchanged", message, f"write the step as argument {number}")
 
 
 def _first_steps(heads: Sequence[_Atom], timed: Sequence[_Atom], survey: Survey, first: int) -> Iterator[Fault]:
-    """Yield the facts of steps whose own rules define the predicate."""
+    """Yield the facts about a step whose own rules define the predicate."""
     for position in set.intersection(*(set(one.steps) for one in timed)) if timed else ():
         own = [first + one.steps[position] for one in timed if not _comparisons_with_step(one.place)]
         for place in (one.place for one in heads):
@@ -98,31 +98,31 @@ def _first_steps(heads: Sequence[_Atom], timed: Sequence[_Atom], survey: Survey,
             if step is not None and own and step >= min(own):
                 text, before = written(place.occurrence.term), first - 1
                 message = (
-                    f"{text} is of step {step}, whose own rules define it: what holds at first is of step {before}"
+                    f"{text} is a fact of step {step}, whose own rules define it: initial facts have step {before}"
                 )
                 yield place.fault("first-step", message, f"write {before} for the step")
 
 
-# ---- looks ahead and back -------------------------------------------------------------------------------------------
+# ---- references to other steps --------------------------------------------------------------------------------------
 
 
-def _ahead(heads: Sequence[_Atom], timed: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
-    """Yield the atoms of a later step, whose rules are not there yet."""
+def _looks_ahead(heads: Sequence[_Atom], timed: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
+    """Yield the atoms of a later step, whose rules are not grounded yet."""
     for place, steps in uses:
         term, step = written(place.occurrence.term), place.part.parameter
         if not step and len(timed) == len(heads):
-            message = f"{term} stands in base, without the rules of steps that define it: it is never true"
+            message = f"a rule of base uses {term}, but only rules of steps define it: it is never true"
             yield place.fault("look-ahead", message, "move the statement to #program cumulative(t).")
         elif timed and place.statement.ast_type == ASTType.Rule:
             for position, offset in steps.items():
                 if all(one.steps.get(position, offset) < offset for one in timed):
-                    message = f"{term} is defined by the rules of a later step, which are not there yet at step {step}"
-                    yield place.fault("look-ahead", message, "look at the step itself, or at one before")
+                    message = f"the rules of a later step define {term}; they are not grounded yet at step {step}"
+                    yield place.fault("look-ahead", message, "refer to the step itself or an earlier one")
                     break
 
 
-def _gone(heads: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
-    """Yield the looks back at atoms that only the volatile part defines, for one step."""
+def _volatile_look_backs(heads: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
+    """Yield the references to earlier atoms of predicates that only the volatile part defines."""
     if any(one.place.part.window != "1" for one in heads):
         return
     for position in set.intersection(*(set(one.steps) for one in heads)):
@@ -130,13 +130,13 @@ def _gone(heads: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
         for place, steps in uses:
             if steps.get(position, least) < least and place.statement.ast_type != ASTType.External:
                 term = written(place.occurrence.term)
-                message = f"{term} looks back at the volatile part, whose atoms of earlier steps are gone"
+                message = f"{term} looks back at the volatile part, whose atoms are removed after their step"
                 mend = f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
                 yield place.fault("past-volatile", message, mend)
 
 
 def histories(survey: Survey) -> List[Fault]:
-    """Return the atoms by which the rules of a step look at all earlier steps, so that none of these can be dropped."""
+    """Return the atoms by which rules refer to all earlier steps, so that no step can be compacted."""
     positions = time_positions(survey.parts, survey.constants)
     found: Dict[Tuple[str, int, int], Fault] = {}
     for signature, places in survey.using.items():
@@ -153,7 +153,7 @@ def histories(survey: Survey) -> List[Fault]:
 
 
 def _compared_time(place: Place, survey: Survey) -> Optional[int]:
-    """Return the last argument of an open external if the rule compares it with the step, as it is a time then."""
+    """Return the last argument of an open external if the rule compares it with the step, and so uses it as a time."""
     arguments = place.occurrence.arguments
     if place.signature not in survey.opened or not arguments or not place.part.parameter:
         return None
@@ -167,20 +167,20 @@ def _endless(place: Place, position: int, survey: Survey) -> Optional[Fault]:
         return None
     atom, shown = written(place.occurrence.term), written(arguments[position])
     if step and arguments[position].name not in longest_look_back(place.statement, step, survey.constants):
-        message = f"{atom} looks back at all steps: none is ever over, a long run grows without end"
+        message = f"{atom} looks back at all steps: none can be compacted, and a long run grows without bound"
         bound = f"{step}-T < 60" if shown == "_" else f"{step}-{shown} < 60"
-        return place.fault("history", message, f"bound it, like {bound}, or hand on what is needed from step to step")
+        return place.fault("history", message, f"bound it, like {bound}, or carry the state from step to step")
     if not step and place.signature in survey.opened:
-        message = f"a rule of base looks at {atom} of all cycles: none is ever over, a long run grows without end"
-        return place.fault("history", message, "move the rule to cumulative(t), and write the step for the cycle")
+        message = f"a rule of base uses {atom} of all cycles: none can be compacted, and a long run grows without bound"
+        return place.fault("history", message, "move the rule to cumulative(t) and use the step as the cycle")
     return None
 
 
-# ---- actions, returns and ends --------------------------------------------------------------------------------------
+# ---- actions, returns and constraints on the last step --------------------------------------------------------------
 
 
 def other_steps(survey: Survey) -> Iterator[Fault]:
-    """Yield the actions of another step than their rule or their return, and ends that no plan's last step has."""
+    """Yield actions with another step than their rule or return, and constraints that ignore the last step."""
     for part, statement, found in survey.statements:
         if not part.parameter or statement.ast_type != ASTType.Rule:
             continue
@@ -189,25 +189,25 @@ def other_steps(survey: Survey) -> Iterator[Fault]:
         for act in (one for one in places if one.signature == ACTION):
             if act.occurrence.head and survey.steps(act).get(2):
                 message = (
-                    f"{written(act.occurrence.term)} is an action of another step than {part.parameter}, at which "
+                    f"{written(act.occurrence.term)} has another cycle than {part.parameter}, the step it is planned at"
                 )
-                yield act.fault("other-step", f"{message}it is planned", f"write {part.parameter} for its cycle")
-            yield from _of_another_cycle(act, returns, survey)
+                yield act.fault("other-step", message, f"write {part.parameter} for its cycle")
+            yield from _mismatched_returns(act, returns, survey)
         ends = part.name == "volatile" and _is_constraint(statement)
         steps = [survey.steps(one).values() for one in places] if ends else []
         if steps and all(one and max(one) < 0 for one in steps):
-            message = f"nothing of this is of step {part.parameter}: a plan's last step is not asked for"
+            message = f"no atom here has step {part.parameter}: the constraint ignores a plan's last step"
             yield fault_at(statement, "other-step", message, f"write {part.parameter} for the step")
 
 
-def _of_another_cycle(act: Place, returns: Sequence[Place], survey: Survey) -> Iterator[Fault]:
-    """Yield a return of an action of the same rule that has another cycle."""
+def _mismatched_returns(act: Place, returns: Sequence[Place], survey: Survey) -> Iterator[Fault]:
+    """Yield a return whose cycle differs from that of its action in the same rule."""
     mine, name = survey.steps(act).get(2), str(act.occurrence.arguments[0])
     same = [one for one in returns if str(one.occurrence.arguments[0]) == name]
     steps = [survey.steps(one).get(2) for one in same]
     if mine is not None and same and None not in steps and mine not in steps:
         atoms = [written(one.occurrence.term) for one in (same[0], act)]
-        message = f"{atoms[0]} is no return of {atoms[1]}, which has another cycle"
+        message = f"{atoms[0]} is not the return of {atoms[1]}, which has another cycle"
         yield same[0].fault("other-step", message, "an action and its return have the same cycle")
 
 

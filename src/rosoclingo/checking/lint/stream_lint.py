@@ -1,4 +1,4 @@
-"""Stream updates against a program: faults of syntax, and statements that no rule can see."""
+"""Checks of stream updates against a program: syntax errors, and statements that no rule can see."""
 
 import re
 from typing import Iterator, List, Sequence, Tuple
@@ -13,14 +13,14 @@ from rosoclingo.oclingo.program.survey import written
 from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
-from rosoclingo.planning.explaining.atom_patterns import shown
+from rosoclingo.planning.explaining.atom_patterns import format_pattern
 from rosoclingo.reasoning.hearing import Hearing
 
 _MANY = 4  # atoms of rules that a message lists
 
 
 def lint_stream(program: ReactiveProgram, text: str, name: str) -> List[Fault]:
-    """Return the faults of the updates in the text ``name`` for a program, up to the first one of syntax."""
+    """Return the faults of the updates in ``text``, up to the first syntax error; ``name`` is that of the file."""
     updates: List[PlacedUpdate] = []
     found: List[Fault] = []
     try:
@@ -39,7 +39,7 @@ def lint_stream(program: ReactiveProgram, text: str, name: str) -> List[Fault]:
 
 
 class _StatementLint:
-    """Finds faults of the statements of a stream."""
+    """Finds the faults of statements of a stream."""
 
     def __init__(self, program: ReactiveProgram, updates: Sequence[PlacedUpdate]) -> None:
         self._program = program
@@ -51,13 +51,13 @@ class _StatementLint:
     def faults(self, statement: Statement) -> Iterator[Tuple[str, str]]:
         """Yield the faults of a statement, each with its mend."""
         if statement.head is not None:
-            yield from self._of_head(statement.head, bool(statement.body))
+            yield from self._head_faults(statement.head, bool(statement.body))
         for literal in statement.body:
-            yield from self._of_body(literal.atom)
+            yield from self._body_faults(literal.atom)
 
-    def _of_head(self, atom: clingo.Symbol, is_rule: bool) -> Iterator[Tuple[str, str]]:
+    def _head_faults(self, atom: clingo.Symbol, is_rule: bool) -> Iterator[Tuple[str, str]]:
         signature, program = signature_of(atom), self._program
-        # a fact can contradict its classical negation as well
+        # a fact also matters to its classical negation, which it contradicts
         both = {signature, signature._replace(positive=not signature.positive)}
         if signature in program.open_signatures:
             if not self._hearing.hears(atom):
@@ -66,28 +66,28 @@ class _StatementLint:
                 mend = f"rules look at {', '.join(terms)}" if terms else "write a rule for it"
                 yield f"no rule can ever see {atom}", mend
         elif signature in program.external_signatures:
-            yield from self._strange_value(atom, signature, "external")
+            yield from self._impossible_value(atom, signature, "external")
         elif signature in program.head_signatures:
-            message = f"{atom} is no external: rules of the program define {signature}"
+            message = f"{atom} is not an external: rules of the program define {signature}"
             yield message, f"write #external {signature}."
         elif not is_rule and not both & (self._asked | program.signatures):
             message = f"no rule and no #external of the program mentions {signature}"
             yield message, likely_external(signature, program.external_signatures)
 
-    def _of_body(self, atom: clingo.Symbol) -> Iterator[Tuple[str, str]]:
+    def _body_faults(self, atom: clingo.Symbol) -> Iterator[Tuple[str, str]]:
         signature = signature_of(atom)
         known = self._program.head_signatures | self._program.external_signatures
         if signature in known:
-            yield from self._strange_value(atom, signature, "true")
+            yield from self._impossible_value(atom, signature, "true")
         elif signature not in self._stated:
             mend = asked(most_similar(signature, known | self._stated))
             yield f"{signature} is never true: nothing defines it", mend
 
-    def _strange_value(self, atom: clingo.Symbol, signature: Signature, what: str) -> Iterator[Tuple[str, str]]:
+    def _impossible_value(self, atom: clingo.Symbol, signature: Signature, what: str) -> Iterator[Tuple[str, str]]:
         """Yield the first argument of an atom that the program never gives its predicate."""
         misfit = self._values.misfit(atom)
         if misfit is not None:
             position, known = misfit
             value = atom.arguments[position]
             message = f"{signature} is never {what} with {value} as argument {position + 1}"
-            yield message, likely_value(str(value), list(map(shown, known)))
+            yield message, likely_value(str(value), list(map(format_pattern, known)))

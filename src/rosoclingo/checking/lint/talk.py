@@ -1,4 +1,4 @@
-"""What a program for the core has to say and to hear: goals, actions, returns, and the statuses of goals."""
+"""Checks of the atoms that a program exchanges with the core: goals, actions, returns and statuses."""
 
 from typing import Dict, Iterator, List, Optional, Set
 
@@ -20,19 +20,19 @@ from rosoclingo.planning.explaining.atom_patterns import ANY, is_variable
 from rosoclingo.planning.explaining.reach import HeadRule
 
 REQUEST = Signature("_request", 2)
-#: What the core reads out of an answer.
+#: Predicates that the core reads from an answer.
 _READ = (ACTION, STATUS, Signature("_explain", 3))
 
 _SAYS = Signature("_says", 2)
 _CANCEL = "cancel"
-_ALIKE = 0.8  # likeness of the name of a request to "cancel" that it may be meant for
+_ALIKE = 0.8  # least likeness at which the name of a request is taken for a misspelt "cancel"
 
 WORDS = ("accepted", "rejected", "succeeded", "canceled", "aborted")
-"""What may be said of a goal, alone or around a reason."""
+"""The statuses of a goal, which stand alone or around a reason."""
 
 
-def missing_words(survey: Survey) -> List[Fault]:
-    """Return what the core misses in a program: goals that come in, actions that go out, returns of these."""
+def missing_keywords(survey: Survey) -> List[Fault]:
+    """Return a fault for each predicate that the core needs: requests, actions and returns."""
     acts = ACTION in survey.defining
     rows = (
         (
@@ -45,7 +45,7 @@ def missing_words(survey: Survey) -> List[Fault]:
             acts and not survey.is_external(RETURN),
             "no-return",
             f"the program never learns how its actions end: it declares no external {RETURN}",
-            f"write #external {RETURN}. and rules for values that are no success",
+            f"write #external {RETURN}. and rules for values that mean failure",
         ),
         (
             not acts,
@@ -54,32 +54,32 @@ def missing_words(survey: Survey) -> List[Fault]:
             "write rules for _action_lib(Action,Parameter,C)",
         ),
     )
-    # they lie at the program's first line, where they can be silenced
+    # the first line of the program is their place, so that a comment there can silence them
     return [Fault(survey.first_file, 1, 1, text, mend, kind) for lacks, kind, text, mend in rows if lacks]
 
 
 def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fault]:
-    """Return a fault if each of the first steps demands an action, in a program without statuses."""
+    """Return a fault if each of the first steps requires an action and the program has no statuses."""
     places = survey.defining.get(ACTION, ())
     if trial is None or not places or STATUS in survey.defining or not trial.demands(ACTION):
         return []
-    message = "each step has an action, also while no goal is open, and as there is no _status/3 no goal ever ends"
-    mend = "let a rule plan actions for open goals alone, or write rules for _status(Id,succeeded,C)"
+    message = "each step has an action even without an open goal, and without _status/3 no goal ever ends"
+    mend = "plan actions only for open goals, or write rules for _status(Id,succeeded,C)"
     return [places[0].fault("restless", message, mend)]
 
 
-def statuses_at_the_end(survey: Survey) -> List[Fault]:
-    """Return faults of rules for the core that hold at the last step of a plan alone."""
+def volatile_keywords(survey: Survey) -> List[Fault]:
+    """Return a fault for each volatile rule that defines a keyword: it holds only at the last step of a plan."""
     found = []
     for place in (one for signature in KEYWORDS.values() for one in survey.defining.get(signature, ())):
         if place.part.name == "volatile":
-            message = f"{written(place.occurrence.term)} holds at the last step of a plan alone: its rule is volatile"
+            message = f"{written(place.occurrence.term)} holds only at the last step of a plan: its rule is volatile"
             found.append(place.fault("at-the-end", message, "write #program cumulative(t). before the rule"))
     return found
 
 
-def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
-    """Return what is wrong with the statuses that a program gives to goals."""
+def status_faults(survey: Survey, values: ArgumentValues) -> List[Fault]:
+    """Return the faults of rules for ``_status/3``."""
     numbers = [number for number, one in enumerate(values.rules) if one.head.signature == STATUS]
     found: Dict[str, Fault] = {}
     given: Set[str] = set()
@@ -88,67 +88,67 @@ def statuses(survey: Survey, values: ArgumentValues) -> List[Fault]:
         known = [one for one in (derived or rule.head.patterns) if not is_variable(one.arguments[1])]
         words = {_word(one.arguments[1]) for one in known}
         given |= words
-        fault = _strange(rule, words)
+        fault = _unknown_status(rule, words)
         if fault is None and not derived:
             word = written(signature_and_arguments(rule.head.term)[1][1])
-            message = f"no goal can ever be {word} by this rule: nothing satisfies its body"
-            fault = _at(rule, "unreachable-status", message, "see to its body")
+            message = f"this rule never makes a goal {word}: nothing satisfies its body"
+            fault = _status_fault(rule, "unreachable-status", message, "check its body")
         if fault is not None:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
     misspelt = any(one.kind == "status-word" and "succeeded meant" in one.mend for one in found.values())
     if numbers and not given & {"succeeded", ANY.name} and not misspelt and survey.is_external(REQUEST):
-        message = "no rule ever says that a goal has succeeded: clients wait for ever"
+        message = "no rule reports that a goal has succeeded: clients wait forever"
         place = survey.defining[STATUS][0]
         found["none"] = place.fault("no-success", message, "write a rule for _status(Id,succeeded,C)")
     return list(found.values())
 
 
 def _word(status: clingo.Symbol) -> str:
-    """Return the word of a status, without the reason around which it stands."""
+    """Return the word of a status without its reason."""
     named = status.type is clingo.SymbolType.Function and status.name and len(status.arguments) < 2
     return status.name if named else str(status)
 
 
-def _strange(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
-    strange = sorted(words - {*WORDS, ANY.name})
-    if not strange:
+def _unknown_status(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
+    unknown = sorted(words - {*WORDS, ANY.name})
+    if not unknown:
         return None
-    message = f"{strange[0]} is no status: it is one of {', '.join(WORDS)}"
-    return _at(rule, "status-word", message, likely_value(strange[0], WORDS))
+    message = f"{unknown[0]} is not a status; statuses are {', '.join(WORDS)}"
+    return _status_fault(rule, "status-word", message, likely_value(unknown[0], WORDS))
 
 
-def _at(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
+def _status_fault(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
     begin = signature_and_arguments(rule.head.term)[1][1].location.begin
     return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
 
 
-def hidden(survey: Survey) -> Iterator[Fault]:
-    """Yield what the core would read, but does not get, as other things are shown."""
+def hidden_predicates(survey: Survey) -> Iterator[Fault]:
+    """Yield the predicates that the core reads but the program hides, as it shows only others."""
     shown = [one for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
     names = {one.term.name for one in shown if one.term.ast_type == ASTType.Function}
     for signature in _READ:
         hides = survey.shown and signature not in survey.shown and signature.name not in names
         if hides and signature in survey.defining:
-            message = f"{signature} is not shown, as other predicates are: the core never hears of it"
+            message = f"{signature} is not shown, although other predicates are: the core never receives it"
             yield survey.defining[signature][0].fault("hidden", message, f"write #show {signature}.")
 
 
-def like_cancel(survey: Survey) -> Iterator[Fault]:
-    """Yield the requests that look like a cancellation misspelt."""
+def misspelt_cancels(survey: Survey) -> Iterator[Fault]:
+    """Yield the requests that look like a misspelt cancel."""
     for place in survey.using.get(REQUEST, ()):
         term = place.occurrence.arguments[0]
         size = len(term.arguments) if term.ast_type == ASTType.Function else 0
         name = term.name if size else ""
         if name == _CANCEL and size != 1:
-            message = f"{written(term)} has {size} arguments: who takes a goal back asks for cancel(Id)"
+            message = f"{written(term)} has {size} arguments: clients cancel a goal by cancel(Id)"
             yield fault_at(term, "misspelt", message, f"write {_CANCEL}(Id)")
         elif size == 1 and name != _CANCEL and likeness(name, _CANCEL) >= _ALIKE:
-            message = f"nobody asks for {written(term)}: who takes a goal back asks for cancel(Id)"
+            message = f"no client sends {written(term)}: clients cancel a goal by cancel(Id)"
             yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
 
 
 def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
-    """Yield the words for actions that the program does not have."""
+    """Yield the ``_says`` facts about actions that the program does not have."""
     survey = program.survey
     actions = Actions(program) if _SAYS in survey.defining else None
     for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():

@@ -1,1 +1,1 @@
-"""Looks for a stream that breaks a program: the core itself, on every way that goals, returns and facts may take."""
+"""Bounded verification: explores the core's runs of a program for all streams with few events."""

@@ -51,9 +51,9 @@ class _AtomsByTime:
 
 
 class Beliefs:
-    """Reads beliefs from models; facts can be ``late`` by so many steps.
+    """Reads beliefs from models; ``late`` is the number of steps that facts can be late.
 
-    The past before step k is the same in every answer after the update of step k, as programs choose only actions.
+    As programs choose only actions, the past before step k is the same in all answers after the update of step k.
     """
 
     def __init__(self, program: ReactiveProgram, late: int) -> None:
@@ -65,7 +65,7 @@ class Beliefs:
         self._atoms: WeakKeyDictionary[Grounding, _AtomsByTime] = WeakKeyDictionary()
 
     def readers(self, grounding: Grounding, step: int) -> Sequence[Read]:
-        """Return readers of what matters at ``step``, what matters if facts can be late, and what must never hold."""
+        """Return readers of the visible past before ``step``, of that for late facts, and of forbidden states."""
         if grounding not in self._atoms:
             self._atoms[grounding] = _AtomsByTime(grounding, self._shift)
         atoms = self._atoms[grounding]
@@ -75,8 +75,8 @@ class Beliefs:
         never = [(one, literal) for one, literal in atoms.never if _is_by(one.arguments[-1], step)]
         return [_reader(one) for one in (atoms.seen[step], atoms.seen[step - self.late], never)]
 
-    def of(self, atoms: FrozenSet[clingo.Symbol], snapshot: Snapshot, late: int) -> Belief:
-        """Return the belief in a snapshot, from the ``atoms`` read, if facts can be ``late`` by so many steps."""
+    def belief(self, atoms: FrozenSet[clingo.Symbol], snapshot: Snapshot, late: int) -> Belief:
+        """Return the belief in a snapshot from the ``atoms`` read, for facts that are at most ``late`` steps late."""
         first = snapshot.step - late
         facts = (one.head for one in snapshot.permanent if one.head is not None and not one.body)
         executed = (one for cycle, actions in snapshot.closed.items() if cycle >= first for one in actions)
@@ -89,7 +89,7 @@ class Beliefs:
         return time is None or time >= first
 
     def _seen(self, atoms: _AtomsByTime, first: int) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """Yield the atoms of steps before ``first`` that later rules see, with times relative to it."""
+        """Yield the atoms of steps before ``first`` that later rules can see, with times relative to ``first``."""
         empty = 0
         for time in sorted((one for one in atoms.at if one is not None and one < first), reverse=True):
             moved = [(self._shift.moved(atom, -first), literal) for atom, literal in atoms.at[time]]
@@ -101,7 +101,7 @@ class Beliefs:
         yield from (one for one in atoms.at.get(None, ()) if signature_of(one[0]) in self._stepped)
 
     def _is_visible(self, atom: clingo.Symbol) -> bool:
-        """Return whether the rules from step 0 on see an earlier atom."""
+        """Return whether rules of step 0 or later can see an earlier atom."""
         if atom not in self._visible:
             self._visible[atom] = self._program.may_mention(atom, 0)
         return self._visible[atom]

@@ -8,30 +8,30 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import WhyNot
 
 _WORDS = {
-    DefectKind.NO_ANSWER: "the program has no answer after this, {}: the core could only doubt what it was told",
-    DefectKind.FORBIDDEN: "what must never be: {}",
-    DefectKind.REPEATED: "{} goes out though it was done for the same goal, which was only sent again: its return "
-    "said so, and nothing has happened that may have undone it",
-    DefectKind.FAILURE_AS_SUCCESS: "a failure is taken for success: the program goes on after {} as if it had been "
-    "done",
-    DefectKind.NEVER_ENDED: "a goal is never ended, though all goes as planned: {}",
-    DefectKind.PUT_OFF: "the plan is put off for ever: cycle follows on cycle without an action, with the goal {} open",
-    DefectKind.MALFORMED: "the plan holds what is no action: {}",
+    DefectKind.NO_ANSWER: "the program has no answer after this, {}: the core could only withhold facts",
+    DefectKind.FORBIDDEN: "a forbidden state occurs: {}",
+    DefectKind.REPEATED: "{} is executed again when its goal is sent again, although it succeeded and nothing can have "
+    "undone it",
+    DefectKind.FAILURE_AS_SUCCESS: "a failure is treated as success: after {} the program continues as if the action "
+    "had succeeded",
+    DefectKind.NEVER_ENDED: "a goal never ends, although all actions succeed: {}",
+    DefectKind.PUT_OFF: "the plan is deferred forever: cycles pass without an action while the goal {} is open",
+    DefectKind.MALFORMED: "the plan contains an invalid action: {}",
 }
 
 
 class Defect(NamedTuple):
-    """A defect, and the way on which it shows.
+    """A defect, and the run that shows it.
 
     Attributes:
         kind: its kind.
-        way: the steps that lead there.
-        subject: what it is about.
-        cost: the number of events on the way.
-        about: the interface that it is about, if any.
-        circular: whether the way ends in a state that it has met before.
+        way: the steps of the run.
+        subject: the goals, action or state concerned.
+        cost: the number of events of the run.
+        about: the interface concerned, if any.
+        circular: whether the run returns to an earlier state.
         broken: the update without an answer, and its history.
-        why: which rules exclude an answer, if that is known.
+        why: the rules that exclude an answer, if known.
 
     """
 
@@ -46,7 +46,7 @@ class Defect(NamedTuple):
 
     @property
     def length(self) -> int:
-        """The number of updates on the way."""
+        """The number of updates of the run."""
         return sum(len(step.updates) for step in self.way)
 
     @property
@@ -73,7 +73,7 @@ class Defect(NamedTuple):
         return found
 
     def lines(self) -> List[str]:
-        """Return the defect for people, with its stream."""
+        """Return the defect as text lines, with its stream."""
         found = [f"{self.kind.value}: {self.words}", *(f"  {one}" for one in self.story)]
         found += [f"  {one}" for one in self.why.text().splitlines()] if self.why is not None else []
         return [*found, "", *(f"% {one}" for one in (self.words, *self.story)), *self.stream.splitlines()]
@@ -85,7 +85,7 @@ class Defect(NamedTuple):
 
 
 class Defects:
-    """The defects found, the one with the shortest way for each kind and interface; ``skipped`` kinds are left out."""
+    """Collects the defect with the shortest run for each kind and interface; ``skipped`` kinds are ignored."""
 
     def __init__(self, skipped: FrozenSet[DefectKind] = frozenset()) -> None:
         self._skipped = skipped
@@ -100,11 +100,11 @@ class Defects:
             self._found[defect.kind, defect.about] = defect
 
     def excuse(self, interface: str) -> None:
-        """Note that an interface repeats actions in runs without faults."""
+        """Ignore repeated actions of an interface, as they also occur in runs without failures."""
         self._usual.add(interface)
 
-    def of(self, cost: int) -> List[Defect]:
-        """Return the defects of at most ``cost`` events, the shortest of each kind, in this order."""
+    def shortest(self, cost: int) -> List[Defect]:
+        """Return the shortest defect of each kind with at most ``cost`` events, ordered by length."""
         best: Dict[DefectKind, Defect] = {}
         for one in sorted(self._found.values(), key=lambda one: (one.cost, one.length, one.kind.value)):
             if one.cost <= cost and not (one.kind is DefectKind.REPEATED and one.about in self._usual):

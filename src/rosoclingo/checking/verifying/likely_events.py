@@ -1,4 +1,4 @@
-"""Reads from a program's rules which events are likely: goals, facts, and the reasons of failed actions."""
+"""Derives the likely events of a program from its rules: goals, facts, and the reasons of failed actions."""
 
 from typing import Dict, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
 
@@ -23,13 +23,13 @@ from rosoclingo.oclingo.progression.terms import Signature, parse_term
 from rosoclingo.reasoning.keywords import FAILURE, RESERVED, name_of, request
 
 TRIED, MOST = 8, 40
-"""Number of requests of a kind to try after one with something to do was found, and before."""
+"""Numbers of requests of a kind that are tried if one of them has a plan with actions, and otherwise."""
 
 _THING, _FACT = "__verified_thing", "__verified_fact"
 
 
 def likely_repertory(program: ReactiveProgram, selection: EventSelection) -> Repertory:
-    """Return the events that can come to a program."""
+    """Return the likely events of a program, as far as the user does not select them."""
     goals = selection.goals or tuple(likely_goals(program, selection.most, selection.kinds))
     base = _BaseAtoms(program, goals)
     facts = (one for one in base.facts(selection.most) if not selection.facts or one.name in selection.facts)
@@ -40,9 +40,9 @@ def likely_repertory(program: ReactiveProgram, selection: EventSelection) -> Rep
 
 
 def likely_goals(program: ReactiveProgram, most: int, kinds: Kinds = ()) -> Iterator[Symbol]:
-    """Yield at most ``most`` goals of each kind, each with its own identifier, preferably with something to do.
+    """Yield at most ``most`` goals of each kind with different identifiers, preferably those with actions.
 
-    Without ``kinds`` of requests, they are those that the program's rules ask for.
+    The default for ``kinds`` is formed from the program's rules.
     """
     trials = Trials(program)
     for texts in kinds or sample_requests(program):
@@ -103,7 +103,7 @@ class _BaseAtoms:
     # -- facts
 
     def facts(self, most: int) -> Iterator[Symbol]:
-        """Yield facts of cycle 1 that rules look for, at most ``most`` of each predicate."""
+        """Yield facts of cycle 1 that match body atoms of rules, at most ``most`` of each predicate."""
         for number, signature in enumerate(self._observed):
             known = [
                 one.symbol.arguments
@@ -117,9 +117,9 @@ class _BaseAtoms:
                 yield clingo.Function(signature.name, one)
 
     def _queries(self, signature: Signature) -> Iterator[str]:
-        """Yield rules for the arguments with which rules look for a predicate, after the number of unbound ones.
+        """Yield rules that derive the arguments of a predicate in rules, after the number of unbound variables.
 
-        Arguments are bound by atoms of the base part in the same body, others by the things of goals.
+        Atoms of the base part in the same body bind variables; the others range over the things of goals.
         """
         for parameter, statement, found in self._stepped:
             for one in found:
@@ -142,7 +142,7 @@ class _BaseAtoms:
     def reasons(
         self, interface: Symbol, interfaces: Sequence[Symbol], more: Mapping[str, Sequence[Symbol]]
     ) -> Tuple[Symbol, ...]:
-        """Return the values of an interface's failed actions; of those that rules treat alike, the first."""
+        """Return the return values of an interface's failed actions, one for each group that rules treat alike."""
         known = self._uses(set(interfaces) - {interface})
         alike: Dict[Tuple[Tuple[str, ...], ...], Symbol] = {}
         for one in [FAILURE, *sorted(known), *more.get(name_of(interface), ())]:
@@ -150,9 +150,9 @@ class _BaseAtoms:
         return tuple(alike.values())
 
     def _uses(self, others: Set[Symbol]) -> Dict[Symbol, Set[Tuple[str, ...]]]:
-        """Return the values with which rules compare returns, with the uses that distinguish them.
+        """Return the values that rules compare returns with, and the uses that distinguish them.
 
-        Atoms of the base part about ``others``, the other interfaces, do not count.
+        Atoms of the base part about the interfaces ``others`` do not count.
         """
         found: Dict[Symbol, Set[Tuple[str, ...]]] = {one: {("named", str(one))} for one in self._constants_compared}
         for signature, place in sorted(self._flow):
@@ -164,7 +164,7 @@ class _BaseAtoms:
         return found
 
     def _return_flow(self) -> Tuple[Set[Argument], Set[Symbol]]:
-        """Return the arguments that the values of returns are passed to or looked up in, and compared constants."""
+        """Return the arguments that rules pass return values to or look them up in, and the constants compared."""
         flow: Set[Argument] = {(RETURN, 1), (FAILED, 1)}
         before = 0
         while before != len(flow):

@@ -1,4 +1,4 @@
-"""The moves of a run: goals and cancels come, facts are reported, actions return."""
+"""The moves of a run: goals and cancels arrive, facts are reported, actions return."""
 
 from itertools import combinations, product
 from typing import Container, Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
@@ -46,7 +46,7 @@ class ActionEnd(NamedTuple):
 
 
 class Move(NamedTuple):
-    """The events before the next update: happenings in order, then the running actions return."""
+    """The events before the next update: happenings in order, then the returns of all running actions."""
 
     happenings: Tuple[Happening, ...] = ()
     answers: Tuple[ActionEnd, ...] = ()
@@ -63,12 +63,12 @@ class Move(NamedTuple):
 
 
 class Repertory(NamedTuple):
-    """The events that can come.
+    """The events that can occur.
 
     Attributes:
         goals: the goals.
         facts: the facts, of cycle 1.
-        reasons: the values of failed actions, by interface.
+        reasons: the return values of failed actions, by interface.
 
     """
 
@@ -85,10 +85,12 @@ class Moves:
         self._parameters: Dict[Symbol, List[Symbol]] = {}
         self._clock = Clock(program.delay_of, program.first_step)
 
-    def of(self, awaited: Sequence[Action], goals: Sequence[Goal], step: int, due: bool, left: int) -> Iterator[Move]:
-        """Yield the moves of at most ``left`` events, those with fewer first.
+    def moves(
+        self, awaited: Sequence[Action], goals: Sequence[Goal], step: int, due: bool, left: int
+    ) -> Iterator[Move]:
+        """Yield the moves of at most ``left`` events, those with fewer events first.
 
-        ``step`` is that of the next update. If the core waits and is not ``due``, something has to happen.
+        ``step`` is that of the next update. Without running actions, an event is required unless the core is ``due``.
         """
         happenings = self._happenings(goals, step) if left else []
         for count in range(min(left, self._limits.together) + 1):
@@ -99,7 +101,7 @@ class Moves:
                             yield Move(some, answers)
 
     def returns(self, actions: Iterable[Tuple[Symbol, Symbol]]) -> Iterator[Symbol]:
-        """Yield the usual returns, of cycle 1, of actions given by name and parameter."""
+        """Yield the likely returns, of cycle 1, of actions given by name and parameter."""
         for name, parameter in sorted(actions):
             known = self._parameters.setdefault(name, [])
             known += [] if parameter in known else [parameter]
@@ -118,7 +120,7 @@ class Moves:
                 yield tuple(map(ActionEnd, awaited, some))
 
     def _failures(self, action: Action, awaited: Sequence[Action]) -> Sequence[Symbol]:
-        """Return the values of a failure: the reasons, and the parameter of another action."""
+        """Return the return values of a failure: the reasons, and the parameter of another action."""
         same = [one.parameter for one in awaited if one.interface == action.interface]
         others = [one for one in self._parameters.get(action.interface, ()) if one not in same]
         reasons = (failure_value(one, action.parameter, same.__contains__) for one in self._reasons(action.interface))
@@ -131,7 +133,7 @@ class Moves:
         return found + [Happening(FACT, one) for fact in self._repertory.facts for one in self._dated(fact, step)]
 
     def _dated(self, fact: Symbol, step: int) -> Iterator[Symbol]:
-        """Yield a fact of the present, then of earlier and of later cycles."""
+        """Yield a fact of the present cycle, then of earlier and later ones."""
         if self._clock.cycle_of(fact) is None:
             yield fact
             return
@@ -142,46 +144,46 @@ class Moves:
             yield retimed(fact, cycle)
 
 
-class Deed(NamedTuple):
-    """A successful action about the thing of a goal that nothing can have undone since.
+class Achievement(NamedTuple):
+    """A successful action on the thing of a goal that no later event can have undone.
 
     Attributes:
         interface: the action's name.
         thing: the last argument of the goal, which is the action's parameter or a part of it.
-        again: whether that goal was sent again since.
+        resent: whether that goal was sent again afterwards.
 
     """
 
     interface: Symbol
     thing: Symbol
-    again: bool = False
+    resent: bool = False
 
 
-Done = FrozenSet[Deed]
+Achievements = FrozenSet[Achievement]
 
 
-def done_after(done: Done, move: Move, things: Container[Symbol]) -> Done:
-    """Return the deeds after a move; ``things`` are those of goals.
+def achievements_after(done: Achievements, move: Move, things: Container[Symbol]) -> Achievements:
+    """Return the achievements after a move; ``things`` are those of goals.
 
-    A deed can be undone by another action of its kind, by another kind of action about its thing, whether these fail or
-    not, and by any fact.
+    Any fact, any action of the same interface and any action on the same thing can undo an achievement, even if the
+    action fails.
     """
     if any(one.kind == FACT for one in move.happenings):
         done = frozenset()
     sent = [one.term.arguments[-1] for one in move.happenings if one.kind == GOAL]
-    done = frozenset(one._replace(again=True) if one.thing in sent else one for one in done)
+    done = frozenset(one._replace(resent=True) if one.thing in sent else one for one in done)
     for action, value in move.answers:
-        deed = Deed(action.interface, thing_of(action.parameter, things))
-        done = frozenset(one for one in done if one.interface != deed.interface and one.thing != deed.thing)
-        if value == action.parameter and deed.thing in things:
-            done |= {deed}
+        new = Achievement(action.interface, thing_of(action.parameter, things))
+        done = frozenset(one for one in done if one.interface != new.interface and one.thing != new.thing)
+        if value == action.parameter and new.thing in things:
+            done |= {new}
     return done
 
 
 def thing_of(parameter: Symbol, things: Container[Symbol]) -> Symbol:
-    """Return the one of ``things`` that is the parameter or a part of it; the parameter if there are none or several.
+    """Return the thing that the parameter is or contains; the parameter itself if there is none, or several.
 
-    For example, ``pair(left,red)`` can be about two things.
+    For example, ``pair(left,red)`` can contain two things.
     """
     parts = parameter.arguments if parameter not in things and parameter.type is SymbolType.Function else []
     inside = {one for part in parts for one in [thing_of(part, things)] if one in things}

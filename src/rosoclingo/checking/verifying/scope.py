@@ -1,4 +1,4 @@
-"""The scope of a verification: which events can come, how far to look, and which defects count."""
+"""The scope of a verification: the possible events, the limits, and the kinds of defects."""
 
 from enum import Enum
 from typing import Mapping, NamedTuple, Sequence, Tuple
@@ -12,7 +12,7 @@ SECONDS = 60.0
 
 
 class DefectKind(Enum):
-    """What can be wrong with a program, as named on the command line."""
+    """The kinds of defects, as named on the command line."""
 
     NO_ANSWER = "no-answer"
     FORBIDDEN = "forbidden"
@@ -45,7 +45,7 @@ class VerifyLimits(NamedTuple):
 
 
 class EventSelection(NamedTuple):
-    """The events that a user selects; what is empty is read from the program.
+    """The events that a user selects; empty fields are derived from the program.
 
     Attributes:
         goals: the goals to send.

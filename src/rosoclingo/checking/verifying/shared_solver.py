@@ -1,7 +1,7 @@
-"""Solvers that share one grounding: an update, a step back or another branch costs only a search.
+"""Solvers that share one grounding, so that an update, backtracking or another branch costs only a search.
 
-All facts that can come are assumable; each question states which facts came and which actions were executed. This is
-for the verification, which looks at many streams of one program.
+All facts that can occur are assumable; each question assumes the reported facts and the executed actions. The
+verification uses this to explore many streams of one program.
 """
 
 from dataclasses import replace
@@ -23,13 +23,13 @@ from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedErr
 from rosoclingo.planning.snapshot import Snapshot
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
-"""Returns what to read from the model of an answer, given its grounding and the step of the update."""
+"""Returns the readers of an answer's model, given its grounding and the step of the update."""
 
 _FIRST, _GROWTH = 16, 2
 """Steps of the first grounding, and the factor by which further ones are longer."""
 
 _BRIEFLY: Dict[str, Any] = {"believes": False, "blames": False, "brief": True, "conflicts": 20_000}
-"""How to ask: with a limit of conflicts between two polls of the stop."""
+"""Options of questions: a limit of conflicts between two polls of the stop."""
 
 _MOST = 16
 """Greatest number of answers of one update with different present actions."""
@@ -45,7 +45,7 @@ class SharedAnswer(NamedTuple):
 
 
 class Choices:
-    """A branch: which of several answers to choose each time; the first one after the end of the ``script``."""
+    """A branch of the search: the index of the answer to choose each time; 0 after the end of the ``script``."""
 
     def __init__(self, script: Sequence[int] = ()) -> None:
         self._script, self._counts = script, []  # type: Sequence[int], List[int]
@@ -65,7 +65,7 @@ class Choices:
 
 
 class Streams:
-    """The groundings for all streams of a program over some facts; ``choices`` are those of the solvers."""
+    """The groundings for all streams of a program over some facts; its solvers follow ``choices``."""
 
     def __init__(
         self,
@@ -75,7 +75,10 @@ class Streams:
         halt: Stop = lambda: False,
         all_plans: bool = True,
     ) -> None:
-        """Start with the ``known`` facts, of any cycle if they have one. ``halt`` ends a search by StoppedError."""
+        """Start with the ``known`` facts, of any cycle if they have one.
+
+        A search that ``halt`` ends raises StoppedError.
+        """
         self.program, self.choices = program, Choices()
         self._known: Set[clingo.Symbol] = set()
         self._readers, self._halt, self._all_plans = readers, halt, all_plans
@@ -88,7 +91,7 @@ class Streams:
         return {(one.arguments[0], one.arguments[1]) for one in grounding.actions(1, grounding.horizon)}
 
     def learn(self, facts: Iterable[clingo.Symbol]) -> bool:
-        """Add further facts; return whether there were any, so that the program is ground again."""
+        """Add facts; return whether any of them is new, so that the program has to be regrounded."""
         before = len(self._known)
         self._known.update(retimed(one, 1) for one in facts)
         if len(self._known) > before:
@@ -110,7 +113,7 @@ class Streams:
             first = end + 1
 
     def answers(self, snapshot: Snapshot, bound: int, hint: int) -> List[SharedAnswer]:
-        """Return the answers of the least horizon whose present actions differ; one if a statement can lapse."""
+        """Return answers of the least horizon with different present actions; only one if a statement can lapse."""
         least = self.least(snapshot, bound, hint)
         if least is None:
             return []
@@ -190,7 +193,7 @@ def retimed(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:
 class SharedSolver(PlanningSolver):
     """A solver of shortest plans that asks the groundings of ``streams``; ``found`` is its last answer.
 
-    It accepts facts, commitments and what updates state about the past, but no rules.
+    It accepts facts, commitments and closed cycles, but no rules.
     """
 
     def __init__(self, streams: Streams) -> None:
@@ -223,9 +226,9 @@ class SharedSolver(PlanningSolver):
     def _after(self, update: StreamUpdate) -> Snapshot:
         """Return the snapshot with an update; raises SolverError for rules."""
         snapshot = self.snapshot.with_update(update, self._streams.program)
-        strange = next((one for one in snapshot.statements if one.body and not one.is_commitment), None)
-        if strange is not None:
-            raise SolverError(f"only facts and executed actions can be fed here, not {strange}")
+        rule = next((one for one in snapshot.statements if one.body and not one.is_commitment), None)
+        if rule is not None:
+            raise SolverError(f"only facts and executed actions are supported, not {rule}")
         return snapshot
 
     @staticmethod
@@ -244,7 +247,7 @@ class SharedSolver(PlanningSolver):
         disabled: FrozenSet[clingo.Symbol],
         stopped: Optional[Stop] = None,
     ) -> Reply:
-        """Return whether ``update`` would have an answer without the facts ``disabled``."""
+        """Return whether ``update`` would have an answer without the ``disabled`` facts."""
         snapshot = self._after(replace(update, bound=None)).without_facts(disabled)
         found = self._streams.least(snapshot, update.bound or 0, self.log.horizon)
         return Reply(found is not None, core=frozenset() if found is not None else assumable)

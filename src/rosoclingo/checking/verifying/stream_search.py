@@ -1,7 +1,7 @@
-"""Explores all ways of a core with a program, those with the fewest events first, and notes defects.
+"""Explores all runs of a core with a program, those with the fewest events first, and collects defects.
 
-The cost of a way is its number of events: goals, cancels, facts and failures. What goes as planned costs nothing, so
-each way is followed to its end. Of ways to equal states only the first is continued.
+The cost of a run is its number of events: goals, cancels, facts and failures. Successful returns cost nothing, so each
+run is followed to its end. Of several runs to equal states, the search continues only the first.
 """
 
 import heapq
@@ -12,7 +12,7 @@ from clingo import Symbol
 
 from rosoclingo.checking.verifying.beliefs import Belief, Beliefs
 from rosoclingo.checking.verifying.defects import Defect, Defects
-from rosoclingo.checking.verifying.moves import GOAL, Deed, Move, Moves, Repertory, done_after, thing_of
+from rosoclingo.checking.verifying.moves import GOAL, Achievement, Move, Moves, Repertory, achievements_after, thing_of
 from rosoclingo.checking.verifying.scope import DefectKind, VerifyLimits
 from rosoclingo.checking.verifying.shared_solver import Choices, SharedSolver, Streams
 from rosoclingo.checking.verifying.trial_core import BrokenError, TrialCore
@@ -25,14 +25,14 @@ from rosoclingo.reasoning.keywords import cancellation, request
 from rosoclingo.reasoning.settings import CoreSettings
 
 PATIENCE = 3
-"""Greatest number of updates without an event while a goal is live, as a multiple of a plan's greatest length."""
+"""Greatest number of updates without an event while a goal is live, in multiples of the longest plan."""
 
 
 class VerifyProgress(NamedTuple):
     """The progress of a search.
 
     Attributes:
-        proven: the number of events up to which all ways were explored; -1 for none.
+        proven: the number of events up to which all runs were explored; -1 for none.
         states: the number of different states.
         moves: the number of moves.
 
@@ -44,7 +44,7 @@ class VerifyProgress(NamedTuple):
 
 
 class _Twins(NamedTuple):
-    """The states after success and after ``move``, the same failure, both from one state."""
+    """Two successors of one state: after success, and after the failure in ``move``."""
 
     success: StateNode
     failure: StateNode
@@ -52,10 +52,10 @@ class _Twins(NamedTuple):
 
 
 class StreamSearch:
-    """A search for ways on which a program fails.
+    """A search for runs that show a defect.
 
     Attributes:
-        defects: the defects found, the shortest way of each kind, ordered by length.
+        defects: the defects found, that with the shortest run of each kind, ordered by length.
 
     """
 
@@ -67,7 +67,7 @@ class StreamSearch:
         halt: Stop = lambda: False,
         skipped: FrozenSet[DefectKind] = frozenset(),
     ) -> None:
-        """Prepare a search; ``halt`` ends it. Defects of ``skipped`` kinds do not."""
+        """Prepare a search; ``halt`` ends it, and so does the first depth with a defect that is not ``skipped``."""
         self._program, self._limits, self._halt = program, limits, halt
         self._beliefs = Beliefs(program, limits.late if repertory.facts else 0)
         first = list(first_facts(program, repertory))
@@ -83,7 +83,7 @@ class StreamSearch:
         self.defects: List[Defect] = []
 
     def run(self) -> VerifyProgress:
-        """Explore all ways until there is a defect, all are explored, or the search is stopped."""
+        """Explore runs until a depth has a defect, all runs are explored, or the search is stopped."""
         proven = -1
         try:
             self._begin()
@@ -92,12 +92,12 @@ class StreamSearch:
                     self._expand(heapq.heappop(self._waiting[cost])[-1])
                 self._note_circles(cost)
                 self._note_hidden_failures(cost)
-                self.defects = self._found.of(cost)
+                self.defects = self._found.shortest(cost)
                 if self.defects:
                     break
                 proven = cost
         except StoppedError:
-            self.defects = self._found.of(self._limits.events)
+            self.defects = self._found.shortest(self._limits.events)
         return VerifyProgress(proven, len(set(self._met.values())), self._made)
 
     def _begin(self) -> None:
@@ -107,7 +107,7 @@ class StreamSearch:
         core.start()
         if core.solver.found is None:
             step = Step(Move(), (str(core.solver.log.update),))
-            self._found.add(Defect(DefectKind.NO_ANSWER, (step,), "before anything has happened", 0))
+            self._found.add(Defect(DefectKind.NO_ANSWER, (step,), "even before the first event", 0))
             return
         node = StateNode(core.snapshot())
         self._complete(node, core)
@@ -124,7 +124,7 @@ class StreamSearch:
         if endless or (goals and not (node.awaited or node.due)):
             self._add(DefectKind.NEVER_ENDED, node, goals, circular=endless)
         left = self._limits.events - node.cost
-        moves = self._moves.of(node.awaited, core.live_goals, core.next_step, node.due, left)
+        moves = self._moves.moves(node.awaited, core.live_goals, core.next_step, node.due, left)
         successes: List[StateNode] = []
         for move in () if endless else moves:
             if self._halt():
@@ -174,7 +174,7 @@ class StreamSearch:
         node.goals = tuple(str(one) for one in core.live_goals)
         if node.before is not None and node.step is not None:
             move = node.step.move
-            node.done = done_after(node.before.done, move, self._things)
+            node.done = achievements_after(node.before.done, move, self._things)
             sent = all(one.kind == GOAL for one in move.happenings)
             node.calm = node.before.calm and sent and not move.failures
         belief = self._belief(core, 0)
@@ -187,14 +187,14 @@ class StreamSearch:
         heapq.heappush(self._waiting[node.cost], (node.length, next(self._count), node))
 
     def _key(self, node: StateNode, core: TrialCore, late: int) -> Hashable:
-        """Return what equal states have in common, if facts can be ``late`` by so many steps."""
+        """Return the key of equal states, for facts that are at most ``late`` steps late."""
         awaited = tuple(one._replace(cycle=0) for one in node.awaited)
         return late, self._belief(core, late), _goals_of(core), node.done, awaited
 
     def _belief(self, core: TrialCore, late: int) -> Belief:
         found = core.solver.found
         assert found is not None
-        return self._beliefs.of(found.read[1 if late else 0], core.solver.snapshot, late)
+        return self._beliefs.belief(found.read[1 if late else 0], core.solver.snapshot, late)
 
     # -- defects
 
@@ -204,9 +204,9 @@ class StreamSearch:
     def _note_broken(self, node: StateNode, move: Move, core: TrialCore, broken: BrokenError) -> None:
         last = str(broken.stream.update)
         step = Step(move, core.updates if last in core.updates else (*core.updates, last))
-        text = "with its goals or without them"
+        text = "with or without its goals"
         if broken.withheld:
-            text = "be its goals cancelled or not; there would be one had they never been asked for"
+            text = "even if its goals are cancelled, only if they are never sent"
         stream = broken.stream if broken.kind is DefectKind.NO_ANSWER else None
         cost = node.cost + move.cost
         self._found.add(Defect(broken.kind, (*node.way, step), text, cost, broken=stream))
@@ -218,13 +218,13 @@ class StreamSearch:
         for fault in core.plan.faults:
             self._add(DefectKind.MALFORMED, node, fault)
         for one in node.awaited:
-            if Deed(one.interface, thing_of(one.parameter, self._things), again=True) in node.done:
+            if Achievement(one.interface, thing_of(one.parameter, self._things), resent=True) in node.done:
                 self._add(DefectKind.REPEATED, node, str(one.atom), str(one.interface))
                 if node.calm:
                     self._found.excuse(str(one.interface))
 
     def _note_hidden_failures(self, cost: int) -> None:
-        """Note the failures after which the program continues as after success, if all else is equal."""
+        """Note the failures after which the program continues as after success in the same state."""
         for success, failure, move in self._twins:
             if failure.cost <= cost and _are_alike(success, failure):
                 self._add(DefectKind.FAILURE_AS_SUCCESS, failure, move.failures[0].text)
@@ -248,9 +248,9 @@ def _goals_of(core: TrialCore) -> Hashable:
 
 
 def _are_alike(success: StateNode, failure: StateNode) -> bool:
-    """Return whether beliefs after failure and success are equal, or all goals have ended in the same way.
+    """Return whether beliefs after failure and success are equal, or all goals ended in the same way.
 
-    If returns are visible to later steps, the next states have to be equal as well.
+    If later steps can see returns, the next states have to be equal as well.
     """
     if _end_alike(success, failure):
         return True
@@ -261,16 +261,16 @@ def _are_alike(success: StateNode, failure: StateNode) -> bool:
 
 
 def _end_alike(success: StateNode, failure: StateNode) -> bool:
-    """Return whether a goal has succeeded and nothing is left to do, after failure as after success."""
+    """Return whether a goal succeeded and nothing is left to do, both after failure and after success."""
     if success.step is None or failure.step is None or len(failure.step.move.answers) != 1:
         return False
-    over = not (failure.goals or failure.awaited or failure.due)
+    finished = not (failure.goals or failure.awaited or failure.due)
     ends = failure.step.ends
-    return over and success.step.ends == ends and any(end.endswith("succeeded") for end in ends)
+    return finished and success.step.ends == ends and any(end.endswith("succeeded") for end in ends)
 
 
 def first_facts(program: ReactiveProgram, repertory: Repertory) -> Iterator[Symbol]:
-    """Yield the facts, requests and cancels that can come, of cycle 1."""
+    """Yield the possible facts, requests and cancels, of cycle 1."""
     yield from repertory.facts
     for goal in repertory.goals:
         yield request(goal, 1)

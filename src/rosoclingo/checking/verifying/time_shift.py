@@ -1,8 +1,8 @@
-"""Moves atoms in time, so that states of different steps can be compared.
+"""Shifts atoms in time, so that states of different steps can be compared.
 
-Most programs never read the step itself: they add numbers to times and compare times with times. A state at step 5 and
-one at step 9 are then equal if they are equal with all times counted from there. Rules that use a time in another way,
-such as ``t > 100`` or a remainder of t, keep states of different steps apart.
+Most programs never read the step itself: they add numbers to times and compare times with times. The states at steps 5
+and 9 are then equal if their atoms are, with times relative to the step. Rules that use a time in another way, such as
+``t > 100`` or a remainder of t, distinguish states of different steps.
 """
 
 from math import prod
@@ -39,7 +39,7 @@ class TimeShift:
 
     Attributes:
         readings: the rules that depend on the step itself.
-        unclear: predicates with an argument that is a time in some rules only, or no plain time.
+        unclear: predicates with an argument that is a time in some rules only, or a term that contains one.
 
     """
 
@@ -56,7 +56,7 @@ class TimeShift:
             for part in parts
             for statement, found in (part.found if part.parameter else ())
         ]
-        for joint in (False, True):  # the times among the variables of a sum have to be known first
+        for joint in (False, True):  # in sums, times are recognized only after those of single variables
             self._infer(rules, joint)
         self._places: Dict[Signature, List[int]] = {}
         for signature, place in sorted(self._times):
@@ -65,7 +65,7 @@ class TimeShift:
             self._judge(rule)
 
     def time_of(self, atom: clingo.Symbol) -> Optional[int]:
-        """Return the time of an atom, the last argument that is one; None if there is none."""
+        """Return the time of an atom, which is its last time argument; None if it has none."""
         if atom not in self._time_of:
             arguments = atom.arguments
             times = (arguments[place] for place in reversed(self._places.get(signature_of(atom), ())))
@@ -85,14 +85,14 @@ class TimeShift:
         return clingo.Function(atom.name, arguments, atom.positive)
 
     def phase(self, step: int, visible: FrozenSet[Signature]) -> Tuple[int, ...]:
-        """Return what later rules can read of ``step`` itself, given the predicates ``visible`` of earlier steps."""
+        """Return the part of ``step`` that later rules can read, given the ``visible`` predicates of earlier steps."""
         periods = {one.period for one in self.readings if one.needs <= visible}
         if visible & self.unclear or 0 in periods:
             return (step,)
         return tuple(n for period in sorted(periods) for n in (period, step % period))
 
     def _infer(self, rules: Sequence["_Rule"], joint: bool) -> None:
-        """Find the arguments that are times in rules, in terms with one variable, or with several if ``joint``."""
+        """Infer the arguments that are times, from terms with one variable or, if ``joint``, with several."""
         before = -1
         while before != len(self._times):
             before = len(self._times)
@@ -107,7 +107,7 @@ class TimeShift:
                 )
 
     def _judge(self, rule: "_Rule") -> None:
-        """Note what a rule does with times other than adding numbers and comparing them with each other."""
+        """Note whether a rule uses times other than by adding numbers and comparing them with each other."""
         times, needs = rule.times(self._times), frozenset(rule.looks_back())
         for signature, place, term in rule.arguments:
             if rule.degree(term, times) == ((signature, place) in self._times):
@@ -138,7 +138,7 @@ class _Rule:
         return {self._parameter, *(term.name for one, place, term in variables if (one, place) in known)} - {"_"}
 
     def degree(self, term: Node, times: Set[str]) -> Optional[int]:
-        """Return how often the time is added up in a term: 1 for a time, 0 for a difference; None for other terms."""
+        """Return how many times a term adds up: 1 for a time, 0 for a difference; None for other terms."""
         if not times & _names(term, symbols=True):
             return 0
         if term.ast_type == ASTType.Interval:
@@ -156,7 +156,7 @@ class _Rule:
         return abs(value.number) if timed and value.type is clingo.SymbolType.Number else 0  # type: ignore[union-attr]
 
     def looks_back(self) -> Iterator[Signature]:
-        """Yield the predicates of which the rule needs an atom of an earlier step."""
+        """Yield the predicates of which the rule requires an atom of an earlier step."""
         for one in self._found:
             offsets = (time_offset(term, self._parameter, self._constants) for term in one.arguments)
             if one.positive and any(offset is not None and offset < 0 for offset in offsets):
@@ -164,7 +164,7 @@ class _Rule:
 
 
 def _compared(statement: Node) -> Iterator[Tuple[List[Node], bool]]:
-    """Yield terms that are compared with each other, or ``alone`` with the value of an aggregate."""
+    """Yield groups of compared terms, and whether each is compared with an aggregate instead."""
     for node in statement.nodes:
         if node.ast_type == ASTType.Comparison:
             yield [node.term, *(guard.term for guard in node.guards)], False
@@ -175,6 +175,6 @@ def _compared(statement: Node) -> Iterator[Tuple[List[Node], bool]]:
 
 
 def _names(term: Node, symbols: bool = False) -> Set[str]:
-    """Return the names of the variables in a term, with its ``symbols`` too."""
+    """Return the names of the variables in a term, and of its constants if ``symbols``."""
     found = {one.name for one in term.nodes if one.ast_type == ASTType.Variable}
     return found | {str(one) for one in term.nodes if symbols and one.ast_type == ASTType.SymbolicTerm}

@@ -1,4 +1,4 @@
-"""A core on trial: it continues from snapshots, and reports a program that leaves it without a plan."""
+"""A core for the verification: it continues from snapshots, and reports programs that leave it without a plan."""
 
 from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
@@ -33,7 +33,7 @@ class BrokenError(Exception):
 
 
 class CoreSnapshot(NamedTuple):
-    """The state of a core: that of its parts, and the history."""
+    """The state of a core: the record of its parts, and the history."""
 
     record: Record
     log: History
@@ -54,11 +54,11 @@ _STOPS = {
     ResumableCore._forget_history: DefectKind.NO_ANSWER,
     ResumableCore._cancel_all: DefectKind.NO_ANSWER,
 }
-"""The responses that doubt facts or drop all goals, and the defects of programs that need them."""
+"""The responses that withhold facts or drop all goals, and the defects that they indicate."""
 
 
-def _trusting(row: Response) -> Response:
-    """Return a row of the core's table that raises BrokenError instead, and leaves failures to the program."""
+def _strict(row: Response) -> Response:
+    """Return a row of the core's table that leaves failures to the program, and raises BrokenError for a defect."""
     if row.step is ResumableCore._settle_failures:
         return row._replace(step=lambda core, state: core.leave_failures(state))
     if row.step not in _STOPS:
@@ -73,7 +73,7 @@ def _trusting(row: Response) -> Response:
 
 
 class TrialCore(ResumableCore):
-    """A core that raises BrokenError where the usual one doubts facts, begins again, or loses patience.
+    """A core that raises BrokenError where the usual one withholds facts, resets its history or loses patience.
 
     Attributes:
         events: the events of the last move.
@@ -87,7 +87,7 @@ class TrialCore(ResumableCore):
         settings: CoreSettings,
         snapshot: Optional[CoreSnapshot] = None,
     ) -> None:
-        """Begin, or continue from a ``snapshot``."""
+        """Start fresh, or continue from a ``snapshot``."""
         self.events: List[Event] = []
         record = None if snapshot is None else snapshot.record
         super().__init__(program, make_solver, self.events.append, settings, record=record)
@@ -96,7 +96,7 @@ class TrialCore(ResumableCore):
             self._planner = self._planner.with_log(snapshot.log)
 
     def leave_failures(self, state: State) -> State:
-        """Leave failures to the program, whose reaction is verified."""
+        """Leave failures to the program, as its reaction is what the verification checks."""
         self._execution.unhandled.clear()
         return self._judged(state, state.result)
 
@@ -123,7 +123,7 @@ class TrialCore(ResumableCore):
 
     @property
     def due(self) -> bool:
-        """Whether it continues without an event."""
+        """Whether the core continues without an event."""
         return not self.awaited and self._due()
 
     @property
@@ -138,12 +138,12 @@ class TrialCore(ResumableCore):
 
     @property
     def pending(self) -> Tuple[Any, ...]:
-        """The rest of the state on which the next moves depend, apart from goals and actions."""
+        """The state, apart from goals and actions, that determines the next moves."""
         requests, rejected, *_ = self._feeder.record()["feeder"]
         return str(requests), str(rejected), self._plan is None
 
     def make(self, move: Move) -> None:
-        """Make a move up to the next answer."""
+        """Apply a move, up to the next answer."""
         self.events.clear()
         for one in move.happenings:
             if one.kind == GOAL:
@@ -161,5 +161,5 @@ class TrialCore(ResumableCore):
             raise BrokenError(DefectKind.NO_ANSWER, self._planner.stream, withheld=True)
         return super()._adopt(state, found)
 
-    #: As the core's, but the responses that doubt facts or drop all goals raise BrokenError.
-    responses = tuple(map(_trusting, ResumableCore.responses))
+    #: The core's table, in which the responses that withhold facts or drop all goals raise BrokenError.
+    responses = tuple(map(_strict, ResumableCore.responses))

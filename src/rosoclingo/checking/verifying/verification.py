@@ -1,4 +1,4 @@
-"""Verifies a program: explores its streams up to a depth, explains the defects, and states what is proven."""
+"""Verifies a program: explores its streams up to a depth, and reports defects and the proven depth."""
 
 import time
 from typing import Any, Callable, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
@@ -19,9 +19,9 @@ class Verification(NamedTuple):
     """The result of a verification.
 
     Attributes:
-        defects: the defects, the shortest way first.
+        defects: the defects, that with the shortest run first.
         progress: the progress of the search.
-        repertory: the events that could come.
+        repertory: the possible events.
         limits: the limits of the search.
         seconds: the processor time of the search.
 
@@ -35,11 +35,11 @@ class Verification(NamedTuple):
 
     @property
     def clean(self) -> bool:
-        """Whether there is no defect up to the whole depth."""
+        """Whether all streams up to the depth were explored without a defect."""
         return not self.defects and self.progress.proven >= self.limits.events
 
     def text(self) -> str:
-        """Return the defects with their streams, what is proven, and within which bounds."""
+        """Return the defects with their streams, the proven depth, and the bounds."""
         lines = [line for one in self.defects for line in (*one.lines(), "")]
         proven, spent = self.progress.proven, f"{self.progress.states} states, {self.seconds:.1f} s"
         so_far = f"clean to depth {proven}" if proven >= 0 else ""
@@ -55,16 +55,14 @@ class Verification(NamedTuple):
         one, limits = self.repertory, self.limits
         facts = " ".join(map(str, one.facts)) or "none"
         reasons = "; ".join(f"{name}: {' '.join(map(str, values))}" for name, values in sorted(one.reasons.items()))
-        plans = (
-            "whichever of the shortest plans is taken" if limits.all_plans else "with the plans that the solver finds"
-        )
+        plans = "all shortest ones" if limits.all_plans else "only those that the solver finds"
         return [
-            f"  depth: events of a stream (goals, cancels, facts, failures), {limits.together} at most between two "
-            "updates; what goes as planned counts for nothing",
+            f"  depth: events of a stream (goals, cancels, facts, failures), at most {limits.together} between two "
+            "updates; successful returns do not count",
             f"  goals: {' '.join(map(str, one.goals)) or 'none'}",
             f"  facts: {facts}" + (f"; up to {limits.late} cycles late, {limits.early} early" if one.facts else ""),
-            f"  reasons: {reasons or 'none'}; and what another action is about",
-            f"  plans of at most {limits.steps} steps, {plans}",
+            f"  reasons: {reasons or 'none'}; and the parameter of another action",
+            f"  plans: at most {limits.steps} steps, {plans}",
         ]
 
     def to_message(self) -> Dict[str, Any]:
@@ -91,9 +89,9 @@ def verify(
     skipped: FrozenSet[DefectKind] = frozenset(),
     clock: Callable[[], float] = time.process_time,
 ) -> Verification:
-    """Verify a program for ``seconds`` of the ``clock``, without ``skipped`` kinds of defects.
+    """Verify a program for ``seconds`` of the ``clock``, ignoring ``skipped`` kinds of defects.
 
-    Raises RuntimeError as clingo does, and SolverError.
+    Raises SolverError, and RuntimeError from clingo.
     """
     selection, limits, begin = selection or EventSelection(), limits or VerifyLimits(), clock()
     repertory = likely_repertory(program, selection)

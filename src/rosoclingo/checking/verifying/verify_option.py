@@ -20,21 +20,21 @@ _DEPTH = 2
 _LIMITS = VerifyLimits()
 
 _VERIFY = (
-    "look for a stream of at most DEPTH events (goals, cancels, facts, failures) that breaks the program "
+    "search for a stream of at most DEPTH events (goals, cancels, facts, failures) that breaks the program "
     f"(default: {_DEPTH})"
 )
-_SECONDS = "processor time for that (default: %(default)g)"
+_SECONDS = "limit of processor time for the verification (default: %(default)g)"
 _GOAL = (
-    "a goal that may come, as in goal(office1,office2,1); may be repeated (default: some with something to do, of "
-    "those of --orders or else of those that the rules ask for)"
+    "a possible goal such as goal(office1,office2,1); can be repeated (default: some that have plans with actions, "
+    "from --orders or else from the program's rules)"
 )
-_FACT = "only facts of this name may come, as in _blocked; may be repeated; none: no facts (default: all declared)"
-_EACH = "goals of each kind, and facts of each name, that may come (default: %(default)s)"
-_LATE = "cycles that facts may be late (default: %(default)s)"
-_EARLY = "cycles that facts may be early (default: %(default)s)"
-_TOGETHER = "events between two updates (default: %(default)s)"
-_NEVER = "what must never be so at a step t, as the body of a rule; may be repeated"
-_SKIP = "do not look for these faults; may be repeated: " + ", ".join(one.value for one in DefectKind)
+_FACT = "the name of the only possible facts, as in _blocked; can be repeated; none: no facts (default: all externals)"
+_EACH = "greatest number of goals of each kind, and of facts of each name (default: %(default)s)"
+_LATE = "greatest number of cycles that facts are late (default: %(default)s)"
+_EARLY = "greatest number of cycles that facts are early (default: %(default)s)"
+_TOGETHER = "greatest number of events between two updates (default: %(default)s)"
+_NEVER = "a state that must never occur at a step t, as the body of a rule; can be repeated"
+_SKIP = "a kind of defects to ignore; can be repeated: " + ", ".join(one.value for one in DefectKind)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("--late", {"type": natural, "default": _LIMITS.late, "metavar": "N"}, _LATE),
         ("--early", {"type": natural, "default": _LIMITS.early, "metavar": "N"}, _EARLY),
         ("--together", {"type": positive, "default": _LIMITS.together, "metavar": "N"}, _TOGETHER),
-        ("--one-plan", {"action": "store_true"}, "only the plans that the solver finds, not all shortest ones"),
+        ("--one-plan", {"action": "store_true"}, "explore only the plans that the solver finds, not all shortest ones"),
         ("--never", {"action": "append", "default": [], "metavar": "BODY"}, _NEVER),
         ("--skip", {"action": "append", "default": [], "metavar": "KIND", "choices": kinds}, _SKIP),
     ):
@@ -58,24 +58,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def sources(options: argparse.Namespace) -> List[Source]:
-    """Return the rules for what must never be."""
+    """Return the rules for the forbidden states of ``--never``."""
     bodies = [body.strip().rstrip(".") for body in options.never]
     rules = [f"_never({_quoted(body)},t) :- {body}.\n" for body in bodies]
     return [Source("--never", "#program cumulative(t).\n" + "".join(rules), Path())] if rules else []
 
 
 def run(program: ReactiveProgram, options: argparse.Namespace, extension: CheckExtension) -> "Optional[Verification]":
-    """Verify the program, where that is asked for; raises ProgramError where it cannot be."""
+    """Verify the program if ``--verify`` is given; raises ProgramError if it cannot be verified."""
     if options.verify is None:
         return None
-    from rosoclingo.checking.verifying.verification import verify  # noqa: PLC0415 much to load, and rarely asked for
+    from rosoclingo.checking.verifying.verification import verify  # noqa: PLC0415 slow to load, and rarely used
 
     if not program.declares_external("_request", 2):
         raise ProgramError([_fault("the program takes no goals", "declare #external _request/2.")])
     facts = tuple(options.fact)
-    strange = [one for one in facts if one != "none" and one not in {s.name for s in program.external_signatures}]
-    if strange:
-        raise ProgramError([_fault(f"{strange[0]} is no external of the program", "give the name, as in _blocked")])
+    unknown = [one for one in facts if one != "none" and one not in {s.name for s in program.external_signatures}]
+    if unknown:
+        raise ProgramError([_fault(f"{unknown[0]} is not an external of the program", "give a name such as _blocked")])
     reasons, kinds = extension.reasons(), extension.requests(program)
     selection = EventSelection(tuple(map(_goal, options.goal)), facts, reasons, options.each, kinds)
     plans = not options.one_plan
@@ -88,7 +88,7 @@ def run(program: ReactiveProgram, options: argparse.Namespace, extension: CheckE
 
 
 def _goal(text: str) -> Symbol:
-    from rosoclingo.reasoning.goals import GoalError, read_goal  # noqa: PLC0415 for this option alone
+    from rosoclingo.reasoning.goals import GoalError, read_goal  # noqa: PLC0415 only this option needs it
 
     try:
         return read_goal(text.strip().rstrip("."))

@@ -1,10 +1,10 @@
-"""States that were reached, the ways there, and circular ways."""
+"""The states that a search has reached, the runs that lead there, and circular runs."""
 
 from typing import Dict, FrozenSet, Hashable, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.checking.verifying.moves import Done, Move
+from rosoclingo.checking.verifying.moves import Achievements, Move
 from rosoclingo.checking.verifying.trial_core import CoreSnapshot
 from rosoclingo.reasoning.keywords import Action
 
@@ -17,7 +17,7 @@ class Step(NamedTuple):
         updates: the updates that the core sent.
         cycle: the next cycle.
         chosen: the actions of that cycle.
-        ends: how goals ended, in words.
+        ends: the goals that ended, with their outcomes, in words.
 
     """
 
@@ -29,19 +29,19 @@ class Step(NamedTuple):
 
 
 class StateNode:
-    """A state of the core, with the shortest way there.
+    """A state of the core, with the shortest run that leads there.
 
     Attributes:
-        cost: the number of events on the way.
-        length: the number of updates on the way.
+        cost: the number of events of the run.
+        length: the number of updates of the run.
         quiet: the number of updates since the last event.
         awaited: the running actions.
         goals: the live goals, as text.
         due: whether the core continues without an event.
-        calm: whether only goals came on the way, and no action failed.
-        done: the deeds on the way.
-        state: the key that equal states share as long as no event comes.
-        answers: whether later steps see how actions ended.
+        calm: whether the run has no events except goals.
+        done: the achievements of the run.
+        state: the key that equal states share while no event occurs.
+        answers: whether later steps can see returns.
         now: the belief without returns, and the goals.
         onward: the successors without an event.
 
@@ -58,7 +58,7 @@ class StateNode:
         self.awaited: Tuple[Action, ...] = ()
         self.goals: Tuple[str, ...] = ()
         self.due, self.calm = False, True
-        self.done: Done = frozenset()
+        self.done: Achievements = frozenset()
         self.answers = False
         self.state: Hashable = None
         self.now: Tuple[FrozenSet[Symbol], Hashable] = (frozenset(), None)
@@ -76,19 +76,19 @@ class StateNode:
 
 
 class Circle(NamedTuple):
-    """A way without events that ends in the state in which it begins: ``steps`` from ``node`` on."""
+    """A run without events that returns to its first state: ``steps`` from ``node`` on."""
 
     node: StateNode
     steps: Tuple[Step, ...]
 
     @property
     def acts(self) -> bool:
-        """Whether actions are executed on the way."""
+        """Whether the run executes actions."""
         return any(step.move.answers for step in self.steps)
 
 
 def circles(nodes: Iterable[StateNode]) -> Iterator[Circle]:
-    """Yield circles on which goals are live, at least one if there is any from ``nodes``."""
+    """Yield circular runs with live goals that start in ``nodes``, at least one if there are any."""
     known: Set[Hashable] = set()
     for start in nodes:
         if start.state not in known and start.goals:
@@ -96,7 +96,7 @@ def circles(nodes: Iterable[StateNode]) -> Iterator[Circle]:
 
 
 def _circles_from(start: StateNode, known: Set[Hashable]) -> Iterator[Circle]:
-    """Yield the circles that a depth-first search from ``start`` meets."""
+    """Yield the circular runs that a depth-first search from ``start`` finds."""
     known.add(start.state)
     path: Dict[Hashable, int] = {start.state: 0}
     nodes, steps, branches = [start], [], [iter(start.onward)]  # type: List[StateNode], List[Step], List[Iterator]

@@ -1,1 +1,1 @@
-"""What is set for a robot, labels and interfaces, beside a program, before anything runs.  No ROS but genpy."""
+"""Checks of a robot's labels, interfaces and orders against a program; of ROS they only need genpy."""

@@ -5,7 +5,7 @@ from typing import AbstractSet, Any, Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from rosoclingo.checking.lint.actions import Named
+from rosoclingo.checking.lint.actions import PlacedName
 from rosoclingo.interfaces.answers import REASONS
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec
@@ -25,7 +25,7 @@ _FRAMES = ("frame_id", "child_frame_id")
 
 
 def label_values(file: YamlFile) -> Iterator[Fault]:
-    """Yield the frames with a leading slash, and the headings that look like degrees."""
+    """Yield the frames with a leading slash, and the yaws that look like degrees."""
     for key, place in file.data.items() if isinstance(file.data, dict) else ():
         if isinstance(place, dict):
             yield from _slash(file, f"{key}.frame", place.get("frame"))
@@ -50,7 +50,7 @@ def _slash(file: YamlFile, path: str, frame: Any) -> Iterator[Fault]:
 
 
 def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
-    """Yield a fault for a heading of more than a turn."""
+    """Yield a fault if a yaw is more than a full turn."""
     if isinstance(yaw, (int, float)) and not isinstance(yaw, bool) and 2 * math.pi + 0.01 < abs(yaw) < math.inf:
         mend = f"are degrees meant? write {math.radians(yaw):.4g}"
         yield file.fault(f"{path}: {yaw:g} radians is more than a full turn ({mend})", "label-value")
@@ -60,17 +60,17 @@ def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
 
 
 def reasons_of(specs: Iterable[InterfaceSpec]) -> AbstractSet[str]:
-    """Return the values, as text, that actions of these interfaces can return independently of their parameter."""
+    """Return the values, as text, that actions of these interfaces can return whatever their parameter is."""
     rules = [rule for one in specs for rule in one.rules]
     return {*REASONS} | {str(rule.returns) for rule in rules if "$" not in str(rule.returns)}
 
 
-def labels_like_reasons(labels: Sequence[Named], reasons: AbstractSet[str]) -> Iterator[Fault]:
-    """Yield the labels that are named like a reason."""
+def labels_like_reasons(labels: Sequence[PlacedName], reasons: AbstractSet[str]) -> Iterator[Fault]:
+    """Yield the labels that equal a failure reason."""
     for one in labels:
         if one.name in reasons:
-            message = f"the label {one.name} is named like a reason with which actions fail"
-            mend = f"give it another name: _return(A,{one.name},C) would be success and failure"
+            message = f"the label {one.name} has the name of a failure reason"
+            mend = f"rename it: _return(A,{one.name},C) would mean success and failure"
             yield one.fault("like-reason", message, mend)
 
 

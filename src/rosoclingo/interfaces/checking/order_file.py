@@ -1,4 +1,4 @@
-"""Orders of people, as a page offers them, against a program."""
+"""Checks of the order forms of a web page against a program."""
 
 from itertools import islice
 from typing import Iterator, List, Sequence
@@ -13,15 +13,15 @@ from rosoclingo.oclingo.progression.terms import Signature, parse_term
 from rosoclingo.reasoning.keywords import request
 from rosoclingo.runs.orders import OrderForm
 
-#: Goals of an order that are looked at, and atoms of rules that a message lists.
-_LOOKED_AT, _MANY = 50, 4
+#: Greatest numbers of goals of an order that are checked, and of atoms that a message lists.
+_CHECKED, _LISTED = 50, 4
 
 
 Orders = YamlFile[Sequence[OrderForm]]
 
 
 def order_requests(file: Orders, program: ReactiveProgram, labels: Sequence[str]) -> Kinds:
-    """Return the goals of each order; without ``labels``, choices among them are the names in the program's facts."""
+    """Return the goals of each order; without ``labels``, the names in the program's facts stand for labels."""
     names = names_in_facts(program)
     return [form.samples(labels or names, names) for form in (file.value or () if not file.faults else ())]
 
@@ -30,7 +30,7 @@ def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]
     """Yield the orders whose goals no rule asks for."""
     first = program.first_step
     for index, goals in enumerate(order_requests(file, program, labels)):
-        tried = list(islice(goals, _LOOKED_AT))
+        tried = list(islice(goals, _CHECKED))
         requests = (request(parse_term(one), first + 1) for one in tried)
         if tried and not any(program.may_see([one], first, first + 1) for one in requests):
             text = f"[{index}].goal: no rule of the program asks for {tried[0]} ({_asked_for(program)})"
@@ -40,4 +40,4 @@ def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]
 def _asked_for(program: ReactiveProgram) -> str:
     uses = program.survey.using.get(Signature("_request", 2), ())
     terms: List[str] = list(dict.fromkeys(written(one.occurrence.term) for one in uses))
-    return f"rules look at {', '.join(terms[:_MANY])}" if terms else "no rule looks at _request/2"
+    return f"rules look at {', '.join(terms[:_LISTED])}" if terms else "no rule looks at _request/2"

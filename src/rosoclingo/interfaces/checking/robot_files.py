@@ -1,4 +1,4 @@
-"""A robot's files against a program: what ``check`` looks at with ``--labels``, ``--interfaces`` and ``--orders``."""
+"""Checks of a robot's files against a program: ``check`` with ``--labels``, ``--interfaces`` and ``--orders``."""
 
 import argparse
 import sys
@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optio
 import clingo
 
 from rosoclingo.checking.extension import CheckedFiles, CheckExtension, Kinds
-from rosoclingo.checking.lint.actions import Actions, Labelled, Named
+from rosoclingo.checking.lint.actions import Actions, LabelQuery, PlacedName
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import REASONS, SUCCEEDED
@@ -37,7 +37,7 @@ Interfaces = YamlFile[Dict[str, InterfaceSpec]]
 
 
 class RobotFiles(CheckExtension):
-    """The files of labels, interfaces and orders that are named on the command line."""
+    """The files of labels, interfaces and orders given on the command line."""
 
     def __init__(self) -> None:
         self._labels: Optional[YamlFile[LabelTable]] = None
@@ -45,10 +45,10 @@ class RobotFiles(CheckExtension):
         self._orders: Optional[Orders] = None
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Add the options that name the files."""
-        parser.add_argument("--labels", metavar="FILE", help="the YAML file of the named locations")
-        parser.add_argument("--interfaces", metavar="FILE", help="the YAML file of the interfaces")
-        words = "the YAML file of what people may order from a web page, which --plan and --verify try as well"
+        """Add the options for the files."""
+        parser.add_argument("--labels", metavar="FILE", help="YAML file of the named locations")
+        parser.add_argument("--interfaces", metavar="FILE", help="YAML file of the interfaces")
+        words = "YAML file of the orders on a web page, which --plan and --verify try as well"
         parser.add_argument("--orders", metavar="FILE", help=words)
 
     def sources(self, options: argparse.Namespace) -> List[Source]:
@@ -58,15 +58,15 @@ class RobotFiles(CheckExtension):
         self._orders = _read(options.orders, read_orders)
         return [] if self._labels is None else [label_facts(self._label_terms())]
 
-    def look(self, program: Optional[ReactiveProgram]) -> CheckedFiles:
-        """Return the faults of the files, also against the program if it could be read."""
+    def check(self, program: Optional[ReactiveProgram]) -> CheckedFiles:
+        """Check the files, also against the program if it is readable."""
         files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one is not None]
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
         labels, specs = list(_label_names(self._labels)), _specs(self._interfaces)
-        asking = _asking(specs)
+        queries = _label_queries(specs)
         if self._labels is not None:
             faults += label_values(self._labels)
-            reasons = reasons_of(spec for spec in specs.values() if spec.name in asking)
+            reasons = reasons_of(spec for spec in specs.values() if spec.name in queries)
             faults += labels_like_reasons(labels, reasons)
         if self._interfaces is not None and specs:
             faults += _type_faults(self._interfaces, specs)
@@ -76,13 +76,15 @@ class RobotFiles(CheckExtension):
             actions = Actions(program)
             if self._interfaces is not None and self._interfaces.value is not None:
                 names = [self._interfaces.named(key, spec.name) for key, spec in specs.items()]
-                faults += actions.without_interface(names)
+                faults += actions.interface_faults(names)
                 faults += _unheard(self._interfaces, specs, program)
-            faults += actions.like_reasons(lambda name: reasons_of(one for one in specs.values() if one.name == name))
+            faults += actions.ambiguous_parameters(
+                lambda name: reasons_of(one for one in specs.values() if one.name == name)
+            )
             faults += idle_drawings(program.survey)
             if self._labels is not None and self._labels.value is not None:
-                likely = actions.likely_asking(labels) if self._interfaces is None else asking
-                faults += actions.without_label(labels, likely)
+                known = actions.likely_queries(labels) if self._interfaces is None else queries
+                faults += actions.label_faults(labels, known)
             if self._orders is not None:
                 faults += unheard_orders(self._orders, program, self._label_terms())
         return CheckedFiles(faults, [(one.name, one.text) for one in files])
@@ -92,7 +94,7 @@ class RobotFiles(CheckExtension):
         return () if self._orders is None else order_requests(self._orders, program, self._label_terms())
 
     def reasons(self) -> Dict[str, List[clingo.Symbol]]:
-        """Return the values of failed actions by interface."""
+        """Return the return values of failed actions by interface."""
         return {
             spec.name: list(_terms([*(rule.returns for rule in spec.rules if rule.status != SUCCEEDED), *REASONS]))
             for spec in _specs(self._interfaces).values()
@@ -111,14 +113,14 @@ def _specs(file: Optional[Interfaces]) -> Dict[str, InterfaceSpec]:
 
 
 def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:
-    """Yield the results that are ground terms, not templates."""
+    """Yield the results that are ground terms; templates are skipped."""
     for one in results:
         with suppress(ProgressionError):
             yield parse_term(str(one))
 
 
-def _label_names(file: Optional[YamlFile]) -> Iterator[Named]:
-    """Yield the labels of a file as the program knows them; names that are no terms are faults already."""
+def _label_names(file: Optional[YamlFile]) -> Iterator[PlacedName]:
+    """Yield the labels of a file as terms of the program; other names are reported elsewhere."""
     for name in file.data if file is not None and isinstance(file.data, dict) else ():
         with suppress(ProgressionError):
             yield file.named(str(name), str(parse_term(str(name))))  # type: ignore[union-attr]
@@ -141,7 +143,7 @@ def _unheard(file: Interfaces, specs: Mapping[str, InterfaceSpec], program: Reac
 
 
 def _idle_reasons(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> Iterator[Fault]:
-    """Yield the reasons to send a goal again with which an interface never returns."""
+    """Yield the entries of ``retry_on`` that an interface never returns."""
     for key, spec in specs.items():
         returned = {str(one).partition("(")[0] for one in (*REASONS, *(rule.returns for rule in spec.rules))}
         given = isinstance(file.data[key], dict) and "retry_on" in file.data[key]
@@ -152,28 +154,28 @@ def _idle_reasons(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> Itera
 
 
 def _type_faults(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> List[Fault]:
-    """Return what contradicts the definitions of messages; nothing without ROS."""
+    """Return the contradictions to message definitions; without ROS, warn and return none."""
     try:
-        from rosoclingo.interfaces.type_faults import type_faults  # noqa: PLC0415 it needs genpy, which is ROS's
+        from rosoclingo.interfaces.type_faults import type_faults  # noqa: PLC0415 it needs genpy, a part of ROS
     except ModuleNotFoundError as error:
-        sys.stderr.write(f"check: types of messages are not looked at: there is no {error.name} here\n")
+        sys.stderr.write(f"check: message types are not checked: there is no module {error.name}\n")
         return []
     return [file.fault(text, "message-type") for spec in specs.values() for text in type_faults(spec)]
 
 
-def _asking(specs: Mapping[str, InterfaceSpec]) -> Dict[str, Labelled]:
-    """Return the actions whose goals ask for labels."""
+def _label_queries(specs: Mapping[str, InterfaceSpec]) -> Dict[str, LabelQuery]:
+    """Return the actions whose goals need labels."""
     paths = {spec.name: labelled(spec.goal) for spec in specs.values()}
-    return {name: _labelled(some) for name, some in paths.items() if some}
+    return {name: _label_query(some) for name, some in paths.items() if some}
 
 
-def _labelled(paths: List[str]) -> Labelled:
-    def asked(parameter: clingo.Symbol) -> Iterator[clingo.Symbol]:
-        """Yield the terms at the paths; parameters of another form have no label there."""
+def _label_query(paths: List[str]) -> LabelQuery:
+    def query(parameter: clingo.Symbol) -> Iterator[clingo.Symbol]:
+        """Yield the terms at the paths; parameters of another form have none."""
         for path in paths:
             with suppress(FillError):
                 term: Any = evaluate(path, ActionScope(parameter, 1))
                 if isinstance(term, clingo.Symbol):
                     yield term
 
-    return asked
+    return query

@@ -1,4 +1,4 @@
-"""YAML files with the places of their keys, for faults that readers find."""
+"""YAML files with the places of their keys, which faults refer to."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Generic, List, Optional, Set, Tuple, Typ
 
 import yaml
 
-from rosoclingo.checking.lint.actions import Named
+from rosoclingo.checking.lint.actions import PlacedName
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.sources import Source
@@ -23,15 +23,15 @@ class YamlFile(Generic[T]):
     Attributes:
         name: its name.
         text: its text.
-        data: its plain value; None if it is no YAML.
-        value: what the reader returned; None if it is no YAML.
-        faults: the faults of its entries, or that it is no YAML.
-        doubles: keys that occur twice.
+        data: its plain value; None if it is not valid YAML.
+        value: the value that the reader returned; None if it is not valid YAML.
+        faults: the faults of its entries, or the syntax error.
+        doubles: the faults of keys that occur twice.
 
     """
 
     def __init__(self, name: str, read: Callable[[Reader], T]) -> None:
-        """Read a file by ``read``; raises ProgramError if there is none."""
+        """Read a file by ``read``; raises ProgramError if it is unreadable."""
         source = Source.from_file(Path(name))
         self.name, self.text = source.name, source.text
         self.data: Any = None
@@ -39,7 +39,7 @@ class YamlFile(Generic[T]):
         self.faults: List[Fault] = []
         self.doubles: List[Fault] = []
         self._places: Dict[str, Tuple[int, int]] = {}
-        self._seen: Set[int] = set()  # nodes can have several aliases
+        self._seen: Set[int] = set()  # visits a node once, even if it has aliases
         try:
             self.data = yaml.safe_load(self.text)
             node = yaml.compose(self.text, Loader=yaml.SafeLoader)
@@ -47,7 +47,7 @@ class YamlFile(Generic[T]):
             mark: Optional[Any] = getattr(error, "problem_mark", None)
             place = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
             problem = getattr(error, "problem", None) or str(error).splitlines()[0]
-            self.faults.append(Fault(self.name, *place, f"no YAML: {problem}", kind="configuration"))
+            self.faults.append(Fault(self.name, *place, f"invalid YAML: {problem}", kind="configuration"))
             return
         self._note("", node)
         reader = Reader(self.data)
@@ -55,7 +55,7 @@ class YamlFile(Generic[T]):
         self.faults += [self.fault(text, "configuration") for text in reader.faults]
 
     def fault(self, text: str, kind: str) -> Fault:
-        """Return a fault that a reader found, whose text begins with the keys that lead to it."""
+        """Return the fault of a reader, with the place of the keys that its text begins with."""
         begins = (path for path in self._places if text.startswith(path) and text[len(path) :][:1] in ("", *":. ["))
         path, unknown = max(begins, key=len, default=""), _UNKNOWN.search(text)
         if unknown is not None:
@@ -63,12 +63,12 @@ class YamlFile(Generic[T]):
             path = inside if inside in self._places else path
         return Fault(self.name, *self._places.get(path, (1, 1)), text, "", kind)
 
-    def named(self, key: str, name: str) -> Named:
-        """Return a ``name`` at the place of a key of the outermost mapping."""
-        return Named(name, self.name, *self._places.get(key, (1, 1)))
+    def named(self, key: str, name: str) -> PlacedName:
+        """Return a name with the place of a key of the outermost mapping."""
+        return PlacedName(name, self.name, *self._places.get(key, (1, 1)))
 
     def _note(self, path: str, node: Any) -> None:
-        """Note the places of the keys below a node, and the keys that occur twice."""
+        """Record the places of the keys below a node, and the keys that occur twice."""
         if id(node) in self._seen:
             return
         self._seen.add(id(node))
@@ -77,10 +77,10 @@ class YamlFile(Generic[T]):
             for key, value in node.value:
                 name, mark = _text(key), key.start_mark
                 inside, place = f"{path}.{name}" if path else name, (mark.line + 1, mark.column + 1)
-                self._places[inside] = place  # the last of two equal keys counts
+                self._places[inside] = place  # of two equal keys the last takes effect
                 if name in lines and name != "<<":
-                    text = f"the key {name} stands in line {lines[name]} already: of the two the last one counts"
-                    self.doubles.append(Fault(self.name, *place, text, "leave one of them out", "configuration"))
+                    text = f"the key {name} is already in line {lines[name]}; the last entry takes effect"
+                    self.doubles.append(Fault(self.name, *place, text, "remove one of them", "configuration"))
                 lines[name] = place[0]
                 self._note(inside, value)
         elif isinstance(node, yaml.SequenceNode):
@@ -91,7 +91,7 @@ class YamlFile(Generic[T]):
 
 
 def _text(key: Any) -> str:
-    """Return a key as the data has it: True for yes, 1 for 1."""
+    """Return the text of a key's value in the data, such as ``True`` for ``yes``."""
     plain = isinstance(key, yaml.ScalarNode) and key.tag != _STRING and not key.tag.endswith(":merge")
     try:
         return str(yaml.safe_load(key.value)) if plain else str(key.value)

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
-from rosoclingo.checking.lint.actions import Named, lint_labels
+from rosoclingo.checking.lint.actions import PlacedName, lint_labels
 from rosoclingo.checking.lint.linting import findings, is_error, lint_program
 from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
@@ -106,7 +106,7 @@ def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]
         raise
     _check_constants(program, parameters.constants)
     texts = [(one.name, one.text) for one in program.texts]
-    labels = [Named(str(parse_term(label)), LABELS, 0, 0) for label in parameters.labels]
+    labels = [PlacedName(str(parse_term(label)), LABELS, 0, 0) for label in parameters.labels]
     faults = [*lint_program(program, core=True), *lint_labels(program, labels)]
     return program, [str(one) for one in findings(faults, texts)]
 

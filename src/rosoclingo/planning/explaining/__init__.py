@@ -1,1 +1,1 @@
-"""Explanations why there is no plan: the rules and facts that exclude one, found with relaxed constraints."""
+"""Explanations of infeasibility: the rules and facts that exclude a plan, found by relaxing constraints."""

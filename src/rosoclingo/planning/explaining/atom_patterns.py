@@ -1,4 +1,4 @@
-"""Patterns of terms: symbols in which names in upper case are variables, and :data:`ANY` stands for any term."""
+"""Patterns of terms: symbols with names in upper case as variables, and :data:`ANY` as a wildcard."""
 
 import re
 from functools import lru_cache
@@ -18,9 +18,10 @@ Patterns = Tuple[clingo.Symbol, ...]
 """The patterns of a term: several for a pool or an interval."""
 
 ANY = clingo.Function("__oclingo_any")
+"""The wildcard, which matches any term."""
 
 MOST = 300
-"""Values of one term that are told apart."""
+"""Greatest number of patterns of a term; terms with more become :data:`ANY`."""
 
 _VARIABLE = re.compile("_*[A-Z]")
 
@@ -61,32 +62,32 @@ def _range(term: Node, values: Dict[str, clingo.Symbol]) -> Patterns:
     return tuple(map(clingo.Number, range(numbers[0], numbers[1] + 1)))
 
 
-def filled(pattern: clingo.Symbol, bound: Bound) -> clingo.Symbol:
-    """Return a pattern with its variables replaced; unbound variables match any term."""
+def substitute(pattern: clingo.Symbol, bound: Bound) -> clingo.Symbol:
+    """Replace the variables of a pattern by their values; unbound variables become :data:`ANY`."""
     if is_variable(pattern):
         return bound.get(pattern.name, ANY)
     if _is_compound(pattern):
-        return clingo.Function(pattern.name, [filled(one, bound) for one in pattern.arguments], pattern.positive)
+        return clingo.Function(pattern.name, [substitute(one, bound) for one in pattern.arguments], pattern.positive)
     return pattern
 
 
-def fits(pattern: clingo.Symbol, wanted: clingo.Symbol, bound: Bound) -> bool:
-    """Return whether a pattern unifies with ``wanted``, which has no variables; extends ``bound``."""
+def matches(pattern: clingo.Symbol, term: clingo.Symbol, bound: Bound) -> bool:
+    """Return whether a pattern matches a term without variables; extends ``bound``."""
     if is_variable(pattern):
         known = bound.get(pattern.name)
-        if known is None and wanted != ANY:
-            bound[pattern.name] = wanted
-        return known is None or fits(known, wanted, bound)
-    if ANY in (pattern, wanted):
+        if known is None and term != ANY:
+            bound[pattern.name] = term
+        return known is None or matches(known, term, bound)
+    if ANY in (pattern, term):
         return True
-    if not (_is_compound(pattern) and _is_compound(wanted)):
-        return pattern == wanted
-    same = pattern.match(wanted.name, len(wanted.arguments), wanted.positive)
-    return same and all(fits(one, other, bound) for one, other in zip(pattern.arguments, wanted.arguments))
+    if not (_is_compound(pattern) and _is_compound(term)):
+        return pattern == term
+    same = pattern.match(term.name, len(term.arguments), term.positive)
+    return same and all(matches(one, other, bound) for one, other in zip(pattern.arguments, term.arguments))
 
 
-def shown(pattern: clingo.Symbol, time: Optional[int] = None) -> str:
-    """Return a pattern as text; the argument at position ``time`` is printed as ``t``, any term as ``_``."""
+def format_pattern(pattern: clingo.Symbol, time: Optional[int] = None) -> str:
+    """Format a pattern; the argument at position ``time`` is printed as ``t``, :data:`ANY` as ``_``."""
     if time is not None:
         arguments = [clingo.Function("t") if number == time else one for number, one in enumerate(pattern.arguments)]
         pattern = clingo.Function(pattern.name, arguments, pattern.positive)
@@ -95,7 +96,7 @@ def shown(pattern: clingo.Symbol, time: Optional[int] = None) -> str:
 
 @lru_cache(maxsize=1 << 14)
 def names_of(pattern: clingo.Symbol) -> FrozenSet[str]:
-    """Return the variables of a pattern; the name of :data:`ANY` for a part that can be anything."""
+    """Return the variables of a pattern, and the name of :data:`ANY` if it contains that."""
     if is_variable(pattern) or pattern == ANY:
         return frozenset({pattern.name})
     return frozenset().union(*map(names_of, arguments_in(pattern)))
@@ -109,7 +110,7 @@ def is_variable(term: clingo.Symbol) -> bool:
 
 @lru_cache(maxsize=1 << 14)
 def arguments_in(term: clingo.Symbol) -> Tuple[clingo.Symbol, ...]:
-    """Return the arguments of a term, none of one that has no parts."""
+    """Return the arguments of a term; none if it is not a function."""
     return tuple(term.arguments) if term.type is clingo.SymbolType.Function else ()
 
 

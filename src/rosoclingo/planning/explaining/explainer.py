@@ -1,10 +1,9 @@
-"""Search for explanations why there is no plan.
+"""Computes explanations why there is no plan.
 
 An explanation has the fewest rules that exclude a plan, the facts that they depend on, and the steps of the conflict.
-Constraints are relaxed by assumptions on one grounding (see
-:mod:`~rosoclingo.planning.explaining.relaxed_program`), and so are facts of the stream (see
-:mod:`~rosoclingo.planning.strategies.probe`). Unsat cores reduce later questions. Facts of the program take a grounding
-each, and come last.
+On one grounding, assumptions relax constraints (see :mod:`~rosoclingo.planning.explaining.relaxed_program`) and facts
+of the stream (see :mod:`~rosoclingo.planning.strategies.probe`). Unsat cores reduce later questions. To relax a fact of
+the program, the program has to be regrounded, so these facts come last.
 """
 
 from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Sequence, Tuple, TypeVar
@@ -38,17 +37,16 @@ from rosoclingo.planning.question import Reply, Stop
 T = TypeVar("T")
 Rules = FrozenSet[int]
 Blamed = Tuple[Tuple[T, Optional[bool]], ...]
-"""Facts without which there is a plan, each with whether it hinders, see :class:`BlamedFact`."""
-
+"""Facts without which there is a plan, and whether they hinder, see :class:`BlamedFact`."""
 
 Relaxations = Dict[int, Tuple[Reply, Rules]]
-"""The shortest plan without each of some rules, and the fewest rules that have to be removed along with it."""
+"""For each of some rules: the shortest plan without it, and the fewest rules to remove along with it."""
 
 
 def explain(program: ReactiveProgram, stream: Stream, halt: Stop = lambda: False) -> Optional[WhyNot]:
     """Explain why there is no plan; None if there is one.
 
-    After a stop by ``halt`` the explanation is incomplete. Raises SolverError if the stream is refused, and
+    After a stop by ``halt`` the explanation is incomplete. Raises SolverError if the stream is rejected, and
     UndecidedError if ``halt`` stops the search for a plan.
     """
     relaxed = RelaxedProgram.of(program)
@@ -101,12 +99,12 @@ class _Explainer:
             return None
 
     def _checked(self, mus: Mus[T]) -> Mus[T]:
-        """Return ``mus``; the explanation is incomplete if it is not minimal."""
+        """Return ``mus``; mark the explanation as incomplete if it is not minimal."""
         self._complete &= mus.minimal
         return mus
 
     def _in_time(self, find: Callable[[], T], otherwise: T) -> T:
-        """Return what ``find`` returns; after a stop ``otherwise``, and the explanation is incomplete."""
+        """Return the result of ``find``; after a stop, return ``otherwise`` and mark the explanation as incomplete."""
         try:
             return find()
         except UndecidedError:
@@ -123,7 +121,7 @@ class _Explainer:
         return Witness(False, frozenset(atom.arguments[0].number for atom in reply.blamed))
 
     def _relax_each(self, rules: Rules, oracle: Oracle[int], found: Relaxations) -> None:
-        """Find, for each of the rules, the shortest plan without it that obeys a maximal set of the other rules."""
+        """For each rule, find the shortest plan without it that obeys a maximal set of the other rules."""
         for number in sorted(rules):
             possible = frozenset(self._all) - {number}
             if not oracle(possible).satisfiable:
@@ -133,13 +131,13 @@ class _Explainer:
             found[number] = plan, frozenset(self._all) - possible - {number}
 
     def _find_steps(self, rules: Iterable[int]) -> Dict[int, Tuple[int, ...]]:
-        """Find the steps at which the rules are in conflict; late steps are removed first."""
+        """Find the steps at which the rules are in conflict, preferring early steps."""
         first = self._program.first_step
         places = [clingo.Function("base"), *map(clingo.Number, range(first, self._steps[-1] + 1))]
         selectors = [clingo.Function(KEEP, [clingo.Number(rule), place]) for place in places for rule in rules]
 
         def ask(kept: FrozenSet[clingo.Symbol]) -> Witness[clingo.Symbol]:
-            """Return whether there is a plan that obeys rules at some steps."""
+            """Return whether there is a plan that obeys the rules at the selected steps."""
             reply = self._questions.ask(kept)
             return Witness(bool(reply.satisfiable), kept if reply.satisfiable else reply.blamed)
 
@@ -160,7 +158,7 @@ class _Explainer:
         return BlamedRule(rules[number], steps, tuple(rules[one] for one in sorted(besides)), breach)
 
     def _broken_plan(self, relaxations: Relaxations) -> Optional[BrokenPlan]:
-        """Return a plan that violates the fewest rules; plans that only end too early are left out."""
+        """Return a plan that violates the fewest rules, apart from plans that only end too early."""
         rules = self._relaxed.rules
         some = [one for one in relaxations if rules[one].kind is not RuleKind.VOLATILE]
         if not some:
@@ -183,13 +181,13 @@ class _Explainer:
         facts, kept = self._relaxed.facts_behind(rules), _selectors(rules)
         everything = frozenset(facts)
         return self._find_blamed(
-            facts, lambda some: self._questions.about(self._relaxed.without(everything - some)).ask(kept)
+            facts, lambda some: self._questions.with_program(self._relaxed.without(everything - some)).ask(kept)
         )
 
     def _find_blamed(self, facts: Sequence[T], ask: Callable[[FrozenSet[T]], Reply]) -> Blamed[T]:
-        """Find the facts each of which is necessary for the conflict, and whether they hinder.
+        """Find the facts that are necessary for the conflict, and whether they hinder.
 
-        If none of these hinders, because several hindering facts suffice each, all but one minimal set are removed.
+        None of these hinders if several hindering facts suffice independently. Then only one minimal set is kept.
         """
         everything = frozenset(facts)
         alone = {fact: reply for fact in facts for reply in [ask(everything - {fact})] if reply.satisfiable}
@@ -200,9 +198,9 @@ class _Explainer:
     def _one_conflict(
         self, facts: Sequence[T], needed: Dict[T, Reply], ask: Callable[[FrozenSet[T]], Reply]
     ) -> Dict[T, Reply]:
-        """Remove facts until each of those left is necessary; ``needed`` are known to be.
+        """Remove facts until all remaining ones are necessary; ``needed`` ones already are.
 
-        Removing facts can make others unnecessary, as a plan can need a fact as well.
+        A removal can make other facts unnecessary, as a plan can also depend on the removed fact.
         """
         rest = [fact for fact in facts if fact not in needed]
         if not rest:

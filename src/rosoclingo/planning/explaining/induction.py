@@ -1,8 +1,8 @@
 """Induction over the steps: a proof that longer plans do not exist either.
 
-All plans of some length violate rules on their end. Longer plans do as well if, for any two successive steps and any
-state before them, these rules are violated at the second step whenever they are at the first. States are arbitrary sets
-of reachable atoms, see :mod:`~rosoclingo.planning.explaining.reach`, so the proof is sound but incomplete.
+The base case: all plans of some length violate the rules on their last step. The induction step: from any state, two
+successive steps that violate these rules at the first also violate them at the second. States are arbitrary sets of
+reachable atoms, see :mod:`~rosoclingo.planning.explaining.reach`, so the proof is sound, and incomplete.
 """
 
 from typing import Iterable, List, Optional, Set
@@ -44,7 +44,7 @@ def excludes_longer_plans(program: RelaxedProgram, rules: Iterable[int], reach: 
 
 
 def _has_counterexample(program: RelaxedProgram, rules: List[int], states: str) -> bool:
-    """Return whether, from some state, the rules on the end are violated at a step but not at the next."""
+    """Return whether, from some state, the rules on the last step are violated at a step and not at the next."""
     ends = [one for one in rules if program.rules[one].kind is RuleKind.VOLATILE]
     kept = [clingo.Function(WHOLE, [clingo.Number(one)]) for one in rules if one not in ends]
     control = clingo.Control(["-Wnone", "1"], logger=lambda code, text: None)
@@ -77,7 +77,7 @@ def _at(atom: clingo.Symbol, position: Optional[int], time: int) -> clingo.Symbo
 
 
 def _longest_look_back(program: RelaxedProgram) -> Optional[int]:
-    """Return the number of previous steps that rules refer to; None if rules depend on the step in another way."""
+    """Return the number of previous steps that rules refer to; None if they use the step in another way."""
     most = 1
     for part in program.parts:
         for statement, atoms in part.found if part.parameter else ():
@@ -91,7 +91,7 @@ def _longest_look_back(program: RelaxedProgram) -> Optional[int]:
 
 
 def _offset(program: RelaxedProgram, part: Part, atom: Occurrence) -> Optional[int]:
-    """Return the time of an atom relative to the step, 0 without a time; None if unknown, or a head of a later step."""
+    """Return the time of an atom relative to the step, 0 if it has none; None if unknown, or for a later head."""
     signature, arguments = signature_and_arguments(atom.term)
     position = program.time_position(signature.name, signature.arity)
     if signature.name.startswith(OWN):

@@ -1,6 +1,6 @@
-"""Rules of a program as explanations name them: place, text and the author's comment.
+"""The rules of a program in explanations: place, text and the author's comment.
 
-The author's comment stands above the rule and begins with ``%!``; names of variables in braces stand for their values:
+The author's comment precedes the rule and begins with ``%!``; variables in braces are replaced by their values:
 
     %! nobody drives from {A} to {B}, which is blocked
     :- blocked(A,B), at(A,t-1), move(B,t).
@@ -37,8 +37,8 @@ class NamedRule:
     Attributes:
         number: its index in the program, from 0.
         kind: its kind.
-        file, line, column: where it begins, from 1.
-        text: its text without indentation; of pooled facts, only this fact.
+        file, line, column: its place; lines and columns count from 1.
+        text: its text without indentation; for a pool, only this fact.
         words: the author's comment, empty if there is none.
         variables: the names of its global variables, sorted.
 
@@ -59,7 +59,7 @@ class NamedRule:
         return f"{self.file}:{self.line}:{self.column}"
 
     def comment(self, values: Mapping[str, str]) -> str:
-        """Return the author's comment with ``values`` for variables; other variables keep their names."""
+        """Return the author's comment with the values of variables; variables without a value keep their names."""
         return _PLACE.sub(lambda found: values.get(found["name"], found["name"]), self.words)
 
 
@@ -70,14 +70,14 @@ class RuleTexts:
         self._lines: Dict[str, List[str]] = {one.name: one.text.splitlines() for one in sources}
 
     def text(self, statement: Node) -> str:
-        """Return the text of a statement; its whole lines if the location has no usable columns."""
+        """Return the text of a statement; whole lines if its location has no usable columns."""
         location = statement.location
         lines = self._lines.get(location.begin.filename, [])[location.begin.line - 1 : location.end.line]
         text = _laid_out(_cut(lines, location), location.begin.column - 1)
         return text if text.endswith(".") else _laid_out(lines, 0) or str(statement)
 
     def words(self, statement: Node) -> str:
-        """Return the author's comment above a statement, joined to one line."""
+        """Return the author's comment above a statement as one line."""
         begin = statement.location.begin
         found: List[str] = []
         for line in reversed(self._lines.get(begin.filename, [])[: begin.line - 1]):
@@ -98,7 +98,7 @@ def _cut(lines: List[str], location: Location) -> List[str]:
 
 
 def _laid_out(lines: Iterable[str], indent: int) -> str:
-    """Return lines without comments; lines after the first lose at most ``indent`` columns."""
+    """Strip comments, and at most ``indent`` columns from each line after the first."""
     bare = [_COMMENT.sub(lambda found: found[1] or "", line).rstrip() for line in lines]
     first, *rest = [line for line in bare if line] or [""]
     return "\n".join([first.strip(), *(line[min(indent, len(line) - len(line.lstrip())) :] for line in rest)])

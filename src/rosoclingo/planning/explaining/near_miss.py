@@ -13,15 +13,15 @@ from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import parse_term, signature_of
-from rosoclingo.planning.explaining.atom_patterns import Bound, filled, fits, shown
+from rosoclingo.planning.explaining.atom_patterns import Bound, format_pattern, matches, substitute
 from rosoclingo.planning.explaining.named_rules import NamedRule, RuleTexts
 from rosoclingo.planning.explaining.reach import HeadRule, Reach, UncertainError, positive_heads
 
 Ends = Sequence[Tuple[NamedRule, Mapping[str, str]]]
 """Constraints on the end of a plan with the values of their variables."""
 
-_MOST_DEPTH = 6  # rules in a row
-_MOST_INSTANCES = 1000  # of one body
+_MOST_DEPTH = 6  # greatest length of a chain of rules
+_MOST_INSTANCES = 1000  # greatest number of instances of a body
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class NearMiss:
         file, line, column: its place.
         text: its text.
         atom: the atom, without its time.
-        lacks: the body atom that is never true; empty if there is no single one.
+        lacks: the body atom that is never true; empty if no single atom is the cause.
 
     """
 
@@ -54,11 +54,11 @@ class NearMiss:
 
 @dataclass(frozen=True)
 class NeverTrue:
-    """An atom that a plan requires but that is never true, for any number of steps.
+    """An atom that a plan requires and that is never true, for any number of steps.
 
     Attributes:
         atom: the atom, without its time.
-        misses: the rules for the atom, each followed by the rules for what it lacks; empty if no head matches it.
+        misses: the rules for the atom, each followed by the rules for its lacking atom; empty if no head matches.
 
     """
 
@@ -73,7 +73,7 @@ class NeverTrue:
 
 
 def never_true(program: ReactiveProgram, reach: Reach, ends: Ends) -> Tuple[NeverTrue, ...]:
-    """Return the atoms that constraints on the end of a plan require but that are never true."""
+    """Return the atoms that constraints on the end of a plan require and that are never true."""
     try:
         return tuple(_Search(program, reach).never_true(ends))
     except UncertainError:
@@ -91,7 +91,7 @@ class _Search:
         ]
 
     def never_true(self, ends: Ends) -> Iterator[NeverTrue]:
-        """Yield the atoms that ``ends`` require but that are never true."""
+        """Yield the atoms that ``ends`` require and that are never true."""
         found: List[clingo.Symbol] = []
         for rule, values in ends:
             known: Bound = {name: parse_term(value) for name, value in values.items()}
@@ -102,33 +102,33 @@ class _Search:
 
     def _text(self, atom: clingo.Symbol) -> str:
         signature = signature_of(atom)
-        return shown(atom, self._program.time_position(signature.name, signature.arity))
+        return format_pattern(atom, self._program.time_position(signature.name, signature.arity))
 
     def _required(self, rule: NamedRule, known: Bound) -> Iterator[clingo.Symbol]:
-        """Yield the atoms that a constraint requires, or that would end the state which it forbids."""
+        """Yield the atoms that a constraint requires, or that would end the state it forbids."""
         for part, statement in self._rules:
             begin = statement.location.begin
             if (begin.filename, begin.line, begin.column) == (rule.file, rule.line, rule.column):
                 negated = list(_negated(statement))
-                yield from (filled(self._reach.pattern(term, part.parameter), known) for term in negated)
+                yield from (substitute(self._reach.pattern(term, part.parameter), known) for term in negated)
                 for literal in () if negated else plain_literals(statement):
-                    yield from self._ending(filled(self._reach.pattern(literal.atom.symbol, part.parameter), known))
+                    yield from self._ending(substitute(self._reach.pattern(literal.atom.symbol, part.parameter), known))
 
     def _ending(self, atom: clingo.Symbol) -> Iterator[clingo.Symbol]:
-        """Yield the atoms whose absence carries an atom over to the next step."""
+        """Yield the atoms that stop inertia: an atom persists to the next step while they are false."""
         for part, statement in self._rules:
             bodies = {term_signature(one.atom.symbol) for one in plain_literals(statement)}
             for term, _ in positive_heads(statement) if part.parameter else ():
                 bound: Bound = {}
-                if term_signature(term) in bodies and fits(self._reach.pattern(term, part.parameter), atom, bound):
+                if term_signature(term) in bodies and matches(self._reach.pattern(term, part.parameter), atom, bound):
                     ends = (self._reach.pattern(one, part.parameter) for one in _negated(statement))
                     externals = self._program.external_signatures
-                    yield from (filled(one, bound) for one in ends if signature_of(one) not in externals)
+                    yield from (substitute(one, bound) for one in ends if signature_of(one) not in externals)
 
     def _misses(self, atom: clingo.Symbol, seen: List[clingo.Symbol]) -> Iterator[NearMiss]:
-        """Yield the rules for an atom that is never true, each followed by the rules for what it lacks.
+        """Yield the rules for an atom that is never true, each followed by the rules for its lacking atom.
 
-        Rules that only carry the atom over from the previous step are left out if there are others.
+        Inertia rules, which only carry the atom over from the previous step, are omitted if there are others.
         """
         if atom in seen or len(seen) >= _MOST_DEPTH:
             return
@@ -137,7 +137,7 @@ class _Search:
         for rule in self._reach.rules:
             for head in rule.head.patterns if rule.head.signature == signature_of(atom) else ():
                 bound: Bound = {}
-                if fits(head, atom, bound):
+                if matches(head, atom, bound):
                     found.append((rule, self._lack(rule, bound)))
         others = [one for one in found if one[1] != atom]
         for rule, lacks in others or found:
@@ -148,17 +148,17 @@ class _Search:
                 yield from self._misses(lacks, seen)
 
     def _lack(self, rule: HeadRule, bound: Bound) -> Optional[clingo.Symbol]:
-        """Return the first body atom that is never true, or not along with those before it; None if uncertain."""
+        """Return the first body atom that is never true, alone or along with the atoms before it; None if unknown."""
         body = [one.patterns[0] for one in rule.body if len(one.patterns) == 1]
-        for atom in (filled(one, bound) for one in body):
+        for atom in (substitute(one, bound) for one in body):
             if not self._reach.is_possible(atom):
                 return atom
         instances = [bound]
         for one in body:
             pairs = ((dict(known), atom) for known in instances for atom in self._reach.atoms(signature_of(one)))
-            longer = list(islice((known for known, atom in pairs if fits(one, atom, known)), _MOST_INSTANCES))
+            longer = list(islice((known for known, atom in pairs if matches(one, atom, known)), _MOST_INSTANCES))
             if len(longer) in (0, _MOST_INSTANCES):
-                return None if longer else filled(one, instances[0])
+                return None if longer else substitute(one, instances[0])
             instances = longer
         return None
 

@@ -1,4 +1,4 @@
-"""Questions about one update: is there a plan that obeys some rules, given some facts of the stream?"""
+"""Questions about an update: whether a plan obeys selected rules, given selected facts of the stream."""
 
 from dataclasses import replace
 from typing import FrozenSet, Iterable, List, NamedTuple, Optional
@@ -35,12 +35,12 @@ class Stream(NamedTuple):
 
 
 def stream_to_message(stream: Stream) -> Message:
-    """Return ``stream`` for :func:`stream_from_message`."""
+    """Return a stream as a message."""
     return {**stream._asdict(), "log": [*map(entry_to_message, stream.log.entries)], "update": str(stream.update)}
 
 
 def stream_from_message(message: Message) -> Stream:
-    """Return the stream of :func:`stream_to_message`."""
+    """Return the stream in a message of :func:`stream_to_message`."""
     log = History().with_entries(*map(entry_from_message, message["log"]))
     return Stream(**{**message, "log": log, "update": parse_update(message["update"])})
 
@@ -55,7 +55,10 @@ class Questions:
     """
 
     def __init__(self, program: RelaxedProgram, stream: Stream, idles: bool, halt: Stop) -> None:
-        """Prepare to ask; ``idles``: whether answers can be extended by idle steps. ``halt`` stops a question."""
+        """Restore the history of ``stream``.
+
+        ``idles``: whether answers can be extended by idle steps. ``halt`` stops a question.
+        """
         self._stream, self._idles, self._halt = stream, idles, halt
         self._solver = PlanSolver(program, idles=idles, dropped=halt)
         self._solver.restore(stream.log)
@@ -63,14 +66,14 @@ class Questions:
         self.step = before.step if update.step is None else update.step
         self.facts = _assumable(before, update)
 
-    def about(self, program: RelaxedProgram) -> "Questions":
-        """Return the same questions about another program."""
+    def with_program(self, program: RelaxedProgram) -> "Questions":
+        """Return the questions about the same stream for another program."""
         return Questions(program, self._stream, self._idles, self._halt)
 
     def ask(self, kept: Iterable[clingo.Symbol], facts: Optional[Facts] = None, steps: Optional[int] = None) -> Reply:
         """Search for a plan with the selectors ``kept`` and the ``facts`` (None: all).
 
-        Raises UndecidedError, and SolverError if the update is refused.
+        Raises UndecidedError after a stop, and SolverError if the update is rejected.
         """
         disabled = frozenset() if facts is None else self.facts - facts
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
@@ -87,7 +90,7 @@ class Questions:
         return self._solver.probed_atoms()
 
     def shortest(self, kept: Iterable[clingo.Symbol], found: Reply) -> Reply:
-        """Return the shortest plan with the selectors ``kept``, given one that was ``found``."""
+        """Return the shortest plan with the selectors ``kept``, given a plan ``found`` before."""
         kept = list(kept)
         low, best = 0, found
         while low < best.horizon - self.step:
@@ -97,13 +100,13 @@ class Questions:
                 low = middle + 1
             elif reply.horizon < best.horizon:
                 best = reply
-            else:  # the history already has these steps
+            else:  # the history already requires this horizon
                 break
         return best
 
 
 def _assumable(snapshot: Snapshot, update: StreamUpdate) -> Facts:
-    """Return the facts and executed actions; both are assumable, as an action can depend on a fact."""
+    """Return the facts and the executed actions, which have to be assumable too, as actions can depend on facts."""
     statements = [*snapshot.statements, *(one for _, one in update.sections())]
     plain = (one for one in statements if one.is_commitment or not one.body)
     return frozenset(one.subject for one in plain if one.subject is not None)

@@ -1,9 +1,9 @@
-"""An over-approximation of the atoms that a program can derive, for any number of steps.
+"""Reachable atoms: an over-approximation of the atoms that a program can derive, for any number of steps.
 
-Negation, bounds, aggregates and constraints are dropped. What the rules do not tell of a value is
-:data:`~rosoclingo.planning.explaining.atom_patterns.ANY`: steps, sums, facts from outside. In most programs the
-remaining rules have a small grounding, and clingo derives their atoms. So an atom that they do not derive is true in no
-answer, for any number of steps.
+Negation, bounds, aggregates and constraints are dropped. Unknown values, such as steps, sums and arguments of external
+facts, become :data:`~rosoclingo.planning.explaining.atom_patterns.ANY`. In most programs the remaining rules have a
+small grounding, from which clingo derives all atoms. All other atoms are false in every answer, for any number of
+steps.
 """
 
 from itertools import islice, product
@@ -37,16 +37,16 @@ from rosoclingo.planning.explaining.atom_patterns import (
     ANY,
     Patterns,
     arguments_in,
-    filled,
-    fits,
     is_variable,
+    matches,
     names_of,
     patterns_of,
+    substitute,
 )
 
-_MOST = 50_000  # ground rules
-_MOST_WAYS = 64  # to write one rule
-_DEEPEST = 6  # levels of a term that are compared
+_MOST = 50_000  # greatest number of ground rules
+_MOST_WAYS = 64  # greatest number of variants of a rule
+_DEEPEST = 6  # greatest difference of depths
 _BY_RULE = f"{OWN}_by_rule"
 _ANYTHING = clingo.Function("_")
 
@@ -98,14 +98,14 @@ class Comparison(NamedTuple):
 
 
 class HeadRule(NamedTuple):
-    """What a statement derives or declares, and what of its conditions is kept.
+    """A head atom that a statement derives or declares, with its positive conditions.
 
     Attributes:
         statement: the statement.
         parameter: the name of its step, empty in base.
         head: an atom of its head.
-        body: the positive atoms on which that depends.
-        comparisons: the comparisons on which it depends.
+        body: the positive atoms of its body and condition.
+        comparisons: the comparisons of its body and condition.
 
     """
 
@@ -120,8 +120,8 @@ class Reach:
     """The reachable atoms of a program.
 
     Attributes:
-        rules: the rules without what is dropped.
-        free: the predicates of which nothing is known.
+        rules: the rules, without the dropped conditions.
+        free: the predicates with unknown atoms.
         known: the given atoms.
 
     """
@@ -135,8 +135,8 @@ class Reach:
     ) -> None:
         """Compute the atoms that are reachable from ``known`` ones; raises UncertainError.
 
-        Without ``known`` atoms, externals can be true as they are declared. For rules of the ``numbered`` predicates
-        :meth:`derived_by` is known. Nothing is computed for the ``free`` ones.
+        Without ``known`` atoms, all declared externals can be true. :meth:`derived_by` is available for rules of
+        ``numbered`` predicates. Atoms of ``free`` predicates are not computed.
         """
         survey = program.survey
         self._constants = {**survey.constants, **dict.fromkeys(survey.unvalued, ANY)}
@@ -165,19 +165,19 @@ class Reach:
         self._by_rule: Optional[Dict[int, List[clingo.Symbol]]] = None
 
     def is_possible(self, atom: clingo.Symbol) -> bool:
-        """Return whether some reachable atom is of the pattern ``atom``."""
+        """Return whether a reachable atom matches the pattern ``atom``."""
         signature = signature_of(atom)
-        return signature in self.free or any(fits(atom, one, {}) for one in self.atoms(signature))
+        return signature in self.free or any(matches(atom, one, {}) for one in self.atoms(signature))
 
     def atoms(self, signature: Signature, most: Optional[int] = None) -> List[clingo.Symbol]:
-        """Return the reachable atoms of a predicate, ``most`` of them at most; always with the same limit."""
+        """Return at most ``most`` reachable atoms of a predicate; results are cached, so the limit must not vary."""
         if signature not in self._atoms:
             found = self._control.symbolic_atoms.by_signature(*signature)
             self._atoms[signature] = [one.symbol for one in islice(found, most)]
         return self._atoms[signature]
 
     def derived_by(self, rule: int) -> List[clingo.Symbol]:
-        """Return the atoms that a rule of the numbered predicates derives, given by its number."""
+        """Return the atoms that a rule of a numbered predicate derives; ``rule`` is its index in ``rules``."""
         if self._by_rule is None:
             self._by_rule = {}
             for number, atom in (one.arguments for one in self.atoms(Signature(_BY_RULE, 2))):
@@ -185,7 +185,7 @@ class Reach:
         return self._by_rule.get(rule, [])
 
     def patterns(self, term: Node, step: str) -> Patterns:
-        """Return the patterns of a term of a rule with this step, empty in base."""
+        """Return the patterns of a term in a rule whose step parameter is ``step``, empty in base."""
         if step not in self._values:
             self._values[step] = {**self._constants, step: ANY}
         if id(term) not in self._patterns:  # the program keeps its terms
@@ -193,7 +193,7 @@ class Reach:
         return self._patterns[id(term)]
 
     def pattern(self, term: Node, parameter: str) -> clingo.Symbol:
-        """Return the pattern of an atom; raises UncertainError for a pool."""
+        """Return the only pattern of an atom; raises UncertainError if it is a pool."""
         found = self.patterns(term, parameter)
         if len(found) != 1:
             raise UncertainError("an atom is a pool")
@@ -224,10 +224,10 @@ class Reach:
             yield Comparison(left, _OPERATORS[guard.comparison], right)
             left = right
 
-    # -- which arguments can be anything, or have parts that can
+    # -- arguments with unknown values or parts
 
     def _open_arguments(self) -> Set[Argument]:
-        """Find the arguments that can be anything, and on the way the exact variables of each rule."""
+        """Return the arguments with unknown values, and store the exact variables of each rule."""
         found = {(one, number) for one in self.free for number in range(one.arity)}
         users: Dict[Signature, Set[int]] = {}
         for number, rule in enumerate(self.rules):
@@ -248,7 +248,7 @@ class Reach:
         return found
 
     def _without_steps(self, atom: clingo.Symbol) -> clingo.Symbol:
-        """Return an atom with any term for numbers in arguments that can be anything, such as its step."""
+        """Return an atom with ANY instead of numbers in open arguments, such as its step."""
         arguments = [
             ANY if one.type is clingo.SymbolType.Number and (signature_of(atom), number) in self._open else one
             for number, one in enumerate(atom.arguments)
@@ -258,7 +258,7 @@ class Reach:
     # -- rules as text
 
     def _texts(self, rule: HeadRule, number: int, numbered: bool) -> Iterator[str]:
-        """Yield the rule in clingo's language, in each of the ways in which its atoms can be true."""
+        """Yield the variants of a rule in clingo's language, which cover all ways to satisfy its body."""
         exact, conditions = self._exact[number], [one for one in rule.body if one.signature not in self.free]
         tests = [
             [f"{left}{one.operator}{right}" for left in one.left for right in one.right]
@@ -278,7 +278,7 @@ class Reach:
             values = {name: clingo.Function(name) for name in bound}
             for test in product(*tests):
                 body = ", ".join([*map(str, way), *test])
-                for head in (filled(pattern, values) for pattern in rule.head.patterns):
+                for head in (substitute(pattern, values) for pattern in rule.head.patterns):
                     yield f"{head} :- {body}."
                     if numbered:
                         yield f"{_BY_RULE}({number},{head}) :- {body}."
@@ -286,11 +286,11 @@ class Reach:
     def _ways(
         self, condition: Condition, kept: Set[str], loosened: Callable[[clingo.Symbol, Set[str]], List[clingo.Symbol]]
     ) -> List[clingo.Symbol]:
-        """Return the patterns of atoms by which a condition can be true; a variable is bound where it is first met."""
+        """Return the patterns of atoms that satisfy a condition; the first occurrence of a variable binds it."""
         found: List[clingo.Symbol] = []
         for pattern in condition.patterns:
             rows = [
-                loosened(one, kept) if (condition.signature, number) in self._open else [_asked(one)]
+                loosened(one, kept) if (condition.signature, number) in self._open else [_body_pattern(one)]
                 for number, one in enumerate(pattern.arguments)
             ]
             found += [clingo.Function(pattern.name, row, pattern.positive) for row in product(*rows)]
@@ -298,7 +298,7 @@ class Reach:
 
 
 def _inlined(head: Condition, body: Sequence[Condition], comparisons: Sequence[Comparison]) -> Condition:
-    """Return a head with the terms to which equations alone bind its variables."""
+    """Return a head in which terms replace the variables that only equations bind."""
     if not comparisons:
         return head
     known = _names(pattern for one in body for pattern in one.patterns)
@@ -306,12 +306,12 @@ def _inlined(head: Condition, body: Sequence[Condition], comparisons: Sequence[C
     sides = [(one.left[0], one.right[0]) for one in equal] + [(one.right[0], one.left[0]) for one in equal]
     values = {left.name: right for left, right in sides if is_variable(left) and left.name not in known}
     names = {name: clingo.Function(name) for name in _names(head.patterns)}
-    patterns = tuple(filled(one, {**names, **values}) for one in head.patterns) if values else head.patterns
+    patterns = tuple(substitute(one, {**names, **values}) for one in head.patterns) if values else head.patterns
     return head._replace(patterns=patterns)
 
 
 def _exact(rule: HeadRule, opened: Set[Argument]) -> Set[str]:
-    """Return the variables of a rule that are bound to known values."""
+    """Return the variables of a rule with known values."""
     found: Set[str] = set()
     for one in rule.body:
         places = [n for n in range(one.signature.arity) if (one.signature, n) not in opened]
@@ -328,10 +328,10 @@ def _names(patterns: Iterable[clingo.Symbol]) -> FrozenSet[str]:
 
 
 def _growing(rules: Sequence[HeadRule]) -> Dict[int, Set[str]]:
-    """Return the variables of rules by which terms would grow without end, by the numbers of rules.
+    """Return the variables that would make terms grow without bound, by the index of the rule.
 
-    Such a variable is deeper in the head than in the body, and other rules bring the argument of the head back to that
-    of the body without making up for it.
+    Such a variable is deeper in the head than in the body, and other rules lead from the argument of the head back to
+    that of the body without reducing the depth by as much.
     """
     edges: _Edges = {}
     deeper: Dict[Tuple[Argument, Argument, int], List[Tuple[int, str]]] = {}
@@ -353,7 +353,7 @@ def _growing(rules: Sequence[HeadRule]) -> Dict[int, Set[str]]:
 def _grows_to(
     goal: Argument, start: Argument, growth: int, edges: Mapping[Argument, Set[Tuple[Argument, int]]]
 ) -> bool:
-    """Return whether a term in ``start`` that is deeper by ``growth`` can come to ``goal`` deeper than it was."""
+    """Return whether a term that enters ``start`` deeper by ``growth`` can reach ``goal`` with a greater depth."""
     waiting, seen = [(start, growth)], {(start, growth)}
     while waiting:
         argument, depth = waiting.pop()
@@ -381,7 +381,7 @@ def _depths(condition: Condition) -> Iterator[Tuple[str, int, "Argument"]]:
 
 
 def _loosened(pattern: clingo.Symbol, kept: Set[str]) -> List[clingo.Symbol]:
-    """Return the patterns of values, parts of which can be anything, that a pattern fits."""
+    """Return the patterns of values with unknown parts that match a pattern."""
     if pattern == ANY:
         return [_ANYTHING]
     if is_variable(pattern):
@@ -396,21 +396,21 @@ def _loosened(pattern: clingo.Symbol, kept: Set[str]) -> List[clingo.Symbol]:
 
 
 def _loosest(pattern: clingo.Symbol, kept: Set[str]) -> List[clingo.Symbol]:
-    """Return one pattern for all values that a pattern fits, parts of which can be anything."""
+    """Return a single pattern that covers those of :func:`_loosened`."""
     return _loosened(pattern, kept) if is_variable(pattern) else [_ANYTHING]
 
 
-def _asked(pattern: clingo.Symbol) -> clingo.Symbol:
-    """Return a pattern as a body asks for it."""
+def _body_pattern(pattern: clingo.Symbol) -> clingo.Symbol:
+    """Return a pattern as a term of a body, with an anonymous variable for ANY."""
     if pattern == ANY:
         return _ANYTHING
     if ANY.name not in names_of(pattern):
         return pattern
-    return clingo.Function(pattern.name, list(map(_asked, pattern.arguments)), pattern.positive)
+    return clingo.Function(pattern.name, list(map(_body_pattern, pattern.arguments)), pattern.positive)
 
 
 def _declared(statement: Node) -> List[Tuple[Node, Sequence[Node]]]:
-    """Return the atoms that an ``#external`` declares; none of any other statement."""
+    """Return the atoms that an ``#external`` declares; none for other statements."""
     external = statement.ast_type == ASTType.External
     return [(term, ()) for term in atom_terms(statement.atom.symbol)] if external else []
 
@@ -443,9 +443,9 @@ class _Counter(Observer):
 
 
 def _ground(text: str) -> clingo.Control:
-    """Return a control with the rules in ``text`` ground."""
+    """Ground the rules in ``text``; raises UncertainError if there are too many instances."""
     control = clingo.Control(["-Wnone"], logger=lambda code, message: None)
-    control.register_observer(_Counter(), replace=True)  # only the atoms are of interest
+    control.register_observer(_Counter(), replace=True)  # only the atoms are needed, not the rules
     try:
         control.add("base", [], text)
         control.ground([("base", [])])

@@ -6,12 +6,12 @@ The I-th constraint ``:- BODY.`` gets a head and two selectors, which enforce it
     :- __oclingo_broken(I,T,V), __oclingo_keep(I,T).
     __oclingo_keep(I,T) :- __oclingo_whole(I).
 
-The selectors are choices: a constraint whose selectors are not assumed excludes nothing. A choice with bounds, such as
-``L { ELEMENTS } U :- BODY.``, is split into the choice and a constraint for the bounds. clingo-explaid
+The selectors are choices: without assumptions on its selectors, a constraint excludes nothing. A choice with bounds,
+such as ``L { ELEMENTS } U :- BODY.``, is split into the choice and a constraint for the bounds. clingo-explaid
 (``UnsatConstraintComputer``) transforms constraints in the same way.
 
-Facts are not relaxed by choices, as they would no longer simplify the grounding, which could even become infinite. They
-are removed, and the program is grounded again.
+Facts are removed and the program is regrounded, because facts as choices would no longer simplify the grounding, which
+could even become infinite.
 """
 
 from copy import copy
@@ -65,7 +65,7 @@ class RelaxedProgram(ReactiveProgram):
         return cls(program.texts, {name: str(value) for name, value in program.constants.items()}, whole=True)
 
     def without(self, facts: AbstractSet[int]) -> "RelaxedProgram":
-        """Return the program without some facts, given by their numbers."""
+        """Return the program without the facts of these numbers."""
         program, removed = copy(self), [statement for number, (_, statement) in self._facts.items() if number in facts]
         program.parts = [
             replace(part, statements=[one for one in part.statements if not any(one is other for other in removed)])
@@ -102,7 +102,7 @@ class RelaxedProgram(ReactiveProgram):
         return [number for number, (signature, _) in self._facts.items() if signature in wanted]
 
     def breaches(self, answer: Iterable[clingo.Symbol]) -> List[Breach]:
-        """Return the instances of rules that an answer breaks, those of earlier steps first."""
+        """Return the instances of rules that an answer violates, ordered by step."""
         found = []
         for number, step, values in (atom.arguments for atom in answer if atom.match(BROKEN, 3)):
             names = self.rules[number.number].variables
@@ -142,7 +142,7 @@ class RelaxedProgram(ReactiveProgram):
         return number
 
     def _enter_facts(self, statement: Node, texts: RuleTexts) -> Iterator[Node]:
-        """Yield a fact, or the facts of a pool."""
+        """Add the facts of a statement, which can be a pool, and yield them as statements."""
         terms = list(atom_terms(statement.head.atom.symbol))
         for term in terms:
             number = self._enter(statement, texts, RuleKind.FACT, text=f"{term}." if len(terms) > 1 else "")
@@ -167,7 +167,7 @@ def _is_atom(head: Node) -> bool:
 
 
 def _split(rule: Node) -> Tuple[Optional[List[Node]], List[Node]]:
-    """Return what a rule forbids, as the body of a constraint, None for nothing; and the remaining rules."""
+    """Split a rule into the body of a constraint, None if it excludes nothing, and the remaining rules."""
     head, body = rule.head, list(rule.body)
     if head.ast_type == ASTType.Literal:
         if head.atom.ast_type == ASTType.BooleanConstant:
@@ -200,7 +200,7 @@ def _guard_variables(head: Node) -> Set[str]:
 
 
 def _named(node: Node) -> Iterator[str]:
-    """Yield the names of variables that are not anonymous."""
+    """Yield the names of the variables in a node, without anonymous ones."""
     yield from (name for name in names_in(node) if name != "_" and not name.startswith("Any__"))
 
 

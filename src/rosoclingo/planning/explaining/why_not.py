@@ -1,4 +1,4 @@
-"""Explanations why there is no plan, as values and in words."""
+"""Explanations why there is no plan, as values and as text."""
 
 from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Optional, Tuple
@@ -7,7 +7,7 @@ from rosoclingo.planning.explaining.named_rules import NamedRule, RuleKind
 from rosoclingo.planning.explaining.near_miss import NeverTrue
 
 MOST_REQUESTS = 12
-"""Greatest number of named facts without which there is nothing to do."""
+"""Greatest number of facts that an explanation lists as the cause of actions."""
 
 _UNREACHED = (
     "Apart from that, no rule excludes a plan: the actions do not lead there, or not within this number of steps",
@@ -21,9 +21,9 @@ class BlamedRule:
 
     Attributes:
         rule: the rule.
-        steps: the steps of the instances that are in conflict; empty if unknown or if the rule has no step.
-        besides: the fewest other rules that have to be removed along with this one to get a plan; None if unknown.
-        breach: the step, None in base, and the variables of an instance that a plan without the rule violates; None if
+        steps: the steps of the conflicting instances; empty if unknown or if the rule has no step.
+        besides: the fewest other rules to remove along with this rule to get a plan; None if unknown.
+        breach: the step (None in base) and the variables of an instance that a plan without the rule violates; None if
             unknown.
 
     """
@@ -46,8 +46,8 @@ class BlamedFact:
     Attributes:
         text: the fact.
         rule: its place in the program; None for a fact of the stream.
-        hinders: whether the plan without the fact has actions; False for requests and what they depend on; None if
-            unknown, as for programs without actions.
+        hinders: whether the plan without the fact has actions; False for requests and the facts that they depend on;
+            None if unknown, as for programs without actions.
 
     """
 
@@ -58,7 +58,7 @@ class BlamedFact:
 
 @dataclass(frozen=True)
 class BrokenPlan:
-    """The actions of a plan that violates these rules and no other."""
+    """The actions of a plan that violates only these rules."""
 
     rules: Tuple[NamedRule, ...]
     actions: Tuple[str, ...]
@@ -66,19 +66,19 @@ class BrokenPlan:
 
 @dataclass(frozen=True)
 class WhyNot:
-    """An explanation why there is no plan: rules and facts that exclude one, whether or not all others hold.
+    """An explanation why there is no plan: rules and facts that together exclude one.
 
     Attributes:
         step: the step of the update.
-        last: the greatest horizon that was allowed.
-        never: whether it is proven that longer plans do not exist either.
+        last: the horizon bound.
+        never: whether there is provably no longer plan either.
         rules: constraints and bounds of choices.
         told: facts of the stream.
         facts: facts of the program.
         smallest: whether no smaller set of rules excludes a plan.
-        complete: whether the search was finished in time; otherwise some named rules and facts can be irrelevant.
+        complete: whether the search finished in time; if not, some of the rules and facts can be irrelevant.
         plan: a plan that violates the fewest rules, among them one of ``rules``; None if unknown.
-        lacking: atoms that the end of a plan requires but that are never true.
+        lacking: atoms that the end of a plan requires and that are never true.
 
     """
 
@@ -98,7 +98,7 @@ class WhyNot:
         return asdict(self, dict_factory=_plain)
 
     def text(self) -> str:
-        """Return the explanation in words, in several lines."""
+        """Return the explanation as text of several lines."""
         return "\n".join([*self._heading(), *self._rule_lines(), *self._fact_lines(), *self._plan_lines()]) + "\n"
 
     def _heading(self) -> List[str]:

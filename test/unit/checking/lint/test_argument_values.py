@@ -1,4 +1,4 @@
-"""The values that arguments may have: all that ever come, and no others where the rules tell."""
+"""The possible values of arguments: complete, and as precise as the rules allow."""
 
 import clingo
 import lint_programs
@@ -20,8 +20,8 @@ def program(text):
     return ReactiveProgram.from_text(text + STEPS)
 
 
-def shown(one, name, arity, position):
-    """The values of an argument as text, None for any."""
+def values_of(one, name, arity, position):
+    """Return the values of an argument as text, None for any."""
     reach, signature = Reach(one), Signature(name, arity)
     known = {atom.arguments[position] for atom in reach.atoms(signature)}
     return None if signature in reach.free or ANY in known else sorted(map(str, known))
@@ -67,23 +67,23 @@ def shown(one, name, arity, position):
         ("q(a). r(b). p(X) :- q(X), r(X). p(c).", ["c"]),
     ],
 )
-def test_values_of_an_argument(rules, expected):
-    assert shown(program(rules), "p", 1, 0) == expected
+def test_argument_values_follow_from_the_rules(rules, expected):
+    assert values_of(program(rules), "p", 1, 0) == expected
 
 
 @pytest.mark.parametrize("rules", ["p(X) :- q(X). q(X) :- p(X).", "p(X) :- q(X), X = b. q(a).", "p(a) :- q(b). q(a)."])
-def test_what_is_never_true(rules):
+def test_argument_values_find_impossible_predicates(rules):
     assert not ArgumentValues(program(rules)).is_possible(Signature("p", 1))
 
 
-def test_steps_may_be_any_number():
+def test_argument_values_leave_steps_open():
     found = program("#program cumulative(t). at(a,t). at(X,t) :- at(X,t-1). #program base. at(b,0).")
-    assert shown(found, "at", 2, 0) == ["a", "b"]
-    assert shown(found, "at", 2, 1) is None
+    assert values_of(found, "at", 2, 0) == ["a", "b"]
+    assert values_of(found, "at", 2, 1) is None
 
 
 def check(found, atoms):
-    """Every atom has values that are known."""
+    """Check that each atom has possible values."""
     for atom in atoms:
         signature = signature_of(atom)
         assert found.is_possible(signature), atom
@@ -91,7 +91,7 @@ def check(found, atoms):
 
 
 @pytest.mark.slow
-def test_values_hold_what_comes_in_a_run():
+def test_argument_values_cover_a_run():
     mailbot = ReactiveProgram(lint_programs.program("mailbot"), whole=True)
     found, solver = ArgumentValues(mailbot), PlanSolver(mailbot)
     for text in (
@@ -101,7 +101,7 @@ def test_values_hold_what_comes_in_a_run():
     ):
         answer = solver.update(parse_update(text + " #endstep.")).answers[0]
         check(found, [one for one in answer if signature_of(one) in mailbot.head_signatures])
-    assert shown(mailbot, "_action_lib", 3, 0) == ["deliver", "move_base", "pickup"]
+    assert values_of(mailbot, "_action_lib", 3, 0) == ["deliver", "move_base", "pickup"]
 
 
 TERM = st.sampled_from(
@@ -114,7 +114,7 @@ BODY = st.lists(ATOM | ATOM.map("not {}".format) | TEST, max_size=3)
 
 
 def rule(head, body, choice):
-    """A safe rule: variables in it range over a domain at the least."""
+    """Return a safe rule, whose variables range over a domain."""
     used = [name for name in "XY" if any(name in one for one in [head, *body])]
     bound = [f"d({name})" for name in used]
     return "{}{}{} :- {}.".format("{ " * choice, head, " }" * choice, "; ".join([*bound, *body]) or "#true")
@@ -126,8 +126,8 @@ DOMAIN = "d((a;b;c;1;2;f(a);f(b);(b,a);g(a,b))).\n"
 
 @pytest.mark.slow
 @given(RULES)
-def test_no_value_is_missed(rules):
-    """Compare with all atoms that can be derived if negation never hinders."""
+def test_argument_values_cover_all_derivable_atoms(rules):
+    """Compare with the atoms that are derivable without negation."""
     positive = [rule(head, [one for one in body if not one.startswith("not ")], True) for head, body, _ in rules]
     control = clingo.Control(["--warn=none"], logger=lambda code, message: None)
     control.add("base", [], DOMAIN + "\n".join(positive))
@@ -145,7 +145,7 @@ def test_no_value_is_missed(rules):
     try:
         control.ground([("base", [])])
     except OverflowError:
-        return  # it has no end
+        return  # the grounding is infinite
     check(found, [one.symbol for one in control.symbolic_atoms])
 
 
@@ -156,13 +156,13 @@ VARIABLE = st.sampled_from("XYZ")
 
 
 def joined(head, body):
-    """A rule that has the last and the first variable of its body in its head."""
+    """Return a rule with the last and the first variable of its body in its head."""
     atoms = ", ".join(one.format(*names) for one, *names in body)
     return f"{{ {head.format(body[-1][2], body[0][1])} }} :- {atoms}."
 
 
 def joins(heads, atoms):
-    """Rules that join, swap and nest arguments."""
+    """Return a strategy for rules that join, swap and nest arguments."""
     body = st.lists(st.tuples(st.sampled_from(atoms), VARIABLE, VARIABLE), min_size=1, max_size=3)
     return st.lists(st.builds(joined, st.sampled_from(heads), body), min_size=1, max_size=3).map("\n".join)
 
@@ -173,7 +173,7 @@ FACTS = st.lists(st.builds("p({0},{1}). q({1},{2}).".format, CONSTANT, CONSTANT,
 
 @pytest.mark.slow
 @given(FACTS, joins(FIXED, FIXED), joins([*STEPPED, ACTING, ACTING], [*FIXED, *STEPPED]))
-def test_argument_values_rows_of_actions_are_exact(facts, fixed, stepped):
+def test_argument_values_of_actions_are_exact(facts, fixed, stepped):
     """Compare with the grounding of one step, for rules without negation and sums."""
     base, cumulative = f"{DEFINED[0]}{facts}\n{fixed}\n", f"{DEFINED[1]}{stepped}\n"
     control = clingo.Control(["--warn=none", "--const", "t=1"], logger=lambda code, message: None)

@@ -1,4 +1,4 @@
-"""The lint says nothing of programs in which nothing is wrong: the shipped ones, those of the documents, oClingo's."""
+"""The lint has no findings in correct programs: shipped ones, those of the documents, and oClingo's."""
 
 import lint_programs
 import pytest
@@ -7,5 +7,5 @@ import pytest
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("name", lint_programs.NAMES)
-def test_nothing_is_said_of_a_program_that_is_right(name):
+def test_lint_has_no_findings_in_correct_programs(name):
     assert list(map(str, lint_programs.lint(lint_programs.program(name)))) == []

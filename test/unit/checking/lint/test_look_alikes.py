@@ -1,4 +1,4 @@
-"""Names that look alike: which are slips of one another, and which are those of a row; statements that end too late."""
+"""Similar names: misspelt ones and those of a series; statements that end too late."""
 
 import lint_programs
 import pytest
@@ -20,7 +20,7 @@ END = "\n#program cumulative(t).\n#program volatile(t).\n"
         "livingroom living_room",
     ],
 )
-def test_slips(pair):
+def test_is_slip_finds_misspelt_names(pair):
     one, other = pair.split()
     assert is_slip(one, other)
     assert is_slip(other, one)
@@ -33,7 +33,7 @@ def test_slips(pair):
         "bed red", "left lift", "table table", "north south", "arm_x_1 arm_y_1", "rooma roomb",
     ],
 )  # fmt: skip
-def test_names_of_rows_are_no_slips(pair):
+def test_is_slip_accepts_names_of_a_series(pair):
     one, other = pair.split()
     assert not is_slip(one, other)
     assert not is_slip(other, one)
@@ -51,7 +51,7 @@ def test_names_of_rows_are_no_slips(pair):
         "near(C',D). near(C,D'). near(C,D) :- near(C',D), near(D,C). :- near(C,C'), near(D',C).",
     ],
 )
-def test_nothing_is_said_of_what_is_meant(text):
+def test_lint_accepts_similar_names_and_marks(text):
     kinds = {"mark", "misspelt", "exchanged"}
     assert [str(one) for one in lint_programs.lint([Source("a.lp", text + END)]) if one.fault.kind in kinds] == []
 
@@ -68,18 +68,18 @@ def test_nothing_is_said_of_what_is_meant(text):
         ("a(1)\nb(2). c.", "1:5: a dot"),
     ],
 )
-def test_where_a_statement_ends(text, place):
+def test_lint_finds_where_a_statement_should_end(text, place):
     found = [str(one) for one in lint_programs.lint([Source("a.lp", text + END)])]
     assert [one.partition(" is")[0].partition(" stands")[0] for one in found] == [f"a.lp:{place}"]
 
 
 @pytest.mark.parametrize("text", ["a(X :- b.", "a :- b,, c.", "a :- { b, c; d }.", "a :- (b.\nc."])
-def test_other_faults_are_told_as_clingo_tells_them(text):
+def test_lint_repeats_other_syntax_errors_of_clingo(text):
     assert "syntax error" in str(lint_programs.lint([Source("a.lp", text + END)])[0])
 
 
 @pytest.mark.parametrize(
-    ("text", "known", "told"),
+    ("text", "known", "hint"),
     [
         ("att(sink)", ["at(_)", "place(sink)"], "is at(sink) meant?"),
         ("att(sink)", ["at(_,_)", "place(sink)"], "is place(sink) meant?"),
@@ -88,5 +88,5 @@ def test_other_faults_are_told_as_clingo_tells_them(text):
         ("moon", ["at(_)"], "it may be at(_)"),
     ],
 )
-def test_values_with_open_arguments_are_compared_by_the_rest(text, known, told):
-    assert likely_value(text, known) == told
+def test_likely_value_ignores_open_arguments(text, known, hint):
+    assert likely_value(text, known) == hint

@@ -1,4 +1,4 @@
-"""Whatever the program: the lint ends without an error of its own, and names a place that is there."""
+"""The lint on random programs: it raises no error, and its findings have valid places."""
 
 import re
 
@@ -20,8 +20,8 @@ WORDS = [
 ]  # fmt: skip
 
 
-def judge(sources):
-    """Every finding has a kind of the table and stands in a line of the program, or is of no line."""
+def check(sources):
+    """Check that each finding has a known kind and a line of the program, or none."""
     lines = {one.name: one.text.count("\n") + 2 for one in sources}
     for one in lint_programs.lint(sources):
         assert one.fault.kind in KINDS
@@ -30,17 +30,17 @@ def judge(sources):
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=40))
-def test_random_words(words):
-    judge([Source("random.lp", " ".join(words))])
+def test_lint_handles_random_words(words):
+    check([Source("random.lp", " ".join(words))])
 
 
 @given(st.text(max_size=100))
-def test_random_text(text):
-    judge([Source("random.lp", text)])
+def test_lint_handles_random_text(text):
+    check([Source("random.lp", text)])
 
 
 def mutated(text, changes):
-    """The text with some of its pieces left out, doubled, put elsewhere or replaced."""
+    """Return the text with pieces dropped, doubled, swapped or replaced."""
     pieces = PIECES.findall(text)
     for kind, place, other in changes:
         here, there = place % len(pieces), other % len(pieces)
@@ -58,20 +58,20 @@ def mutated(text, changes):
 CHANGE = st.tuples(st.sampled_from(["drop", "double", "swap", "word"]), st.integers(0, 10**6), st.integers(0, 10**6))
 
 
-def judge_a_mutation(name, data):
-    """Look at a program with some of its pieces changed."""
+def check_mutation(name, data):
+    """Check a mutation of a program."""
     sources = list(lint_programs.program(name))
     place = data.draw(st.integers(0, len(sources) - 1))
     text = mutated(sources[place].text, data.draw(st.lists(CHANGE, min_size=1, max_size=4)))
     sources[place] = Source(sources[place].name, text)
-    judge(sources)
+    check(sources)
 
 
 @pytest.mark.parametrize("name", ["battery", "bodies"])
 @settings(max_examples=max(1, settings.default.max_examples // 3))
 @given(st.data())
-def test_mutations_of_small_programs(name, data):
-    judge_a_mutation(name, data)
+def test_lint_handles_mutations_of_small_programs(name, data):
+    check_mutation(name, data)
 
 
 @pytest.mark.slow
@@ -79,5 +79,5 @@ def test_mutations_of_small_programs(name, data):
 @pytest.mark.parametrize("name", ["garden", "paper", "mailbot"])
 @settings(max_examples=max(1, settings.default.max_examples // 12))
 @given(st.data())
-def test_mutations_of_programs(name, data):
-    judge_a_mutation(name, data)
+def test_lint_handles_mutations_of_shipped_programs(name, data):
+    check_mutation(name, data)

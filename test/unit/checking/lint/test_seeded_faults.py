@@ -1,6 +1,6 @@
-"""Each of these faults, put into a program in which nothing is wrong, is found in its place, with its kind and mend.
+"""Seeded faults: the lint finds each of them in its place, with its kind and hint.
 
-They are seeded in the shipped programs, in the tutorial's and in oClingo's own ones.
+The faults are seeded in the shipped programs, the tutorial's and oClingo's own ones.
 """
 
 import lint_programs
@@ -11,7 +11,7 @@ from rosoclingo.oclingo.program.sources import Source
 
 RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/statuses.lp"
 
-#: Program, file, what stands in it, what is put there instead (the finding stands where @ is), kind, words of it.
+#: Program, file, old text, new text (@ marks the place of the finding), kind, words of the finding.
 SEEDS = [
     # names that look misspelt, in bodies, in heads, in #show and #external
     ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "is open/2 meant?"),
@@ -24,20 +24,20 @@ SEEDS = [
     # numbers of arguments
     ("paper", "paper.lp", "at(L,t-1), not moved(t)", "@at(t-1), not moved(t)", "undefined", "is at/2 meant?"),
     ("garden", "garden.lp", "done(A,P,t)     :-", "@done(P,t)     :-", "misspelt", "is done/3 meant?"),
-    # what nothing looks at
-    ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "leave it out"),
+    # unused predicates
+    ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "remove it"),
     ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
-    # values that nothing gives
+    # impossible values
     ("mailbot", FAULTS, "tells(A,missing,R), _action_lib", "tells(A,@mising,R), _action_lib", "no-match", "is missing"),
     ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "is tap meant?"),
     ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "is fill meant?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
-    # rules that need one another, and bodies that never hold
+    # circular rules, and bodies that never hold
     ("bound", "bound.lp", "c(t) :- e(t).", "@c(t) :- d(t).\nd(t) :- c(t).", "unfounded", "its rules need d/1"),
     ("lift", "lift.lp", "up(t), F < 5.", "up(t), F < 5, @not up(t).", "contradiction", "up(t) and not up(t)"),
     ("garden", "garden.lp", "V != P.\nfailed(t)", "@V != V.\nfailed(t)", "contradiction", "V != V never holds"),
     # steps
-    ("garden", "garden.lp", "asked(t)      :-", "@asked        :-", "no-step", "like asked(t)"),
+    ("garden", "garden.lp", "asked(t)      :-", "@asked        :-", "no-step", "as in asked(t)"),
     (
         "lift",
         "lift.lp",
@@ -52,7 +52,7 @@ SEEDS = [
         "at(L,t)         :- at(L,t-1)",
         "@at(L,t+1)       :- at(L,t)",
         "no-step",
-        "of the steps t and t+1",
+        "have the steps t and t+1",
     ),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "@w(t+1) :- w(t).", "redefinition", "give the head the step"),
     ("bound", "bound.lp", "c(t) :- e(t).", "c(t) :- @e(t+1).", "late-external", "write #external e(t+1)."),
@@ -98,24 +98,24 @@ SEEDS = [
         "base",
     ),
     ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
-    # names and arguments in the place of others
+    # exchanged names and arguments
     ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "is P meant?"),
     ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "is V meant?"),
     ("garden", "garden.lp", "done(water,P,t).", "done(P,@water,t).", "no-match", "with water as argument 2"),
-    # marks that make another statement of it
+    # punctuation that changes the statement
     ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "is a dot meant?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "is ':-' meant?"),
     ("paper", "paper.lp", "at(L,t-1), not moved(t).", "at(L,t-1)@. not moved(t).", "mark", "is a comma meant?"),
     ("battery", "battery.lp", "t) : asked(W,I,t), W", "t); @asked(W,I,t), W", "syntax", "unexpected"),
     ("paper", "paper.lp", "cancel(Id),t).\nwaiting", "cancel(Id),t)@,\nwaiting", "syntax", "a comma stands where a"),
     ("garden", "garden.lp", "failed(t)       :- failed(A,P,V,t).", "failed(t) :- failed(A,P,V,t)@", "syntax", "a dot"),
-    # constants and variables that stand once
+    # constants and variables that occur once
     ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,@offcie2).", "misspelt", "is office2"),
     ("house", "home.lp", "door(kitchen,living_room).", "door(kitchen,@livingroom).", "misspelt", "is living_room"),
     ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "is home meant?"),
     ("paper", "paper.lp", "aboard(Id,From,To,t), cancelled", "aboard(Id,From,@Too,t), cancelled", "misspelt", "is To"),
     ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "_request(@cancel(me,Id),t).\nc", "misspelt", "cancel(Id)"),
-    # arguments the other way round, steps that do not belong together
+    # swapped arguments, mismatched steps
     (
         "paper",
         "paper.lp",
@@ -137,9 +137,9 @@ SEEDS = [
     ("paper", "paper.lp", "_action_lib(move_base,B,t)", "@_action_lib(move_base,B,t-1)", "other-step", "write t for"),
     ("paper", "paper.lp", "\n:- waiting(Id,From,To,t).", "\n:- waiting(Id,From,To,t-1).", "other-step", "last step"),
     ("garden", "garden.lp", "#program cumulative(t).\n\n% Failures", "% Failures", "at-the-end", "before the"),
-    # what the core and a program say to one another
+    # atoms exchanged with the core
     ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
-    ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never hears of it"),
+    ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never receives it"),
     (
         "garden",
         "garden.lp",
@@ -155,7 +155,7 @@ SEEDS = [
         'd(("the ",P," is closed")),t)            :- w',
         'd("the ",P," is closed"),t) :- w',
         "status-word",
-        "no st",
+        "not a st",
     ),
     (
         "paper",
@@ -216,7 +216,7 @@ SEEDS = [
         "restless",
         "each step has an action",
     ),
-    # clingo's incmode, telingo, programs with a driver of their own
+    # clingo's incmode, telingo, programs with their own driver
     (
         "grow",
         "grow.lp",
@@ -250,7 +250,7 @@ SEEDS = [
         "&sum",
     ),
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\n:- @&final.", "syntax", "no #theory defines the theory atom &final"),
-    # constants, and what clingo has to say
+    # constants, and messages of clingo
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
     ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
     ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "is tries meant?"),
@@ -264,7 +264,7 @@ SEEDS = [
 
 
 def seeded(name, file, old, new):
-    """The sources of a program with the fault in it, and the line and column at which it stands."""
+    """Return the sources of a program with the fault, and the line and column of the fault."""
     found, place = [], None
     for one in lint_programs.program(name):
         if one.name == file:
@@ -278,19 +278,19 @@ def seeded(name, file, old, new):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
-def test_a_seeded_fault_is_found(name, file, old, new, kind, words):
+def test_lint_finds_a_seeded_fault(name, file, old, new, kind, words):
     sources, (line, column) = seeded(name, file, old, new)
     found = lint_programs.lint(sources)
-    told = "\n".join(map(str, found))
+    printed = "\n".join(map(str, found))
     mine = [one for one in found if one.fault.kind == kind and words in str(one)]
-    assert mine, f"nothing of the kind {kind} with {words}:\n{told}"
+    assert mine, f"no finding of kind {kind} with {words}:\n{printed}"
     if "@" in new:
         places = {(one.fault.file, one.fault.line) for one in mine}
-        assert (file, line) in places, f"not at {file}:{line}:{column}\n{told}"
+        assert (file, line) in places, f"not at {file}:{line}:{column}\n{printed}"
 
 
 @pytest.mark.parametrize("kind", sorted(KINDS))
-def test_each_kind_is_seeded(kind):
+def test_seeds_cover_each_kind(kind):
     elsewhere = {
         "translation", "unknown-constant", "constant-value", "negative-constant", "stream-syntax", "stream-fact",
         "no-interface", "idle-interface", "idle-reason", "no-label", "idle-label", "unheard-fact", "unheard-order",

@@ -1,4 +1,4 @@
-"""What a program for the core lacks, and what is said of values that are given to its constants."""
+"""Findings about keywords of the core and values of constants, and the comments that silence findings."""
 
 import lint_programs
 import pytest
@@ -40,14 +40,14 @@ a(n,twice,start,low,free,f(g)) :- b(1..n)."""
         (EXTERNALS + ACTION.partition("#program volatile")[0], ["missing-part"]),
     ],
 )
-def test_what_a_program_for_the_core_lacks(text, kinds):
-    for _ in range(2):  # however often one asks
+def test_lint_reports_missing_keywords_and_parts(text, kinds):
+    for _ in range(2):  # twice, as the program caches findings
         program = ReactiveProgram.from_text(text, "home.lp")
         assert [one.kind for one in lint_program(program, core=True)] == kinds
 
 
 @pytest.mark.parametrize("text", ["#program cumulative(t). a(t). #program volatile(t).", "#cumulative t. #volatile t."])
-def test_a_program_without_keywords_is_not_for_the_core(text):
+def test_lint_requires_no_keywords_without_a_core(text):
     assert lint_program(ReactiveProgram.from_text(text, "home.lp")) == []
 
 
@@ -68,7 +68,7 @@ STATUS = "_status(I,succeeded,t) :- _request(do(I),t)."
         "{ _action_lib(go,a,t) }. _action_lib(rest,a,t) :- not _action_lib(go,a,t).",
     ],
 )
-def test_an_action_at_each_step_is_told_where_no_goal_has_a_status(rules):
+def test_lint_reports_restless_programs_without_statuses(rules):
     assert [one.kind for one in lint_program(ReactiveProgram.from_text(IDLE + rules, "home.lp"))] == ["restless"]
     assert lint_program(ReactiveProgram.from_text(IDLE + rules + STATUS, "home.lp")) == []
 
@@ -82,7 +82,7 @@ def test_an_action_at_each_step_is_told_where_no_goal_has_a_status(rules):
         "want(I,t) :- _request(do(I),t+1). { _action_lib(go,a,t) }. :- want(I,t), not _action_lib(go,a,t).",
     ],
 )
-def test_actions_for_goals_alone_are_right(rules):
+def test_lint_accepts_actions_only_for_goals(rules):
     assert lint_program(ReactiveProgram.from_text(IDLE + rules, "home.lp")) == []
 
 
@@ -98,13 +98,13 @@ STEPS = "#program base. {} #program cumulative(t). {} #program volatile(t). :- n
         ("#iinit 0. p(-1).", "p(t) :- p(t-1)."),
     ],
 )
-def test_facts_of_steps_that_no_rule_defines_are_right(base, rules):
+def test_lint_accepts_facts_of_initial_steps(base, rules):
     program = ReactiveProgram.from_text(STEPS.format(base, rules), "home.lp")
     assert [one for one in lint_program(program) if one.kind == "first-step"] == []
 
 
 @pytest.mark.parametrize("keyword", ["_request/2", "_return/3", "_failed/3", "_cancel/3"])
-def test_a_keyword_is_no_slip_of_itself(keyword):
+def test_lint_takes_no_keyword_for_a_misspelt_one(keyword):
     text = f"#external {keyword}. #program cumulative(t). p(t). #show p/1. #program volatile(t). :- not p(t)."
     found = list(lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False))
     assert [one.kind for one in found] == ["unused"]
@@ -121,7 +121,7 @@ def test_a_keyword_is_no_slip_of_itself(keyword):
         "#program volatile(t). end(t) :- p(t), x. #program base. x. end(5). #program cumulative(t). :- end(t-1).",
     ],
 )
-def test_looks_back_at_what_is_still_there_are_right(rules):
+def test_lint_accepts_look_backs_at_persistent_atoms(rules):
     text = f"#program cumulative(t). p(t). {rules}"
     found = lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False)
     assert [one for one in found if one.kind == "past-volatile"] == []
@@ -147,21 +147,21 @@ def test_looks_back_at_what_is_still_there_are_right(rules):
         ({"low": "-1"}, []),
         ({"n": "0"}, []),
         ({"zero": "-1"}, []),
-        ({"pair": "7", "odd": "7", "back": "7"}, []),  # what they are is not a number
+        ({"pair": "7", "odd": "7", "back": "7"}, []),  # their values are no numbers
         ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
         ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (is start meant?)")]),
         ({"zzz": "1"}, [("unknown-constant", "(its constants are back, low, n, odd, pair, start, twice, zero)")]),
         ({"zzz": "1", "n": "f(x)"}, [("unknown-constant", "no #const zzz"), ("constant-value", "give a number")]),
     ],
 )
-def test_values_of_constants(given, found):
+def test_lint_checks_the_values_of_constants(given, found):
     survey = ReactiveProgram.from_text(CONSTANTS, "home.lp").survey
     told = check_given_values(survey, {name: parse_term(value) for name, value in given.items()})
     assert [one.kind for one in told] == [kind for kind, _ in found]
     assert all(words in str(one) for one, (_, words) in zip(told, found))
 
 
-def test_a_program_without_constants():
+def test_lint_reports_a_constant_without_definition():
     told = lint_programs.lint([Source("home.lp", "a(1).\n#cumulative t.\n#volatile t.\n")], {"n": "1"})
     assert list(map(str, told)) == ["constant n: the program has no #const n (it has none) [unknown-constant]"]
     assert told[0].severity == "error"
@@ -170,22 +170,22 @@ def test_a_program_without_constants():
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house"])
-def test_constants_of_the_shipped_programs(name):
+def test_lint_accepts_constants_of_shipped_programs(name):
     assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []
 
 
-def test_what_a_translation_says_is_of_a_line():
+def test_lint_places_translation_warnings():
     text = "p(1).\nq(F) :- p(F).\n#domain p(F).\n#show q/1.\n#cumulative t.\n#volatile t.\n"
     (one,) = lint_programs.lint([Source("old.lp", text)])
     assert (one.fault.kind, one.fault.line) == ("translation", 3)
 
 
-def test_nothing_is_said_of_constants_whose_values_are_not_known():
+def test_lint_ignores_constants_with_unknown_values():
     text = "#const n = f(2).\np(n).\nq(X) :- p(f(X)).\n:- q(2).\na(X) :- not p(X).\n" + ODD
     assert [one.fault.kind for one in lint_programs.lint([Source("p.lp", text)])] == ["unsafe"]
 
 
-# ---- what is silenced ------------------------------------------------------------------------------------------------
+# ---- silenced findings -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -204,17 +204,17 @@ def test_nothing_is_said_of_constants_whose_values_are_not_known():
         ("a :- b(1), % check: ok undefined\n c(2).", ["undefined"]),
     ],
 )
-def test_findings_are_silenced_by_line(text, left):
+def test_comments_silence_findings_by_line(text, left):
     sources = [Source("p.lp", text + "\n" + ODD)]
     assert sorted(one.fault.kind for one in lint_programs.lint(sources)) == left
 
 
-def test_an_error_is_not_silenced():
+def test_comments_silence_no_errors():
     sources = [Source("p.lp", "#cumulative t.\n{ a(t) }.\nb :- a(t). % check: ok redefinition no-step\n#volatile t.\n")]
     assert [one.fault.kind for one in lint_programs.lint(sources)] == ["redefinition"]
 
 
-def test_findings_come_in_the_order_of_files_and_lines():
+def test_findings_are_sorted_by_file_and_line():
     sources = [Source("z.lp", "a :- c.\na :- b.\n" + ODD), Source("a.lp", "a :- d.\n")]
     told = findings(lint_program(ReactiveProgram(sources)), [(one.name, one.text) for one in sources])
     assert [(one.fault.file, one.fault.line) for one in told] == [("z.lp", 1), ("z.lp", 2), ("a.lp", 1)]

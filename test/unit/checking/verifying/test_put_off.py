@@ -1,4 +1,4 @@
-"""A plan that is put off for ever: the core on trial says so, and so do ways that lead back to where they begin."""
+"""Plans that are deferred forever: the core of the verification reports them, and so do circular runs."""
 
 import pytest
 from clingo import Function
@@ -18,7 +18,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 GO = ActionEnd(Action(Function("go"), Function("hall"), 1), Function("hall"))
 
 
-class Later:
+class DeferringSolver:
     """A solver whose plan always begins in the next cycle."""
 
     def __init__(self):
@@ -32,12 +32,12 @@ class Later:
         return SolveResult(SolveOutcome.SATISFIABLE, (answer,), update.step + 1, update.step, statistics=spent)
 
     def restore(self, log):
-        """Go on from a log."""
+        """Continue from a history."""
         self.log = log
 
 
-def test_a_core_on_trial_tells_where_else_it_would_lose_patience():
-    core = TrialCore(ReactiveProgram.from_text(VISITS), Later, CoreSettings(horizon_limit=5))
+def test_trial_core_reports_a_deferred_plan():
+    core = TrialCore(ReactiveProgram.from_text(VISITS), DeferringSolver, CoreSettings(horizon_limit=5))
     core.start()
     core.make(Move((Happening(GOAL, parse_atom("visit(hall)")),)))
     for _ in range(4):
@@ -47,8 +47,8 @@ def test_a_core_on_trial_tells_where_else_it_would_lose_patience():
     assert broken.value.kind is DefectKind.PUT_OFF
 
 
-def way(*states, answers=(), goals=("visit(hall)",)):
-    """Nodes one after the other, of these states, all of which go as planned."""
+def run_through(*states, answers=(), goals=("visit(hall)",)):
+    """Return successive nodes with these states, without events."""
     nodes = []
     for state in states:
         step = Step(Move(answers=tuple(answers)), ("an update",)) if nodes else None
@@ -61,28 +61,28 @@ def way(*states, answers=(), goals=("visit(hall)",)):
 
 
 @pytest.mark.parametrize(("answers", "acts"), [((), False), ((GO,), True)])
-def test_a_way_that_leads_back_is_a_circle(answers, acts):
-    (circle,) = circles(way("a", "b", "c", "b", answers=answers))
+def test_circles_finds_a_run_that_returns(answers, acts):
+    (circle,) = circles(run_through("a", "b", "c", "b", answers=answers))
     assert (circle.node.state, len(circle.steps)) == ("b", 2)
     assert circle.acts is acts
 
 
-@pytest.mark.parametrize("nodes", [way("a", "b", "c"), way("a", "b", "a", goals=())])
-def test_a_way_that_ends_or_has_no_goals_is_none(nodes):
+@pytest.mark.parametrize("nodes", [run_through("a", "b", "c"), run_through("a", "b", "a", goals=())])
+def test_circles_ignores_runs_without_return_or_goals(nodes):
     assert list(circles(nodes)) == []
 
 
-#: Nobody is served before cycle 3, and to go then is best.
+#: No goal is served before cycle 3, and acting earlier has a cost.
 WAITS = edited(
     more(VISITS, "told(t) :- asked(P,t). told(t) :- told(t-1). #minimize { 1,P,t : _action_lib(go,P,t), t < 3 }."),
     (":- wanted(P,t), not at", ":- told(t), t < 3.\n:- wanted(P,t), not at"),
 )
 
 
-def test_a_program_that_waits_as_long_as_it_can_puts_nothing_off_for_ever():
+def test_verify_accepts_a_program_that_waits():
     program = ReactiveProgram.from_text(WAITS)
     driver = Driver(program=program).goal("a", "visit(hall)")
-    assert driver.awaited == ["_action_lib(go,hall,3)"], "in the first cycles it has nothing to do"
+    assert driver.awaited == ["_action_lib(go,hall,3)"], "the first cycles have no actions"
     assert verify(
         program, EventSelection((parse_atom("visit(hall)"),), ("none",)), VerifyLimits(1, steps=8), 60.0
     ).clean

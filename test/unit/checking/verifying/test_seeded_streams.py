@@ -1,4 +1,4 @@
-"""Faults in small programs, and in domains of other people, are found on the shortest way and show on a core."""
+"""Seeded defects in small programs and foreign domains: found by the shortest run, and reproduced by a core."""
 
 from functools import lru_cache
 
@@ -101,7 +101,7 @@ NAMES = [*SEEDS, *(pytest.param(name, marks=[pytest.mark.slow, pytest.mark.once]
 
 @lru_cache(maxsize=None)
 def found(name):
-    """The program of a seed, and what came of it."""
+    """Return the program of a seed, and its verification."""
     text, kind, cost, _ = {**SEEDS, **FOREIGN}[name]
     if name in SEEDS:
         goals = next(terms.split() for word, terms in ASKED.items() if word in text)
@@ -116,16 +116,16 @@ def found(name):
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
-def test_a_fault_is_found_on_the_shortest_way(name):
+def test_verify_finds_a_defect_by_the_shortest_run(name):
     _, kind, cost, updates = {**SEEDS, **FOREIGN}[name]
     _, verdict = found(name)
     first = next(one for one in verdict.defects if one.kind is kind)
     assert (first.cost, first.length) == (cost, updates)
-    assert verdict.progress.proven == cost - 1, "and with fewer events there is none"
+    assert verdict.progress.proven == cost - 1, "there is no defect with fewer events"
 
 
 def shows(kind, driver, finding):
-    """Tell whether a core shows what was found."""
+    """Return whether a core shows the defect."""
     problems, core = " ".join(driver.problems), driver.core
     if kind is NO_ANSWER:
         return any(one in problems for one in ("contradict", "withheld", "forgets its history", "no answer"))
@@ -142,23 +142,23 @@ def shows(kind, driver, finding):
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
-def test_what_is_found_shows_on_the_real_core(name):
+def test_core_shows_the_defects_of_verify(name):
     program, verdict = found(name)
     for one in verdict.defects:
         assert shows(one.kind, play(program, one.way, 8), one)
 
 
-def test_an_action_that_is_named_like_its_reason_can_fail():
+def test_moves_fail_a_parameter_named_like_a_reason():
     moves = Moves(ReactiveProgram.from_text("#external _return/3."), Repertory((), (), {}), VerifyLimits())
     actions = [Action(Function("go"), Function(place), 1) for place in ("failed", "den")]
     for under_way, values in ((actions[:1], {"failed(failed)"}), (actions, {"failed(failed)", "failed(failed,den)"})):
-        tried = [answer for move in moves.of(under_way, [], 2, True, 1) for answer in move.failures]
+        tried = [answer for move in moves.moves(under_way, [], 2, True, 1) for answer in move.failures]
         assert {str(answer.value) for answer in tried} == values
 
 
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO], ids=["visits", "carries", "echo"])
-def test_sound_programs_are_clean(text):
+def test_verify_finds_sound_programs_clean(text):
     verdict = verify(ReactiveProgram.from_text(text), limits=VerifyLimits(events=2, steps=8), seconds=300)
     assert verdict.clean, verdict.text()
 
@@ -166,7 +166,7 @@ def test_sound_programs_are_clean(text):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("name", SOUND)
-def test_sound_programs_of_other_people_are_clean(name):
+def test_verify_finds_sound_foreign_programs_clean(name):
     text, goals = SOUND[name]
     selection = EventSelection(tuple(map(parse_term, goals)), (), most=1)
     verdict = verify(ReactiveProgram.from_text(text), selection, VerifyLimits(events=2, steps=8), seconds=300)

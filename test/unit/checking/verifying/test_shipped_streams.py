@@ -1,4 +1,4 @@
-"""The shipped programs are clean to a depth; what was wrong with the first rules of delivery is found in them."""
+"""Verification of the shipped programs, and of an early delivery encoding with known defects."""
 
 import re
 from pathlib import Path
@@ -19,19 +19,19 @@ FIRST = ROOT / "test" / "data" / "first_delivery"
 THREE_OFFICES = """#program base.
 office(office1). office(office2). office(office3). start(office1).
 corridor(office1,office2). corridor(office2,office3)."""
-#: The same, and the robot begins at the package, so that there are fewer instants at which something can happen.
+#: The robot starts at the package, so that runs are shorter and have fewer places for events.
 NEAR = THREE_OFFICES.replace("start(office1)", "start(office3)")
 TWO_OFFICES = "#program base. office(office1). office(office2). start(office1). corridor(office1,office2)."
 
 
 def tutorial():
-    """The tutorial's program."""
+    """Return the tutorial's program."""
     text = (ROOT / "doc" / "tutorial.md").read_text(encoding="utf-8")
     return ReactiveProgram.from_text(re.search(r"```prolog\n(.*?)```", text, re.DOTALL).group(1))
 
 
 def template():
-    """The program of a new package."""
+    """Return the program of a new package."""
     return ReactiveProgram.from_files([ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"])
 
 
@@ -41,7 +41,7 @@ PROGRAMS = {"paper": lambda: shipped("paper.lp"), "tutorial": tutorial, "templat
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_small_programs_are_clean(name):
+def test_verify_finds_small_programs_clean(name):
     verdict = verify(PROGRAMS[name](), EventSelection(most=1), VerifyLimits(events=2, steps=12), seconds=300)
     assert verdict.clean, verdict.text()
 
@@ -49,13 +49,13 @@ def test_small_programs_are_clean(name):
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")], ids=["office", "house"])
-def test_programs_on_the_rules_of_delivery_are_clean(files):
+def test_verify_finds_delivery_programs_clean(files):
     verdict = verify(shipped(*files), EventSelection(most=1), VerifyLimits(events=1, steps=20), seconds=300)
     assert verdict.clean, verdict.text()
 
 
 def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFFICES, steps=12):
-    """A mailbot there, asked to fetch from its end, and what is found where one thing happens at a time."""
+    """Verify a mailbot with one goal on a floor, with at most one event between updates."""
     sources = [Source.from_file(folder / "mailbot.lp"), Source("floor", floor)]
     program = ReactiveProgram(sources, {} if folder == FIRST else {"_told": "1"})
     goal = parse_term(f"goal(office{2 if floor == TWO_OFFICES else 3},office1,1)")
@@ -66,8 +66,8 @@ def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFF
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("fact", ["_aboard", "_off"])
-def test_a_late_correction_leaves_the_mailbot_an_answer(fact):
-    """As where a package is told late to have been aboard, after it was picked up."""
+def test_verify_accepts_late_corrections_of_the_mailbot(fact):
+    """For example, a package is reported aboard for a cycle before it was picked up."""
     _, verdict = on_a_small_floor(ENCODINGS, (fact,), 2, floor=sized(NEAR, THREE_OFFICES))
     assert verdict.clean, verdict.text()
 
@@ -83,8 +83,8 @@ def test_a_late_correction_leaves_the_mailbot_an_answer(fact):
     ],
     ids=["late_blocked", "failure_taken_for_success", "sent_again"],
 )
-def test_what_was_wrong_with_the_first_rules_of_delivery(kind, facts, events, word, floor, monkeypatch):
-    if floor == NEAR:  # three events: of the reasons for which an action fails, the one that matters
+def test_verify_finds_defects_of_the_early_delivery(kind, facts, events, word, floor, monkeypatch):
+    if floor == NEAR:  # to limit the time: with three events, only the failure reason that matters
         likely, reasons = verification.likely_repertory, {"move_base": (parse_term("blocked"),)}
         monkeypatch.setattr(verification, "likely_repertory", lambda *one: likely(*one)._replace(reasons=reasons))
     program, verdict = on_a_small_floor(FIRST, facts, events, frozenset(DefectKind) - {kind}, floor, steps=8)
@@ -98,4 +98,4 @@ def test_what_was_wrong_with_the_first_rules_of_delivery(kind, facts, events, wo
     elif kind is DefectKind.REPEATED:
         assert sum("pickup,1," in action for action in driver.journal.actions) == 2
     else:
-        assert driver.awaited, "the robot goes on as if it were there"
+        assert driver.awaited, "the robot continues as after success"

@@ -1,4 +1,4 @@
-"""Which arguments are times, and which rules read the time itself."""
+"""The time arguments of predicates, and the rules that read the step itself."""
 
 import pytest
 from clingo import parse_term
@@ -38,7 +38,7 @@ def shift(text):
         ("later(4)", "later(4)", None),
     ],
 )
-def test_times_are_moved_and_numbers_are_not(atom, moved, time):
+def test_time_shift_moves_times_and_no_other_numbers(atom, moved, time):
     one = shift("")
     assert str(one.moved(parse_term(atom), -2)) == moved
     assert one.time_of(parse_term(atom)) == time
@@ -58,12 +58,12 @@ def test_times_are_moved_and_numbers_are_not(atom, moved, time):
         ("on(z,t) :- on(X,t-1), later(t).", {2: (2,)}),
     ],
 )
-def test_rules_that_read_the_time_itself(rule, phases):
+def test_time_shift_finds_rules_that_read_the_step(rule, phases):
     one, seen = shift(rule + "\n"), frozenset([Signature("on", 2)])
     assert {step: one.phase(step, seen) for step in phases} == phases
 
 
-def test_a_rule_says_nothing_without_what_it_looks_back_at():
+def test_time_shift_ignores_rules_without_visible_atoms():
     one = shift("on(z,t) :- count(X,N,t-1), t > 9.\n")
     assert one.phase(3, frozenset([Signature("on", 2)])) == ()
     assert one.phase(3, frozenset([Signature("count", 3)])) == (3,)

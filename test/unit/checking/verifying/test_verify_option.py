@@ -1,4 +1,4 @@
-"""The option --verify of check: exit codes, what is printed, and that it is ready for oclingo."""
+"""The option --verify of check: exit codes, output, and its stream as input of oclingo."""
 
 import json
 import re
@@ -14,7 +14,7 @@ LATE = more(VISITS, ":- _action_lib(go,P,t), _closed(P,t).")
 
 @pytest.fixture
 def ask(tmp_path, capsys):
-    """Run check on a program, and return its exit code and output."""
+    """Return a function that checks a program and returns exit code and output."""
 
     def run(text, *options):
         (tmp_path / "program.lp").write_text(text)
@@ -25,29 +25,29 @@ def ask(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_what_is_clean(ask):
-    code, told = ask(VISITS, "--verify", "1")
+def test_verify_option_reports_a_clean_program(ask):
+    code, printed = ask(VISITS, "--verify", "1")
     assert code == 0
-    assert re.search(r"^clean to depth 1: \d+ states, [\d.]+ s$", told.out, re.MULTILINE)
-    assert "facts: _closed(den,1) _closed(hall,1); up to 2 cycles late, 1 early" in told.out
+    assert re.search(r"^clean to depth 1: \d+ states, [\d.]+ s$", printed.out, re.MULTILINE)
+    assert "facts: _closed(den,1) _closed(hall,1); up to 2 cycles late, 1 early" in printed.out
 
 
 @pytest.mark.slow
-def test_what_is_found_is_ready_for_oclingo(ask, tmp_path, capsys):
-    code, told = ask(LATE, "--verify")
+def test_verify_option_prints_a_stream_for_oclingo(ask, tmp_path, capsys):
+    code, printed = ask(LATE, "--verify")
     assert code == 1
-    assert "no-answer: the program has no answer after this" in told.out
-    assert "program.lp:" in told.out, "the rule that forbids it"
+    assert "no-answer: the program has no answer after this" in printed.out
+    assert "program.lp:" in printed.out, "the rule that excludes an answer is missing"
     stream = tmp_path / "stream.txt"
-    stream.write_text(told.out[told.out.index("\n%") : told.out.index("\n1 found")])
+    stream.write_text(printed.out[printed.out.index("\n%") : printed.out.index("\n1 found")])
     assert oclingo([str(tmp_path / "program.lp"), "--shortest", "--stream", str(stream)]) == 20
-    assert "Answer 1, horizon 1" in capsys.readouterr().out, "the first update had one"
+    assert "Answer 1, horizon 1" in capsys.readouterr().out, "the first update has an answer"
 
 
 @pytest.mark.slow
-def test_json(ask):
-    code, told = ask(LATE, "--verify", "--json")
-    found = json.loads(told.out)["verify"]
+def test_verify_option_prints_json(ask):
+    code, printed = ask(LATE, "--verify", "--json")
+    found = json.loads(printed.out)["verify"]
     assert code == 1
     assert (found["clean"], found["proven"], found["depth"]) == (False, 1, 2)
     (fault,) = found["faults"]
@@ -55,51 +55,51 @@ def test_json(ask):
     assert fault["stream"].startswith("#step 1 : 8.\n_request(")
 
 
-def test_what_must_never_be_from_the_command_line(ask):
-    code, told = ask(VISITS, "--verify", "1", "--fact", "none", "--never", "_action_lib(go,den,t), at(home,t-1).")
+def test_verify_option_finds_forbidden_states(ask):
+    code, printed = ask(VISITS, "--verify", "1", "--fact", "none", "--never", "_action_lib(go,den,t), at(home,t-1).")
     assert code == 1
-    assert "forbidden: what must never be: _action_lib(go,den,t), at(home,t-1)" in told.out
+    assert "forbidden: a forbidden state occurs: _action_lib(go,den,t), at(home,t-1)" in printed.out
 
 
 @pytest.mark.slow
-def test_goals_facts_and_kinds_are_chosen(ask):
-    code, told = ask(LATE, "--verify", "--goal", "visit(den)", "--fact", "none")
+def test_verify_option_selects_goals_facts_and_kinds(ask):
+    code, printed = ask(LATE, "--verify", "--goal", "visit(den)", "--fact", "none")
     assert code == 0
-    assert "goals: visit(den)\n  facts: none\n" in told.out
+    assert "goals: visit(den)\n  facts: none\n" in printed.out
     assert ask(LATE, "--verify", "--skip", "no-answer")[0] == 0
     assert ask(LATE, "--verify", "--late", "0", "--early", "0", "--one-plan", "--together", "1", "--each", "1")[0] == 0
 
 
 @pytest.mark.slow
-def test_oclingo_s_check_verifies_as_well(ask, tmp_path, capsys):
-    code, told = ask(LATE, "--verify", "--json")
+def test_oclingo_check_verifies_as_well(ask, tmp_path, capsys):
+    code, printed = ask(LATE, "--verify", "--json")
     assert oclingo(["--check", str(tmp_path / "program.lp"), "--steps", "8", "--verify", "--json"]) == code
-    again, first = (json.loads(out)["verify"] for out in (capsys.readouterr().out, told.out))
+    again, first = (json.loads(out)["verify"] for out in (capsys.readouterr().out, printed.out))
     assert again["faults"] == first["faults"]
 
 
 @pytest.mark.slow
-def test_it_ends_with_what_is_true_when_time_is_over(ask):
-    code, told = ask(VISITS, "--verify", "5", "--verify-seconds", "0.3")
+def test_verify_option_states_the_proven_depth_at_timeout(ask):
+    code, printed = ask(VISITS, "--verify", "5", "--verify-seconds", "0.3")
     assert code == 1
     assert re.search(r"^stopped in depth \d after \d+ states, [\d.]+ s: (clean to depth \d|nothing is proven)$",
-                     told.out, re.MULTILINE)  # fmt: skip
+                     printed.out, re.MULTILINE)  # fmt: skip
 
 
 @pytest.mark.parametrize(
     ("options", "text"),
     [
         (["--goal", "visit("], "cannot be a goal"),
-        (["--fact", "_opened"], "_opened is no external of the program"),
+        (["--fact", "_opened"], "_opened is not an external of the program"),
     ],
 )
-def test_what_cannot_be_asked(ask, options, text):
-    code, told = ask(VISITS, "--verify", *options)
+def test_verify_option_rejects_wrong_events(ask, options, text):
+    code, printed = ask(VISITS, "--verify", *options)
     assert code == 2
-    assert text in told.err
+    assert text in printed.err
 
 
-def test_a_program_that_takes_no_goals(ask):
-    code, told = ask(edited(VISITS, ("#external _request/2. ", "#defined _request/2. ")), "--verify")
+def test_verify_option_requires_goals(ask):
+    code, printed = ask(edited(VISITS, ("#external _request/2. ", "#defined _request/2. ")), "--verify")
     assert code == 2
-    assert "takes no goals" in told.err
+    assert "takes no goals" in printed.err

@@ -84,14 +84,14 @@ SEEDS = [
     ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "is office2 meant?"),
     ("mailbot", "labels.yaml", "office3:", "@ofice3:", "idle-label", "is office3 meant?"),
     ("house", "labels.yaml", "study: [6.0, 9.0]\n", "@garage: [6.0, 9.0]\n", "idle-label", "places are bathroom"),
-    ("house", "home.lp", "thing(towel,bathroom)", "thing(towel,@basement)", "no-label", "all others that stand here"),
+    ("house", "home.lp", "thing(towel,bathroom)", "thing(towel,@basement)", "no-label", "all other facts have labels"),
     ("garden", "garden.lp", "plant(palm).", "plant(@plam).", "no-label", "is palm meant?"),
     ("garden", "labels.yaml", "tap:", "@tab:", "idle-label", "is tap meant?"),
     ("garden", "garden.lp", "place(home). place(tap).", "place(@hom). place(tap).", "no-label", "is home meant?"),
     ("garden", "labels.yaml", "[2.5, 2.5]", "[2.5, x]", "configuration", "tap"),
     ("garden", "labels.yaml", "palm:", "@Palm:", "configuration", "Palm"),
     ("mailbot", "labels.yaml", "{x: 9.9, y: 0.0, yaw", "{x: 9.9, y: 0.0, @jaw", "configuration", "unknown key 'jaw'"),
-    ("garden", "labels.yaml", "tap: [2.5", "tap: ]@[2.5", "configuration", "no YAML"),
+    ("garden", "labels.yaml", "tap: [2.5", "tap: ]@[2.5", "configuration", "invalid YAML"),
     ("mailbot", "interfaces.yaml", "pickup:", "@pick_up:", "idle-interface", "is pickup meant?"),
     ("mailbot", "delivery/rules.lp", "{ _action_lib(pickup,Id", "{ _action_lib(@picup,Id", "no-interface", "is pickup"),
     (
@@ -163,18 +163,18 @@ SEEDS = [
         "goals are sent with map",
     ),
     # names that resemble reasons
-    ("garden", "garden.lp", "plant(palm).", "plant(@rejected).", "like-reason", "rejected is a parameter of water"),
+    ("garden", "garden.lp", "plant(palm).", "plant(@rejected).", "like-reason", "both a parameter and a failure reason"),
     (
         "garden",
         "garden.lp",
         "plant(palm).",
         "#const tree = timeout. plant(tree).",
         "like-reason",
-        "timeout is a parameter",
+        "timeout is both a parameter",
     ),
-    ("garden", "labels.yaml", "palm:", "@preempted:", "like-reason", "named like a reason"),
+    ("garden", "labels.yaml", "palm:", "@preempted:", "like-reason", "the name of a failure reason"),
     ("garden", "garden.lp", "plant(palm).", "plant(@clogged).", "like-reason", "_return(water,clogged,C)"),
-    ("mailbot", "office.lp", "office(office4).", "office(@unreachable).", "like-reason", "a parameter of move_base"),
+    ("mailbot", "office.lp", "office(office4).", "office(@unreachable).", "like-reason", "a failure reason of move_base"),
     # drawings
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is no kind"),
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "is corridor meant?"),
@@ -293,7 +293,7 @@ def test_robot_files_without_ros_are_checked_except_types(tmp_path, capsys, monk
     assert check_command.main([*map(str, programs), "--json"], RobotFiles()) == 1
     printed = capsys.readouterr()
     assert sorted(one["kind"] for one in json.loads(printed.out)["findings"]) == ["idle-interface", "no-interface"]
-    assert printed.err.startswith("check: types of messages are not looked at: there is no genpy")
+    assert printed.err.startswith("check: message types are not checked: there is no module genpy")
 
 
 YAML = st.recursive(

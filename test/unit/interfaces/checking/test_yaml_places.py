@@ -2,7 +2,7 @@
 
 import pytest
 
-from rosoclingo.checking.check_command import _shown
+from rosoclingo.checking.check_command import _excerpt
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.oclingo.errors import Fault
 
@@ -16,9 +16,9 @@ def read(folder, text):
 @pytest.mark.parametrize(
     ("text", "places"),
     [
-        ("hall: [1, 2]\nkitchen: [1, 2]\nhall: [3, 4]\n", [(3, 1, "hall stands in line 1")]),
-        ("hall: {x: 1, y: 2,\n  x: 3}\n", [(2, 3, "x stands in line 1")]),
-        ("- {title: a, title: b}\n", [(1, 14, "title stands in line 1")]),
+        ("hall: [1, 2]\nkitchen: [1, 2]\nhall: [3, 4]\n", [(3, 1, "hall is already in line 1")]),
+        ("hall: {x: 1, y: 2,\n  x: 3}\n", [(2, 3, "x is already in line 1")]),
+        ("- {title: a, title: b}\n", [(1, 14, "title is already in line 1")]),
         ("hall: &a {x: 1}\nkitchen: {<<: *a, x: 2}\n", []),
     ],
 )
@@ -46,6 +46,6 @@ def test_yaml_places_nested_aliases_take_no_time(tmp_path):
 @pytest.mark.parametrize("column", [1, 150, 450, 999])
 def test_yaml_places_show_part_of_a_long_line(column):
     line = "x" * (column - 1) + "!" + "x" * (1000 - column)
-    first, second = _shown(Fault("a.lp", 1, column, "odd"), [line]).splitlines()
+    first, second = _excerpt(Fault("a.lp", 1, column, "odd"), [line]).splitlines()
     assert first[second.index("^")] == "!"
     assert len(first) < 250
