@@ -163,7 +163,14 @@ SEEDS = [
         "goals are sent with map",
     ),
     # names that resemble reasons
-    ("garden", "garden.lp", "plant(palm).", "plant(@rejected).", "like-reason", "both a parameter and a failure reason"),
+    (
+        "garden",
+        "garden.lp",
+        "plant(palm).",
+        "plant(@rejected).",
+        "like-reason",
+        "both a parameter and a failure reason",
+    ),
     (
         "garden",
         "garden.lp",
@@ -174,7 +181,14 @@ SEEDS = [
     ),
     ("garden", "labels.yaml", "palm:", "@preempted:", "like-reason", "the name of a failure reason"),
     ("garden", "garden.lp", "plant(palm).", "plant(@clogged).", "like-reason", "_return(water,clogged,C)"),
-    ("mailbot", "office.lp", "office(office4).", "office(@unreachable).", "like-reason", "a failure reason of move_base"),
+    (
+        "mailbot",
+        "office.lp",
+        "office(office4).",
+        "office(@unreachable).",
+        "like-reason",
+        "a failure reason of move_base",
+    ),
     # drawings
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is no kind"),
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "is corridor meant?"),
