@@ -25,10 +25,10 @@ _VERIFY = (
 )
 _SECONDS = "limit of processor time for the verification (default: %(default)g)"
 _GOAL = (
-    "a possible goal such as goal(office1,office2,1); can be repeated (default: some that have plans with actions, "
+    "a goal that can occur, such as goal(office1,office2,1); can be repeated (default: some that have plans with actions, "
     "from --orders or else from the program's rules)"
 )
-_FACT = "the name of the only possible facts, as in _blocked; can be repeated; none: no facts (default: all externals)"
+_FACT = "name of the facts that can occur, such as _blocked; can be repeated; none: no facts (default: all externals)"
 _EACH = "greatest number of goals of each kind, and of facts of each name (default: %(default)s)"
 _LATE = "greatest number of cycles that facts are late (default: %(default)s)"
 _EARLY = "greatest number of cycles that facts are early (default: %(default)s)"
