@@ -77,7 +77,7 @@ class ArgumentValues:
         return self._misfit(term_signature(term), [*zip(*(one.arguments for one in patterns))])
 
     def disjoint(self, number: int) -> Optional[Disjoint]:
-        """Return two atoms of a rule, given by its number, that share a variable but none of its values."""
+        """Return two atoms of a rule, given by its number, that share a variable without a common value."""
         known: Dict[str, Tuple[Condition, Set[clingo.Symbol]]] = {}
         body = [one for one in self.rules[number].body if not self._is_free(one.signature) and len(one.patterns) == 1]
         for condition in body if len(body) > 1 else ():

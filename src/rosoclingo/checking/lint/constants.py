@@ -54,7 +54,7 @@ def _counted(nodes: Sequence[Node]) -> Iterator[Node]:
             yield from _guards(node)
 
 
-_COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards may be words
+_COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards can be words
 
 
 def _guards(node: Node) -> Iterator[Node]:

@@ -94,7 +94,7 @@ def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
 
 
 def disjoint_bodies(values: ArgumentValues) -> Iterator[Fault]:
-    """Yield the rules in which two atoms share a variable but no value of it."""
+    """Yield the rules in which two atoms share a variable without a common value."""
     for number, rule in enumerate(values.rules):
         found = values.disjoint(number)
         if found is not None and not rule.head.term.location.begin.filename.startswith("<"):

@@ -123,7 +123,7 @@ def _status_fault(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
 
 
 def hidden_predicates(survey: Survey) -> Iterator[Fault]:
-    """Yield the predicates that the core reads but the program hides, as it shows only others."""
+    """Yield the predicates that the core reads and the program hides by showing only others."""
     shown = [one for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
     names = {one.term.name for one in shown if one.term.ast_type == ASTType.Function}
     for signature in _READ:

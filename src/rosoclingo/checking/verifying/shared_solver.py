@@ -193,7 +193,7 @@ def retimed(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:
 class SharedSolver(PlanningSolver):
     """A solver of shortest plans that asks the groundings of ``streams``; ``found`` is its last answer.
 
-    It accepts facts, commitments and closed cycles, but no rules.
+    It accepts facts, commitments and closed cycles. It rejects rules.
     """
 
     def __init__(self, streams: Streams) -> None:

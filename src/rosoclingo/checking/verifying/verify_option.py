@@ -25,8 +25,8 @@ _VERIFY = (
 )
 _SECONDS = "limit of processor time for the verification (default: %(default)g)"
 _GOAL = (
-    "a goal that can occur, such as goal(office1,office2,1); can be repeated (default: some that have plans with actions, "
-    "from --orders or else from the program's rules)"
+    "a goal that can occur, such as goal(office1,office2,1); can be repeated (default: goals that have plans with "
+    "actions, from --orders or else from the program's rules)"
 )
 _FACT = "name of the facts that can occur, such as _blocked; can be repeated; none: no facts (default: all externals)"
 _EACH = "greatest number of goals of each kind, and of facts of each name (default: %(default)s)"

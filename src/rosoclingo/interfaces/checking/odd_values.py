@@ -60,7 +60,7 @@ def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
 
 
 def reasons_of(specs: Iterable[InterfaceSpec]) -> AbstractSet[str]:
-    """Return the values, as text, that actions of these interfaces can return whatever their parameter is."""
+    """Return the values, as text, that these interfaces can return for any parameter of an action."""
     rules = [rule for one in specs for rule in one.rules]
     return {*REASONS} | {str(rule.returns) for rule in rules if "$" not in str(rule.returns)}
 

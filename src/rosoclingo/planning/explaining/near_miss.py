@@ -44,7 +44,7 @@ class NearMiss:
     lacks: str
 
     def lines(self) -> List[str]:
-        """Return the rule and what it lacks in words."""
+        """Return the rule and its lacking atom as text."""
         why = f"requires {self.lacks}, which is never true" if self.lacks else "no values satisfy its whole body"
         if self.lacks == self.atom:
             why = "only carries it over from the previous step"
@@ -66,7 +66,7 @@ class NeverTrue:
     misses: Tuple[NearMiss, ...] = ()
 
     def lines(self) -> List[str]:
-        """Return the explanation in words."""
+        """Return the explanation as text lines."""
         end = "" if self.misses else ": no rule derives it"
         first = f"{self.atom} is never true, for any number of steps{end}"
         return [first, *(line for one in self.misses for line in one.lines())]
