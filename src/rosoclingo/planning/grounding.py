@@ -394,7 +394,7 @@ class Grounding:
                 core: List[int] = []
             else:
                 result, core = self._clasp.run(
-                    limits, assumed, lambda model: this._keep(model, question, answers), ended, blames=blames
+                    limits, assumed, lambda model: this._keep(model, question, answers), ended, with_core=blames
                 )
         for literal in lacking:
             self._session.release(literal)

@@ -40,24 +40,24 @@ class ClaspSearch:
         self._options: Dict[str, str] = {}
 
     def run(
-        self, limits: SearchLimits, assumed: Assumed, keep: OnModel, stopped: Callable[[], bool], blames: bool
+        self, limits: SearchLimits, assumed: Assumed, on_model: OnModel, stopped: Callable[[], bool], with_core: bool
     ) -> Tuple[clingo.SolveResult, List[int]]:
-        """Search within ``limits`` until ``stopped`` returns true; call ``keep`` with each model.
+        """Search within ``limits`` until ``stopped`` returns true; call ``on_model`` with each model.
 
-        Returns the result and, if ``blames`` is set and there is no answer, an unsat core of the ``assumed`` literals.
+        Returns the result and, if ``with_core`` is set and there is no answer, an unsat core of ``assumed``.
         """
         self._configure(limits)
-        with self._control.solve(assumptions=assumed, on_model=keep, async_=True) as handle:
+        with self._control.solve(assumptions=assumed, on_model=on_model, async_=True) as handle:
             while not handle.wait(POLL):
                 if stopped():
                     handle.cancel()
             result = handle.get()
-            return result, handle.core() if blames and result.satisfiable is False else []
+            return result, handle.core() if with_core and result.satisfiable is False else []
 
-    def run_in_place(self, limits: SearchLimits, assumed: Assumed, keep: OnModel) -> clingo.SolveResult:
+    def run_in_place(self, limits: SearchLimits, assumed: Assumed, on_model: OnModel) -> clingo.SolveResult:
         """Search in the calling thread, which nothing can stop: ``limits`` must end it soon."""
         self._configure(limits)
-        return self._control.solve(assumptions=assumed, on_model=keep)
+        return self._control.solve(assumptions=assumed, on_model=on_model)
 
     def _configure(self, limits: SearchLimits) -> None:
         """Set only the options that differ from the last search, as setting an option is slow."""

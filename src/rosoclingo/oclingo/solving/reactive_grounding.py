@@ -199,7 +199,7 @@ class ReactiveGrounding:
 
         limits = SearchLimits(models, None, best=True, advised=True)
         with refusing(self.messages, self.program):
-            result, _ = self._clasp.run(limits, (), keep, stopped, blames=False)
+            result, _ = self._clasp.run(limits, (), keep, stopped, with_core=False)
         if result.interrupted or result.unknown:
             return None, ()
         return bool(result.satisfiable or answers), tuple(answers)
