@@ -20,7 +20,7 @@ class Duration(NamedTuple):
 
 def summary(durations: Sequence[Duration], number: int = 10) -> List[str]:
     """Return lines with all parts, their time and CPU time, and the ``longest`` tests with their time."""
-    lines = ["What took how long:"]
+    lines = ["Durations:"]
     for part in dict.fromkeys(one.part for one in durations):
         ours = [one for one in durations if one.part == part]
         took = max(one.begin + one.seconds for one in ours) - min(one.begin for one in ours)

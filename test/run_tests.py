@@ -129,7 +129,7 @@ class Tests:
 
     def _unit_again(self, environment: Mapping[str, str]) -> Outcome:
         if not environment:
-            print("none   python38: what is above says why", flush=True)
+            print("none   python38: see the message above", flush=True)
             return Outcome()
         print("(on Python 3.8 the first case of each test that is neither slow nor marked once)", flush=True)
         # the folder is named because an older pytest does not look for options in testpaths
@@ -262,7 +262,7 @@ def main() -> int:
     tests, begin = Tests(arguments.work), time.monotonic()
     outcome = getattr(tests, arguments.group)(arguments.names) if arguments.group else tests.whole()
     if outcome.failures:
-        print("What failed:", *outcome.failures, sep="\n    ")
+        print("Failures:", *outcome.failures, sep="\n    ")
     print(*summary(tests.durations), sep="\n")
     print(f"took {time.monotonic() - begin:.0f} s, logs and reports in {tests.results}")
     print(outcome, flush=True)

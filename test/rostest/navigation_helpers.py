@@ -71,7 +71,7 @@ class Driver:
         """Wait for a condition, evaluated at each pose; fail after ``limit`` s of wall time."""
         with self._changed:
             if not self._changed.wait_for(condition, timeout=limit):
-                raise AssertionError(f"waited {limit} s in vain")
+                raise AssertionError(f"nothing happened within {limit} s")
 
     def send(self, goal):
         self.client.send_goal(goal, feedback_cb=self._on_feedback)

@@ -23,7 +23,7 @@ def test_durations_list_parts_in_order_and_longest_tests(tmp_path):
         Duration("rostest", "rostest crowd", 110.0, 8.0, 3.5),
     ]
     assert summary(durations, 3) == [
-        "What took how long:",
+        "Durations:",
         "       9.0 s,   16.0 s of CPU: unit",
         "       9.0 s,    5.5 s of CPU: rostest",
         "The longest:",

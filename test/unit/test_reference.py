@@ -77,7 +77,7 @@ def concrete(name):
 
 
 def test_reference_page_equals_the_docstrings(workspace):
-    assert MAKER["page"]() == MAKER["PAGE"].read_text(encoding="utf-8"), "make it anew: doc/make_reference.py"
+    assert MAKER["page"]() == MAKER["PAGE"].read_text(encoding="utf-8"), "regenerate it: doc/make_reference.py"
 
 
 def test_reference_page_has_every_script():

@@ -146,11 +146,11 @@ class CoreDefence(unittest.TestCase):
         self.assertEqual(values["cycle"], str(cycle), "the cycle goes on until each has returned")
         self.arms.succeed(right)
         again = self.arms.take()
-        self.assertEqual(again, f"_action_lib(arm,left(1),{cycle + 1})", "only what failed is tried again")
+        self.assertEqual(again, f"_action_lib(arm,left(1),{cycle + 1})", "only the failed action is retried")
         self.arms.succeed(again)
         goal.ends_as(GoalStatus.SUCCEEDED)
         first = [sorted(one.facts) for one in messages[:2]]
-        self.assertIn([left, right], first, "what is for one interface comes in one message")
+        self.assertIn([left, right], first, "an interface receives its actions in one message")
 
     def test_failure_that_names_no_action_is_ambiguous(self):
         goal = Client("arms/rosoclingo").send("both(2)")

@@ -124,7 +124,7 @@ class MailbotKilled(unittest.TestCase):
         for goal, package, origin, target in self.goals:
             status, _ = goal.wait(2 * PATIENCE)
             self.check(goal, status, package, origin, target)
-        self.assertEqual(self.world.refused, [], "the office was asked for what could not be")
+        self.assertEqual(self.world.refused, [], "the office received an impossible request")
         self.assertEqual(len(self.world.runs), 1, "a core that goes on is of the same run")
         self.assertLessEqual(self.world.most, 3)
 

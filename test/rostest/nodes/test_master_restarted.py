@@ -83,7 +83,7 @@ class MasterRestarted(unittest.TestCase):
         wait_until(lambda: self.known(*entries), "the core at the new master")
         self.assertEqual(rosgraph.Master("/test").getParam("/rosoclingo/program_files"), [str(ERRANDS)])
         with Process("rostopic", "pub", "-r", "2", "in_rosoclingo", "rosoclingo/InterfaceIO", ANSWER):
-            self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "what was under way succeeds")
+            self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "the action under way succeeds")
 
     def test_services_are_found_again(self):
         entries = [(2, "/static_map", "/map_server"), (2, "/change_map", "/map_server")]

@@ -123,7 +123,7 @@ class Localization(unittest.TestCase):
         with self.changed:
             end = rospy.get_time() + 60.0
             while not look():
-                self.assertLess(rospy.get_time(), end, "waited in vain")
+                self.assertLess(rospy.get_time(), end, "the condition never held")
                 self.changed.wait(0.05)
 
     def at(self, x, y):

@@ -42,7 +42,7 @@ class Stamps:
         with self.changed:
             start = len(self.messages)
             if not self.changed.wait_for(lambda: condition(self.messages[start:]), timeout=limit):
-                raise AssertionError(f"waited {limit} s in vain")
+                raise AssertionError(f"nothing happened within {limit} s")
             return self.messages[start:]
 
 

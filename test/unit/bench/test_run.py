@@ -142,7 +142,7 @@ def test_bench_run_of_a_real_bench(tmp_path):
     lines = done.stdout.splitlines()
     assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
     assert [line.split()[0] for line in lines[1:-1]] == ["oclingo"] * 8
-    assert not list((tmp_path / "bench").iterdir()), "the logs of what went well are removed"
+    assert not list((tmp_path / "bench").iterdir()), "logs of successful runs are removed"
 
 
 @pytest.mark.parametrize("name", run.BENCHES)

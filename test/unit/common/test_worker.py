@@ -106,7 +106,7 @@ def test_worker_error_ends_node_with_a_traceback(make, monkeypatch, at_the_end):
     worker.put(lambda: after.append(1))
     worker.start()
     worker.stop(PATIENCE)
-    assert not after, "its state may be half changed"
+    assert not after, "its state is perhaps inconsistent"
     assert worker_module.failed() != at_the_end
     if at_the_end:
         assert not logged, "topics are closed then, which is no fault"

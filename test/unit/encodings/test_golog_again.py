@@ -57,18 +57,18 @@ GIVEN_UP = "goal old run(tidied,1); succeed; stuck 3; is old aborted; does act,t
 STORIES = {
     "identifier is used again while its old program is undone": f"""
         {GIVEN_UP}; goal new run(short,1); succeed; is new active; finish; is new succeeded""",
-    "what waits to be undone is undone for each program of an identifier": """
+    "each program of an identifier is undone in turn": """
         goal old run(patient,1); succeed; stuck 3; goal new run(patient,1); succeed; cancel new; fail stuck
         is old aborted; is new preempting; does; facts _set(f,now); performs tidy tidy; is new preempted""",
-    "rejected goal does not end what is done for an earlier one": f"""
+    "rejected goal does not end the undo of an earlier one": f"""
         {GIVEN_UP}; goal new run(othr,1); succeed; is new rejected; step calm; goal last run(short,1); finish
         is last succeeded""",
-    "what cannot be undone for an aborted goal is left": f"""
+    "impossible undo of an aborted goal is dropped": f"""
         {GIVEN_UP}; stuck 3; does; is old aborted; goal new run(short,1); finish; is new succeeded""",
-    "what cannot be undone for a cancelled goal is left": """
+    "impossible undo of a cancelled goal is dropped": """
         goal old run(tidied,1); succeed; cancel old; fail stuck; stuck 3; does; is old preempted
         says old ...not all that was begun could be undone...; goal new run(short,1); finish; is new succeeded""",
-    "what can be undone in part is undone in part": """
+    "partial undo goes as far as possible": """
         goal g run(doubtful,1); succeed; cancel g; fail stuck; step tidy; is g preempted""",
     "runs of the same program do not touch each other": """
         goal g run(tidied,1); goal h run(tidied,2); goal i run(short); succeed; cancel h; finish

@@ -187,7 +187,7 @@ def test_golog_program_reacts_to_events_during_execution(text, facts, actions):
 
 
 SCENES = {
-    "what was done stays done when it is cancelled and asked for again": """
+    "executed actions stay after a cancel and a repeated request": """
         goal g run(pair,1); step a; cancel g; succeed; goal h run(pair,1); performs a b; is h succeeded""",
     "program that waits lets others act": """
         goal g run(other,1); performs a; goal h run(one(c),2); performs c; is g active; is h succeeded
@@ -201,7 +201,7 @@ SCENES = {
     "nobody acts once a search waits": """
         goal g run(late,1); step d a c; goal h run(one(d),2); does; is h active; facts _set(f,now); performs b d
         is g succeeded; is h succeeded""",
-    **{f"what has ended does not begin again: {name}": f"""
+    **{f"ended program does not begin again: {name}": f"""
         goal g run({name},1); step a; does act,b,2; facts _set(f,now); performs b c"""
        for name in ("ended1", "ended2")},
     "goal that names itself is cancelled by that": "goal h run(other); cancel h; succeed; is h preempted",
@@ -210,10 +210,10 @@ SCENES = {
         says h the program rejects run(other(1,2),2): there is no program other(1,2)""",
 }  # fmt: skip
 SLOW_SCENES = {
-    "who is preempted tries on": f"""
+    "preempted program tries again": f"""
         goal g run(pair,1); {"breaks a preempted;" * 5} performs a b""",
     "interrupt without an end that can be planned": "goal g run(endless,1); is g aborted",
-    "interrupt goes before what is under way": """
+    "interrupt precedes the action under way": """
         goal g run(served,1); facts _set(f,now); step a; does act,c,2; facts _unset(f,now); step c; performs b d
         is g active; facts _set(g,now); is g succeeded""",
     "failures are counted again once the action has worked": """
@@ -224,7 +224,7 @@ SLOW_SCENES = {
     "action within a search was its own though others can act": """
         goal g run(lonely,1); facts _set(shared,now); step d; does act,a,2; facts _set(f,now) _set(no(c),now)
         performs a; is g aborted""",
-    "reason of what is impossible": """
+    "reason of an impossible action": """
         facts _set(no(b),now); goal g run(pair,1); is g aborted; says g ... cannot be met...""",
     "reason of failures": """
         goal g run(pair,1); breaks a; breaks a; breaks a; does; says g ...a has failed 3 times in a row...""",

@@ -105,7 +105,9 @@ class Play:
         control.ground([("end", [])])
         found = []
         control.solve(on_model=lambda model: found.append(set(map(str, model.symbols(shown=True)))))
-        assert len(set(map(frozenset, found))) == 1, "what was done decides all"  # clasp can find an answer twice
+        assert len(set(map(frozenset, found))) == 1, (
+            "the executed actions decide everything"
+        )  # clasp can find an answer twice
         return {one for one in found[0] if not one.startswith(("_action_lib", "_explain", "_status"))}
 
 

@@ -46,10 +46,10 @@ STORIES = {
         says a ...the cup could not be put down at bedroom: failed; goal b bring(cellar,cup)
         says b ...there is no place cellar; goal c bring(study,cup); finish; all c active succeeded
         drives kitchen hallway bedroom study; goal d bring(kitchen,cup); finish; all d active succeeded""",
-    "thing is where it was brought to, whatever was seen meanwhile": """
+    "delivered thing stays in place despite other observations": """
         goal a bring(bedroom,cup); until deliver; facts _seen(cup,study,now); finish
         goal b bring(kitchen,cup); finish; drove hallway kitchen; all b active succeeded""",
-    "rejected goal stays so, whatever comes late": """
+    "rejected goal stays rejected after late facts": """
         goal a bring(bedroom,cup); succeed; fail not_here; finish; goal b bring(bedroom,cup)
         says b ...nobody knows where the cup is; drives kitchen; cycle 4; facts _seen(cup,study,2) _seen(cup,study,3)
         finish; acts; cycle 5; goal c bring(bedroom,cup); finish; drove study bedroom; all c active succeeded

@@ -112,7 +112,7 @@ LIVES = {
     **{f"somebody else drives it until somebody asks, in {place}": (ROW, f"""
         request 1 {place} 1; fails preempted 3; has_no_plan; cancel 1; rests; explains somebody else drives the robot
         request 2 2 1; fails preempted; finish; ended 1 canceled 2 succeeded""") for place in (1, 2)},
-    "somebody else drives it with what it carries": (ROW, """
+    "somebody else drives it with its load": (ROW, """
         request 1 1 3; works 1; fails preempted 3; has_no_plan; cancel 1; rests; place 1 rides o1; request 1 1 2
         finish 2; ended 1 succeeded"""),
     "actions that the core ends are no failures": (ROW, f"""
@@ -234,7 +234,9 @@ def test_mailbot_failure_value_can_name_something_else(reason):
         action = robot.answer_now()
         robot.act(action, "2" if str(action.arguments[1]) == "1" else "1")
     assert robot.ends
-    assert all("could not be picked up" in end for end, _ in robot.ends.values()), "three times, then it is given up"
+    assert all("could not be picked up" in end for end, _ in robot.ends.values()), (
+        "three times, then the goal is aborted"
+    )
 
 
 @pytest.mark.slow

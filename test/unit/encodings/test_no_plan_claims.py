@@ -106,7 +106,7 @@ CANCEL = "_request(cancel(1),{1})."
         ([(None, [GOAL]), (None, [SHUT]), (None, ["_opened(o1,o2,{0}+9)."])], [1, 0, 1]),
         ([(None, [GOAL]), *3 * [("preempted", [])], (None, [GOAL.replace("1)", "2)")])], [1, 1, 1, 0, 1]),
     ],
-    ids=["opened again", "cancelled", "cancelled, what it carries cut off", "opened later", "driven by somebody else"],
+    ids=["opened again", "cancelled", "cancelled, its load cut off", "opened later", "driven by somebody else"],
 )
 def test_no_plan_claims_agree_with_program_without_them(updates, outcomes):
     assert check("row", updates) == list(map(bool, outcomes))

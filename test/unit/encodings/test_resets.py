@@ -51,14 +51,14 @@ CORRECTIONS = {
         problem '_lies(1,cellar,now)' from 'interface' is ignored: there is no place cellar...""",
 }  # fmt: skip
 SLOW_CORRECTIONS = {
-    "robot that was not where it should be acts where it is said to be": """
+    "misplaced robot acts at its corrected position": """
         goal a goal(office1,office2,1); fail not_at_label; fail failed; facts _at(office1,now); finish
         all a active succeeded""",
     "things aboard take their room": """
         facts _aboard(1,now) _aboard(2,now) _aboard(3,now); goal a goal(office1,office2,4)
         says a ...the robot is full of what it could not put down since _aboard(1,1) was told...
         facts _off(2,now); goal b goal(office1,office2,4); finish; all b active succeeded""",
-    "thing that was taken off and is nowhere is given up": """
+    "goal of a vanished thing is aborted": """
         goal a goal(office1,office4,1); goal b goal(office2,office3,2); succeed; facts _off(1,now); finish
         all a active aborted; says a ...package 1 is not on the robot; all b active succeeded
         goal c goal(office3,office4,1); finish; all c active succeeded""",

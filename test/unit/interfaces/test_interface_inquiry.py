@@ -26,7 +26,7 @@ def test_inquiry_waits_for_the_server():
 
 def test_inquiry_asks_world_if_server_is_absent():
     assert inquiry(True).look(None, 15.0) is InquiryResult.DONE
-    assert inquiry(False).look(None, 15.0) is InquiryResult.UNKNOWN, "a server out of reach may still do it"
+    assert inquiry(False).look(None, 15.0) is InquiryResult.UNKNOWN, "an unreachable server can still execute it"
     assert inquiry(None).look(None, 15.0) is InquiryResult.UNKNOWN
 
 

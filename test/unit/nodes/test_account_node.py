@@ -59,7 +59,7 @@ def test_account_names_place_by_label_of_program(account, topic, message):
     account.take("~program", program(), 1.1)
     assert account.account.summary.robot == "kitchen"
     account.take("~state", state("at(hall,now)"), 1.2)
-    assert account.account.summary.robot == "kitchen", "what is measured counts more"
+    assert account.account.summary.robot == "kitchen", "a measured position has priority"
 
 
 def test_account_names_no_place_between_labels(account):

@@ -112,7 +112,7 @@ def test_bag_recording_continues_once_full_disk_has_room(tmp_path, monkeypatch, 
     bag.close()
     found = [int(text) for text in read(bag.path)]
     assert found[:2] == [1, 2]
-    assert found[2:-2] == list(range(10, 10 + len(found) - 4)), "what was flushed is there"
+    assert found[2:-2] == list(range(10, 10 + len(found) - 4)), "the flushed messages are there"
     assert found[-2:] == [101, 102]
     assert bag.path.read_bytes()[4117:].startswith(left[4117:]), "nothing is written twice, behind the file's header"
     with rosbag.Bag(str(bag.path)) as whole:

@@ -33,13 +33,13 @@ WAITING = {
            (2, "2", "2"), (1, "", ""), (1, "1", "")]},
     "cancelled goals do not count": (4, {}, "cancel 4; cancel 3; no_plan 2; has 1 3 4"),
     "cancelled goals have more time": (2, {}, "cancel 2; cancel 1; patience 1; no_plan; patience 2 unhurried"),
-    "a goal in vain alone lets all others go first": (3, {"at_once": 1}, """
+    "a failed single goal lets all others go first": (3, {"at_once": 1}, """
         no_plan 1; has 2; end 2; has 3; add 4; end 3; has 4; end 4; has 1; add 5; tells 5 go(1) has priority; has 1
         lacks 5; plan; has 1; end 1; has 5"""),
-    "of goals in vain the one comes first that was least often": (3, {"at_once": 1}, """
+    "among failed goals the one with the fewest failures comes first": (3, {"at_once": 1}, """
         no_plan 1; no_plan 2; no_plan; no_plan 3; has 1; no_plan 1; has 2; no_plan; no_plan 2; has 1"""),
-    "a cancelled goal in vain holds nobody off": (1, {}, "no_plan; add 2; cancel 1; tick 1; has 1 2"),
-    "goals in vain give way to one that was not": (1, {}, """
+    "a cancelled failed goal blocks no other goal": (1, {}, "no_plan; add 2; cancel 1; tick 1; has 1 2"),
+    "failed goals give way to a new one": (1, {}, """
         no_plan; in_vain; add 2; in_vain 1; stay 1; in_vain; plan; has 1 2; in_vain; no_plan 2; no_plan 1"""),
 }  # fmt: skip
 
@@ -47,7 +47,7 @@ PATIENCE = {
     "doubles for a single goal": (1, {}, """
         patience 1; no_plan; patience 2; no_plan; patience 4; no_plan; patience 8; no_plan; patience 8; plan; patience 1
         """),
-    "that of the goal least often in vain": (3, {"at_once": 1}, """
+    "that of the goal with the fewest failures": (3, {"at_once": 1}, """
         no_plan 1; patience 1; end 2; end 3; has 1; patience 2; cancel 1; patience 1"""),
     "more if no goal can be taken out": (2, {}, """
         stay; patience 2 unhurried; stay; patience 4; go_on; patience 1 hurried; stay; plan; patience 1; stay; put_off 2
@@ -73,7 +73,7 @@ OVERTAKING = {
     "no limit": (2, {"at_once": 2}, "add 3-29;" + "".join(f"end {one};" for one in range(2, 20)) + "has 1 20"),
     "goals that had no turn overtake nobody": (2, {"at_once": 2, "overtaking_limit": 1}, """
         add 3-5; cancel 4; add 6; tells 6 at most 2 goals are planned for at a time; end 1; has 2 3; end 3; has 2"""),
-    "one in vain joins others once it is overtaken too often": (4, {"at_once": 2, "overtaking_limit": 2}, """
+    "a failed goal joins others once it is overtaken too often": (4, {"at_once": 2, "overtaking_limit": 2}, """
         end 2 3; add 5-7; has 1; no_plan 1; has 4 5; end 4; has 5 6; end 5; has 1 6; patience 1"""),
     "a cancelled goal does not come first": (2, {"at_once": 2, "overtaking_limit": 1}, """
         add 3 4; end 2; has 1; cancel 1; tick 1; has 1 3"""),
@@ -84,8 +84,8 @@ DROPPED = {
         add 1-4; leave_out; has 1 2; lacks 3 4; tells 1 the solver did not accept it in time
         tells 4 the solver did not accept it in time
         feed; add 5; tells 5 at most 2 goals are planned for at a time"""),
-    "beside another goal it waits for room": (1, {}, "add 2; leave_out; has 1; lacks 2; end 1; has 2"),
-    "beside another goal half of them come again": (1, {}, "add 2-4; leave_out; has 1 2"),
+    "with another goal it waits for room": (1, {}, "add 2; leave_out; has 1; lacks 2; end 1; has 2"),
+    "with another goal half of them come again": (1, {}, "add 2-4; leave_out; has 1 2"),
     "others come while one rests, which does not overtake it": (0, {"overtaking_limit": 1}, """
         add 1; leave_out; add 2 3; has 2 3; end 2; add 4; has 3 4; tick 5; tick 15; has 1 3 4"""),
 }  # fmt: skip

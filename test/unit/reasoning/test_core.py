@@ -111,7 +111,7 @@ CYCLES = {
     "goal without actions is judged in the cycle of its request": (AT_ONCE, {}, """
         goal a told(1); goal b asked(2); all a active succeeded
         says b no rule of the program can see asked(2): rules look at told(I)"""),
-    "goal that goes on without actions is waited for": (UNDER_WAY, {}, "goal a told(1); all a active; does; cycle 2"),
+    "core waits for a goal without actions": (UNDER_WAY, {}, "goal a told(1); all a active; does; cycle 2"),
     "program that rejects a goal hears of it with the next update": (UNDER_WAY.replace("accepted", "rejected"), {}, """
         goal a told(1); all a rejected; facts _seen(ball); sends _request(cancel(1),2). _seen(ball)."""),
     "actions of a cycle are sent and awaited together": (ARMS, {}, """
@@ -260,7 +260,7 @@ def test_core_limits_facts_queued_during_an_action(monkeypatch):
         f"'_seen({number})' from 'interface' is ignored: 5 facts already wait for the next update"
         for number in (5, 6, 7)
     ]
-    assert driver.succeed().states("a")[-1] == "succeeded", "a return is accepted whatever waits"
+    assert driver.succeed().states("a")[-1] == "succeeded", "a return is accepted despite a full queue"
 
 
 def test_core_sends_feedback_after_each_answer():

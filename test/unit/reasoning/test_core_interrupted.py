@@ -294,7 +294,7 @@ def test_core_reports_failure_beside_a_too_costly_fact():
     driver = play(FaultyDriver(program=PROGRAM), "goal a fetch(cup,1); fault dropped _loud(400")
     arm = Arm(driver)
     arm.answer(True, "_seen(dog)", "_loud(400,now)", "_seen(cat)")
-    assert driver.awaited, "what failed is done again"
+    assert driver.awaited, "the failed action is repeated"
     arm.finish()
     arm.check()
     assert arm.heads.issuperset({"_seen(dog)", "_seen(cat)"}), "those that cost little come later"

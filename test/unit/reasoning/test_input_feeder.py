@@ -219,7 +219,7 @@ def test_feeder_hands_queue_to_another_feeder():
     feeder.add_withdrawals(withdrawn)
     feeder.wait(5.0)
     record = json.loads(json.dumps(feeder.record()))
-    assert record["feeder"]["withdrawn"] == ",".join(map(str, sorted(withdrawn))), "whatever the set's order"
+    assert record["feeder"]["withdrawn"] == ",".join(map(str, sorted(withdrawn))), "in any order of the set"
     twin = InputFeeder()
     twin.restore(record, {"g(1)": feeder.goals["g(1)"]}.get)
     assert (twin.arrivals, twin.pending, twin.waiting) == (7, False, 4)

@@ -115,7 +115,7 @@ def test_returns_monitor_restores_its_state():
     assert twin.observations == monitor.observations
     assert monitor.observations
     twin.receive("legs", ["_battery(low,2)", "_return(run,b,2)", "_return(walk,c,2)"])
-    assert ["has returned already" in one.message for one in more] == [True, True], "and what is known is nothing new"
+    assert ["has returned already" in one.message for one in more] == [True, True], "and known facts are not new"
     twin.expire(7.0, 3.0)
     assert len(more) == 2, "since 5.0"
     twin.expire(8.0, 3.0)

@@ -15,7 +15,7 @@ UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradic
 UNDECLARED = fetch().replace("#external _return/3.", "")
 UNHANDLED = {
     "a constraint forbids it": (fetch(rules=FAILED + ":- failed(t).\n"), CONTRADICTS),
-    "a constraint on what the arm returns": (
+    "a constraint on the arm's return": (
         fetch(rules=":- _return(arm,V,t), not _action_lib(arm,V,t).\n"),
         CONTRADICTS,
     ),

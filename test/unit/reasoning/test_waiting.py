@@ -99,7 +99,7 @@ def test_queued_goals_window_changes_only_with_their_plans():
     settings = CoreSettings(horizon_limit=8, search_timeout=10.0)
     driver = ask(BusyDriver(settings=settings, most=99), *range(1, 7))
     driver.seconds = lambda goals: 90.0
-    assert driver.run().core.queue.size == 3, "half as many as before"
+    assert driver.run().core.queue.size == 3, "half the number of before"
     driver.seconds = lambda goals: 0.001
     assert driver.fail("failed").core.queue.size == 3
 
@@ -305,7 +305,7 @@ def test_endless_goal_does_not_block_planning_of_others(before):
         assert f"g{number}" in driver.ended() | {goal.key for goal in driver.core.queue.served}
     driver.turns(20)
     assert driver.ended() == others
-    assert driver.states("g9") == [], "it is not given up"
+    assert driver.states("g9") == [], "it is not aborted"
 
 
 def test_endless_goal_costs_the_others_one_search():

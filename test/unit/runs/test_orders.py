@@ -49,7 +49,7 @@ def test_orders_show_the_declared_form():
 def test_orders_offer_goals_without_knowledge_of_the_world():
     deliver, clean = forms()
     found = list(deliver.samples(["a", "b"], ["box"]))
-    assert found[0] == "goal(a,b,1)", "what comes first is likely"
+    assert found[0] == "goal(a,b,1)", "the first choice is the likely one"
     assert sorted(found) == ["goal(a,b,1)", "goal(a,b,box)", "goal(b,a,1)", "goal(b,a,box)"]
     assert list(clean.samples([], [])) == ["clean(wet)", "clean(dry)", "clean(3)"]
 

@@ -255,9 +255,9 @@ def test_journal_reports_failing_disk_and_retries(folder):
     with full_disk():
         folder.write({"core": 2}, 1.0)
         assert folder.fault == f"the journal {folder.path} cannot be written: disk I/O error"
-        assert folder.read() is None, "what is out of date is no journal any more"
+        assert folder.read() is None, "an outdated journal is set aside"
         folder.write({"core": 3}, 11.0)
-        assert folder.fault, "it is tried again, and in vain"
+        assert folder.fault, "the retry fails as well"
         assert not folder.path.exists()
     assert read(stale).state == {"core": 1}
     folder.write({"core": 4}, 20.9)

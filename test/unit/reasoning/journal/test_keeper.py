@@ -175,7 +175,9 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
     ends = [one for one in node.published if isinstance(one, GoalChanged) and one.outcome is Outcome.ABORTED]
     assert len(ends) == 2
     again = start(program)
-    assert again.core.awaited == again.core.preempted == under_way, "who comes late hears of the actions and their ends"
+    assert again.core.awaited == again.core.preempted == under_way, (
+        "late subscribers receive the actions and their ends"
+    )
     for one in under_way:
         again.core.receive("hand", [f"_return({one.interface},preempted,{one.cycle})"])
     again.run()

@@ -199,7 +199,7 @@ CORNER = [*gap(1.0, 1.5, 4.6), (3.55, 0.0, 3.65, 2.6), (2.9, 5.1, 3.1, 6.0)]  # 
 TIGHT = {
     "a rectangle and wide doors": ((8.0, 8.0, 0.05, [(3.9, 0.0, 4.1, 3.4), (3.9, 4.6, 4.1, 8.0)]), Pose2D(1.5, 1.5),
         {"footprint": LONG}, [Pose2D(6.5, 6.5, 0.0), Pose2D(1.5, 6.5, 1.5), Pose2D(6.0, 2.0, -1.5)]),
-    "round what it does not fit through": ((6.0, 6.0, 0.05, OTHERS), Pose2D(1.5, 1.2), {"footprint": ERRATIC},
+    "around a gap that is too narrow": ((6.0, 6.0, 0.05, OTHERS), Pose2D(1.5, 1.2), {"footprint": ERRATIC},
         [Pose2D(4.5, 1.2, 1.0), Pose2D(1.5, 1.2, 3.0)]),
     "straight into a gap, coarse": ((6.0, 4.0, 0.1, ASKEW), Pose2D(1.0, 3.0, 2.0), {"footprint": LONG},
         [Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)]),
@@ -207,7 +207,7 @@ TIGHT = {
         [Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)]),
     "backwards out of a dead end": ((5.0, 5.0, 0.05, [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]),
         Pose2D(1.0, 2.45, 0.0), {"footprint": LONG}, [Pose2D(4.0, 2.45, 0.0), Pose2D(1.0, 4.0, 2.0)]),
-    "round what it cannot get through": ((6.0, 6.0, 0.05, CORNER), Pose2D(1.5, 1.2), {"footprint": LONG},
+    "around an impassable gap": ((6.0, 6.0, 0.05, CORNER), Pose2D(1.5, 1.2), {"footprint": LONG},
         [Pose2D(4.6, 1.2, 0.0)]),
 }  # fmt: skip
 

@@ -64,7 +64,7 @@ def test_late_plan_robot_waits_first_and_drives_during_replanning():
 
     assert drive.to(GOAL, each=note).message == "Goal reached."
     assert drive.collisions == []
-    assert planning.asked > 2, "what the map lacks has made it plan again"
+    assert planning.asked > 2, "an unmapped obstacle makes it plan again"
     assert max(speeds) > 0.5, "it was driven while a plan was looked for"
 
 

@@ -49,7 +49,7 @@ def test_world_state_restores_positions_at_rest():
         assert (after.robots[name].v, after.robots[name].w) == (0.0, 0.0)
     assert (after.doors, after.obstacles) == (before.doors, before.obstacles)
     assert after.time == 0.0
-    assert (after.scan("second") == before.scan("second")).all(), "what the laser sees is there, too"
+    assert (after.scan("second") == before.scan("second")).all(), "the laser's surroundings are restored, too"
 
 
 def test_world_state_is_a_valid_parameter():
