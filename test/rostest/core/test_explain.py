@@ -78,7 +78,7 @@ class ExplainGoals(unittest.TestCase):
         self.kill()
         again = self.asked("7")
         self.assertTrue(again.success, again.message)
-        self.assertEqual(json.loads(again.reason)["told"], reason["told"])
+        self.assertEqual(json.loads(again.reason)["stream_facts"], reason["stream_facts"])
 
     @staticmethod
     def service():

@@ -263,8 +263,8 @@ def test_aborted_goal_comes_with_its_stream():
     assert {key: str(one.term) for key, one in unmet.items()} == {"a": "go(c,1)", "b": "go(d,2)"}
     why = explain(driver.program, unmet["a"].stream)
     assert [one.words for one in why.rules] == ["c is shut", ""]
-    assert {"_shut(c,1).", "_shut(c,2)."} & {one.text for one in why.told}
-    assert not any("go(d,2)" in one.text for one in why.told), "it is given up for itself"
+    assert {"_shut(c,1).", "_shut(c,2)."} & {one.text for one in why.stream_facts}
+    assert not any("go(d,2)" in one.text for one in why.stream_facts), "it is given up for itself"
     other = explain(driver.program, unmet["b"].stream)
     assert [one.rule.text for one in other.rules] == [":- wanted(P,I,t), not at(P,t)."]
     assert not Driver(WALK).goal("a", "go(c,1)").journal.of(GoalUnmet), "a goal that is met has no reasons"

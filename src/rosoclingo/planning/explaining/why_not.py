@@ -73,7 +73,7 @@ class WhyNot:
         last: the horizon bound.
         never: whether there is provably no longer plan either.
         rules: constraints and bounds of choices.
-        told: facts of the stream.
+        stream_facts: facts of the stream.
         facts: facts of the program.
         smallest: whether no smaller set of rules excludes a plan.
         complete: whether the search finished in time; if not, some of the rules and facts can be irrelevant.
@@ -86,7 +86,7 @@ class WhyNot:
     last: int
     never: bool = False
     rules: Tuple[BlamedRule, ...] = ()
-    told: Tuple[BlamedFact, ...] = ()
+    stream_facts: Tuple[BlamedFact, ...] = ()
     facts: Tuple[BlamedFact, ...] = ()
     smallest: bool = False
     complete: bool = False
@@ -118,7 +118,7 @@ class WhyNot:
         return [*lines, *(lacking or _UNREACHED)] if volatile and not self.never else [*lines, *lacking]
 
     def _fact_lines(self) -> List[str]:
-        facts = [*self.told, *self.facts]
+        facts = [*self.stream_facts, *self.facts]
         hindering = [one for one in facts if one.hinders is not False]
         requests = [one.text for one in facts if one.hinders is False]
         lines = ["given these facts:", *(f"  {_fact(one)}" for one in hindering)] if hindering else []

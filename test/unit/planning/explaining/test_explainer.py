@@ -116,7 +116,7 @@ def check(case):
         assert case.has_plan(all_but(case.rules, *removed))
         for restored in removed:
             assert not case.has_plan([*all_but(case.rules, *removed), restored])
-    check_facts([one.text[:-1] for one in found.told], case.stream, lambda few: case.has_plan(rules, None, few))
+    check_facts([one.text[:-1] for one in found.stream_facts], case.stream, lambda few: case.has_plan(rules, None, few))
     check_facts([one.text for one in found.facts], case.facts, lambda few: case.has_plan(rules, few))
     return found
 
@@ -152,7 +152,7 @@ def test_explain_names_a_constraint_with_its_fact():
     assert (found.rules[0].breach, found.rules[0].steps) == ((1, {"B": "2"}), (1, 2, 3))
     found = check(Case(FACTS[:4], STREAM, constraints=CONSTRAINTS[:2]))
     assert names(found) == [CONSTRAINTS[1], VOLATILE[0]]
-    assert [(one.text, one.hinders) for one in found.told] in ([("closed(2).", True)], [("closed(3).", True)])
+    assert [(one.text, one.hinders) for one in found.stream_facts] in ([("closed(2).", True)], [("closed(3).", True)])
 
 
 @pytest.mark.slow

@@ -90,7 +90,7 @@ def test_explanation_of_few_steps_allows_longer_plans():
 def test_explanation_names_facts_of_the_history():
     log = History().with_entries(AcceptedUpdate(parse_update("#step 1. shut(b,1). shut(b,2). shut(b,3). #endstep."), 1))
     found = why_not(GO, steps=2, log=log)
-    assert [one.text for one in found.told] == ["_request(go(c),2).", "shut(b,1).", "shut(b,2)."]
+    assert [one.text for one in found.stream_facts] == ["_request(go(c),2).", "shut(b,1).", "shut(b,2)."]
 
 
 def test_explanation_without_constraints_names_the_facts():

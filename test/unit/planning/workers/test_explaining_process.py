@@ -30,7 +30,7 @@ def test_explaining_process_finds_the_same_reasons():
     found = explain_in_worker(PROGRAM, asked, 300.0)
     here = explain(PROGRAM, asked)
     assert found == (here.text(), here.to_message())
-    assert [one.text for one in here.told] == ["on(1).", "on(2)."]
+    assert [one.text for one in here.stream_facts] == ["on(1).", "on(2)."]
     assert explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 300.0) is None
 
 
@@ -49,7 +49,7 @@ at(P,t) :- _action_lib(go,P,t).
     before = ["#step 1. _request(go,2). #end step."]
     update = "#step 2. :- not _action_lib(go,1,1). shut(3,1). shut(3,2). #end step."
     found = explain(ReactiveProgram.from_text(text), stream(update, 2, *before))
-    assert [one.text for one in found.told] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
+    assert [one.text for one in found.stream_facts] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
 
 
 @pytest.mark.once

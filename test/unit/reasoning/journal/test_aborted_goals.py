@@ -36,7 +36,7 @@ def test_resumed_core_explains_aborted_goals_like_its_predecessor(start):
     ask(first, c="do(never,3)")
     reasons = {name: explained(first, name) for name in ("b", "do(never, 2)", "2", "c")}
     assert reasons["b"].rules
-    assert "do(never,2)" in " ".join(fact.text for fact in reasons["b"].told)
+    assert "do(never,2)" in " ".join(fact.text for fact in reasons["b"].stream_facts)
     again = start(horizon_limit=4)
     assert [str(term) for term in again.keeper.aborted_goals.terms] == ["do(never,2)", "do(never,3)"]
     assert {name: explained(again, name) for name in reasons} == reasons
