@@ -10,11 +10,12 @@ class Standby:
 
     Attributes:
         searches: number of searches for which the robot waited, as no answer was prefetched.
+        waits: number of times that the core waited for a prefetched answer.
 
     """
 
     def __init__(self, delay=0, plan_time=0.0):
-        self.delay, self.searches, self.plan_time = delay, 0, plan_time
+        self.delay, self.searches, self.waits, self.plan_time = delay, 0, 0, plan_time
         self._asked, self._since = None, 0
 
     def solver(self, program):
@@ -41,6 +42,7 @@ class _Solver(PlanSolver):
         return log is not None
 
     def has_prefetched(self, update, stopped=None):
+        self._standby.waits += stopped is not None
         return self._standby.has((update, self.log.key), self.log.step)
 
     def update(self, update, *watches):

@@ -2,7 +2,8 @@
 
 The robot does not stop for a search while the current plan continues. New goals and cancellations join in the next
 update if a plan with them is found soon. Otherwise the current plan continues without them, and the standby worker
-plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late.
+plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late. A
+cancellation whose plan came too late has more time at its next cycle, so that the robot stops soon on a slow machine.
 
 Without new requests, the standby worker prefetches the answer to a failure.
 """
@@ -16,6 +17,9 @@ from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, Request
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
+
+LATE_PATIENCE = 3
+"""Factor of the time that a plan with a cancellation has, once such a plan came too late."""
 
 
 class Join(NamedTuple):
@@ -120,7 +124,7 @@ class Preparations:
             self._cycles = self._cycles if plan.steps_after(step - 1) else 1
             return rest if goes_on and self._is_late(planner, batch, rest) else batch
         if step == self.join.cycle:
-            if not goes_on or planner.has_prepared(self.join.whole, self._watch):
+            if not goes_on or self._has_plan(self.join, planner):
                 return self._complete(self.join)
             self._cycles, self.join = 2 * len(self.join.updates), None
             self._begin_join(planner, plan, step, first_open, planner.lookahead)
@@ -161,6 +165,11 @@ class Preparations:
         if last > step:
             self._goals.report_wait(goals_of(requests), f"it joins the plan in cycle {last}")
         return True
+
+    def _has_plan(self, join: Join, planner: Planner) -> bool:
+        """Wait for the plan with the requests that join now; return whether it was found in time."""
+        late = self._cycles > 1 and not all(isinstance(one, Goal) for one in join.requests)
+        return any(planner.has_prepared(join.whole, self._watch) for _ in range(LATE_PATIENCE if late else 1))
 
     def _complete(self, join: Join) -> Batch:
         """Return the update in which requests join."""

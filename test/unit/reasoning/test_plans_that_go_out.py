@@ -369,6 +369,21 @@ def test_cancel_does_not_stop_the_robot(delay):
     assert run.driver.states("1")[-1] == "succeeded"
 
 
+@pytest.mark.parametrize(("cancels", "waits"), [(True, [1, 4]), (False, [1, 2])])
+def test_late_cancel_has_more_time_than_a_goal(cancels, waits):
+    run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1))
+    run.go_on()
+    run.standby.waits, found = 0, set()
+    if cancels:
+        run.driver.cancel("2")
+    else:
+        run.ask((2, 3))
+    while len(found) < 2:
+        run.go_on()
+        found |= {run.standby.waits} - {0}
+    assert sorted(found) == waits
+
+
 def test_cancel_of_a_joining_goal_ends_it():
     run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3), (3, 2))
     run.go_on(2)
