@@ -112,7 +112,7 @@ SEEDS = [
         "message-type",
         "has no such field; it has a, b",
     ),
-    ("garden", "interfaces.yaml", "{a: 1, b: 200}", "{@a: much, b: 200}", "message-type", "int64 is wanted"),
+    ("garden", "interfaces.yaml", "{a: 1, b: 200}", "{@a: much, b: 200}", "message-type", "needs int64"),
     ("garden", "interfaces.yaml", "goal: {target_pose:", "goal: {@targetpose:", "message-type", "target_pose"),
     (
         "garden",

@@ -24,7 +24,7 @@ def ask(node, **texts):
 
 def explained(core, name):
     """Return the explanation of an aborted goal."""
-    found = core.keeper.given_up.find(name)
+    found = core.keeper.aborted_goals.find(name)
     return explain(PROGRAM, found.stream)
 
 
