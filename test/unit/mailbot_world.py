@@ -217,7 +217,7 @@ class Mailbot:
         return rides and identifier in self.cancelled and lost
 
     def hopeless(self):
-        """Return the requests for which there is no plan, whatever happens to the others."""
+        """Return the requests for which there is no plan, regardless of the others."""
         found = []
         for identifier, place in self.places.items():
             if place and place[0] != "stuck" and not self._is_cut_off(identifier):

@@ -1,4 +1,4 @@
-"""The groups that ``./dev test`` runs: all of them, with as many at a time as there are cores."""
+"""The groups that ``./dev test`` runs: all of them, in parallel up to the number of cores."""
 
 import ipaddress
 import itertools

@@ -31,7 +31,7 @@ class Stage:
         self.core.start()
 
     def some_attempts(self):
-        """Fix the number of a recovery's attempts, whatever the machine's speed; a patient core makes more."""
+        """Fix the number of a recovery's attempts, independent of the machine's speed; a patient core makes more."""
         left = iter(range(8 * self.core.queue.patience))
         return lambda: None if next(left, None) is not None else Halt("the test")
 

@@ -114,7 +114,7 @@ def transform(parent, child, x):
 
 @pytest.mark.parametrize("core", ["rosoclingo", "brain"])
 def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path, core):
-    """The action server has the usual name, whatever the name of the core."""
+    """The action server has the usual name, independent of the core's name."""
     path = write(run(core=core))
     assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
     found = shown(tmp_path / "run.html")

@@ -78,7 +78,7 @@ def test_register_client_matches_report_of_core():
     (perhaps,) = looked(register(a="move_base"), [HOLD], {"/a", "/b"}, {"/a", "/b"})
     found.report(register_.names, perhaps[1])
     assert perhaps[1].endswith("and /b may have others")
-    assert found.fault(HOLD, 0.0) is None, "a node that announces nothing may do it"
+    assert found.fault(HOLD, 0.0) is None, "an unannounced node can have it"
     found.report(register_.names, "waits for _action_lib(hold,cup,3)")
     assert found.fault(HOLD, 1.0) == "", "not known yet"
     assert found.fault(HOLD, 1.0 + REPORTED) is None, "its node announces nothing"

@@ -1,4 +1,4 @@
-"""Executed actions stay in the published plan, whatever the solver has compacted meanwhile."""
+"""Executed actions stay in the published plan, even after the solver has compacted them."""
 
 import pytest
 from core_driver import ERRANDS, Driver

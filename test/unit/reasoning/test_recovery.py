@@ -120,7 +120,7 @@ RECOVERIES = {
     "no time for the reason": (rooms(clashes=[("hall", "den")]), halting(0), """
         goal a reach(hall,1); add b reach(den,2); add c reach(hall,3); facts _return(enter,failed,1); finish
         says a reach(hall,1) cannot be met: there is no plan of at most 8 steps"""),
-    "withheld fact is no reason, without time for what else is": (
+    "withheld fact is no reason, without time for other reasons": (
         rooms(doors=[("hall", "d")]) + "#external _odd/1.\n:- _odd(X).", halting(1), """
         facts _odd(1) _odd(2); problems 2; problem ...withheld; facts _shut(d); goal a reach(hall,1)
         says a reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"""),
@@ -264,7 +264,7 @@ def test_aborted_goal_comes_with_its_stream():
     why = explain(driver.program, unmet["a"].stream)
     assert [one.words for one in why.rules] == ["c is shut", ""]
     assert {"_shut(c,1).", "_shut(c,2)."} & {one.text for one in why.stream_facts}
-    assert not any("go(d,2)" in one.text for one in why.stream_facts), "it is given up for itself"
+    assert not any("go(d,2)" in one.text for one in why.stream_facts), "it is aborted for its own reason"
     other = explain(driver.program, unmet["b"].stream)
     assert [one.rule.text for one in other.rules] == [":- wanted(P,I,t), not at(P,t)."]
     assert not Driver(WALK).goal("a", "go(c,1)").journal.of(GoalUnmet), "a goal that is met has no reasons"

@@ -65,7 +65,7 @@ def plan(result):
 @pytest.mark.parametrize(
     ("cycle", "since", "over"),
     [
-        (500, 499, 500 - RECENT),  # recent events can need an explanation whatever is wanted
+        (500, 499, 500 - RECENT),  # recent events can need an explanation in any case
         (500, 500 - RECENT - 20, 500 - RECENT - 20),  # an open request looks back to its beginning
         (500, 1, 500 - LONG_AGO),  # but not for ever
     ],
@@ -74,16 +74,16 @@ def test_planner_computes_past_steps(cycle, since, over):
     planner = Planner(LoggingSolver, 8)
     assert planner.first_open(cycle + 1, since) == over
     planner.update(StreamUpdate(cycle + 1, items=(Expire(over),)))
-    assert planner.first_open(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "what is over stays so"
+    assert planner.first_open(cycle + 2) == max(over, cycle + 1 - LONG_AGO), "past steps stay past"
 
 
 def test_planner_closes_the_past():
     bench = Bench()
     bench.update("#step 1.")
     result = bench.update("#step 2. _request(do(walk,1),2). :- not _action_lib(walk,1,1).")
-    assert plan(result) == ["_action_lib(walk,1,1)"], "what the update commits to was done"
-    beside = bench.planner.restarted()
-    for planner in (bench.planner, beside):
+    assert plan(result) == ["_action_lib(walk,1,1)"], "the committed actions were executed"
+    trial = bench.planner.restarted()
+    for planner in (bench.planner, trial):
         result = planner.update(parse_update("#step 3. _request(do(run,2),3). #endstep."))
         assert plan(result) == ["_action_lib(run,2,3)", "_action_lib(walk,1,1)"]
         assert planner.may_begin_with(parse_atom("_action_lib(run,2,3)"), 1)
@@ -137,14 +137,14 @@ def test_planner_keeps_or_drops_update_of_stopped_search(kept):
         bench.update("#step 2. :- not _action_lib(walk,1,1). _request(do(run,2),3).")
     assert caught.value.accepted == kept
     bench.halt, bench.solver.drops = None, False
-    beside = bench.planner.restarted()
-    told = plan(beside.update(parse_update("#step 3. #endstep.")))
+    trial = bench.planner.restarted()
+    told = plan(trial.update(parse_update("#step 3. #endstep.")))
     assert any("run" in action for action in told) == kept
 
 
 def test_planner_trial_agrees_with_a_fresh_planner():
-    beside = Bench().planner.restarted()
-    assert plan(beside.update(parse_update("#step 1. _request(do(walk,1),2). #endstep."))) == ["_action_lib(walk,1,1)"]
+    trial = Bench().planner.restarted()
+    assert plan(trial.update(parse_update("#step 1. _request(do(walk,1),2). #endstep."))) == ["_action_lib(walk,1,1)"]
 
 
 class LoggingSolver:
@@ -191,7 +191,7 @@ def words(update):
     return " ".join(str(update).split()).replace(" #end step.", "")
 
 
-def told(planner):
+def entries_of(planner):
     """Return the entries of the planner's log, as texts."""
     return [words(one.update) for one in planner.log.entries]
 
@@ -211,7 +211,7 @@ def test_planner_sends_expected_entries_to_solver():
     assert planner.first_open(RECENT + 2) == 0, "nobody looks back to cycle 0, but nothing is said of it"
     fed(planner, "#step 11. #over 2. _seen(a).", "#step 14. #over 2. #over 3. _seen(b).")
     planner.take(parse_update("#step 15. _seen(c). #endstep."))
-    assert told(planner) == [
+    assert entries_of(planner) == [
         "#step 1 : 8.",
         "#step 11 : 8. #closed 1..10. #over 2. _seen(a).",
         "#step 14 : 8. #closed 11..13. #over 3. _seen(b).",
@@ -223,30 +223,30 @@ def test_planner_sends_expected_entries_to_solver():
 
 def test_planner_trial_repeats_last_update_without_lookahead():
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
-    beside = planner.restarted(frozenset({parse_atom("_seen(b)")}))
-    assert (planner.log.horizon, beside.log.horizon) == (11, 10)
-    beside.update(parse_update("#step 3. #endstep."))
+    trial = planner.restarted(frozenset({parse_atom("_seen(b)")}))
+    assert (planner.log.horizon, trial.log.horizon) == (11, 10)
+    trial.update(parse_update("#step 3. #endstep."))
     taken = ["#step 2 : 8. #closed 1. _seen(c).", "#step 3 : 8. #closed 2."]
-    assert told(beside) == ["#step 1 : 8. _seen(a).", "#withdraw _seen(b).", *taken]
-    assert len(told(planner)) == 2
+    assert entries_of(trial) == ["#step 1 : 8. _seen(a).", "#withdraw _seen(b).", *taken]
+    assert len(entries_of(planner)) == 2
 
 
 def test_planner_trial_has_the_horizon_of_its_step():
     planner = fed(Planner(LoggingSolver, 8), "#step 1.", "#step 30.")
-    assert planner.restarted().log.horizon == 30, "what was looked ahead for cycle 1 lies before"
+    assert planner.restarted().log.horizon == 30, "the lookahead of cycle 1 lies before"
 
 
 def test_planner_replaces_the_last_update():
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).", "#step 2. _seen(b). _seen(c).")
     other = parse_update("#step 2. _seen(d). _seen(e). #endstep.")
-    beside, result = planner.replace_update(other)
-    assert told(beside) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(d). _seen(e)."]
+    trial, result = planner.replace_update(other)
+    assert entries_of(trial) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(d). _seen(e)."]
     assert result.step == 2
-    assert beside.last_update.step == 2
+    assert trial.last_update.step == 2
     again, _ = planner.replace_update(planner.last_update)
-    assert told(again) == told(planner), "the past is told once"
-    beside, _ = Planner(LoggingSolver, 8).replace_update(parse_update("#step 1. _seen(d). #endstep."))
-    assert told(beside) == ["#step 1 : 8. _seen(d)."]
+    assert entries_of(again) == entries_of(planner), "the past is sent once"
+    trial, _ = Planner(LoggingSolver, 8).replace_update(parse_update("#step 1. _seen(d). #endstep."))
+    assert entries_of(trial) == ["#step 1 : 8. _seen(d)."]
 
 
 def test_planner_with_corrected_update_withdraws_older_facts():
@@ -254,13 +254,13 @@ def test_planner_with_corrected_update_withdraws_older_facts():
     planner = fed(Planner(LoggingSolver, 8), *lines)
     wrong = parse_atom("_seen(a)"), parse_atom("_seen(c)"), parse_atom("_action_lib(walk,1,1)")
     right = parse_atom("_seen(e)"), parse_atom("_seen(d)"), parse_atom("_seen(e)")
-    beside, _ = planner.corrected(frozenset(wrong), right)
-    assert told(beside) == [
+    trial, _ = planner.corrected(frozenset(wrong), right)
+    assert entries_of(trial) == [
         "#step 1 : 8. _seen(a). _seen(b).",
         "#step 2 : 8. #withdraw _seen(a). #closed 1. _seen(d). _seen(e).",
     ]
     moved, _ = planner.corrected(frozenset(wrong[:2]), (wrong[1],))
-    assert told(moved)[1].endswith("_seen(d). _seen(c)."), "one is withheld, another is redated to it"
+    assert entries_of(moved)[1].endswith("_seen(d). _seen(c)."), "one is withheld, another is redated to it"
 
 
 @pytest.mark.parametrize(
@@ -293,7 +293,7 @@ def test_planner_trial_checks_whether_plan_is_valid(outcome):
     assert (result is None) == (outcome is not SolveOutcome.SATISFIABLE)
     asked = made[-1].log.entries[-1].update
     assert words(asked) == "#step 2 : 3. #volatile. :- not _action_lib(go,1,3). :- not _action_lib(go,2,5)."
-    assert told(planner) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(b)."], "nothing is taken"
+    assert entries_of(planner) == ["#step 1 : 8. _seen(a).", "#step 2 : 8. #closed 1. _seen(b)."], "nothing is taken"
 
 
 def test_planner_discards_a_refused_plan():
@@ -324,7 +324,7 @@ def test_planner_inquiry_is_an_unaccepted_update(satisfiable, halt, ended_by):
     ((update, *facts),) = solver.inquired
     assert (words(update), facts) == ("#step 3 : 5. #closed 1..2. _seen(b).", [a | b, b])
     assert planner.ended_by == ended_by
-    assert len(told(planner)) == 1
+    assert len(entries_of(planner)) == 1
 
 
 def test_planner_inquiry_stops_on_arrival():
@@ -347,7 +347,7 @@ def test_planner_asks_first_actions_without_side_effects(outcome, may):
     planner = fed(Planner(lambda: solver, 8), "#step 4.")
     solver.outcome = outcome
     assert planner.may_begin_with(parse_atom("_action_lib(go,1,4)"), 3) is may
-    assert told(planner)[-1] == "#step 4 : 3. #volatile. :- not _action_lib(go,1,4)."
+    assert entries_of(planner)[-1] == "#step 4 : 3. #volatile. :- not _action_lib(go,1,4)."
 
 
 @pytest.mark.parametrize(
@@ -368,8 +368,8 @@ def test_planner_asks_first_actions_without_side_effects(outcome, may):
 )
 def test_planner_restarts_from_scratch(step, updates):
     planner = fed(Planner(LoggingSolver, 8), "#step 1. _seen(a).")
-    beside, given, result = planner.reset(step)
-    assert told(beside) == updates
+    trial, given, result = planner.reset(step)
+    assert entries_of(trial) == updates
     assert list(map(words, given)) == updates
     assert result.step == step
 

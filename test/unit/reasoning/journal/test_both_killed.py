@@ -83,7 +83,7 @@ class Interfaces(World):
         self._look(action)
 
     def _send(self, goal, action):
-        """Hand a goal to a server; no action may reach the world twice."""
+        """Hand a goal to a server; no action must reach the world twice."""
         assert action not in [one for one, _ in self._servers.values()], f"{action} is begun twice"
         assert not self.done[str(action.parameter)], f"{action} is done already"
         self._servers[goal] = (action, None)
