@@ -208,9 +208,9 @@ class Play:
             self._rumours.close(frozenset((a, b)), when)
         if kind == "_seen" and self.domain.sightings:
             name = self._draw.choice(sorted(self.things))
-            place, told = self.things[name].place, self._draw.choice(self.domain.places)
-            told = place if place != ROBOT and self._draw.random() < 0.7 else told
-            fact = f"_seen({name},{told},{when})"
+            place, reported = self.things[name].place, self._draw.choice(self.domain.places)
+            reported = place if place != ROBOT and self._draw.random() < 0.7 else reported
+            fact = f"_seen({name},{reported},{when})"
         elif kind == "nonsense":
             # the fact of a cycle that has begun by then would be the true one
             cycle = self.cycle + (self._draw.choice([-1, 1]) if self._acting else -1)

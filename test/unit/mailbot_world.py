@@ -244,14 +244,14 @@ class Mailbot:
                     assert identifier not in found
                     found[identifier] = status
         assert not refused
-        told = {}
+        reported = {}
         for identifier, place in self.places.items():
             if place and place[0] != "stuck":
-                told[identifier] = "canceled" if self._is_cut_off(identifier) else "accepted"
+                reported[identifier] = "canceled" if self._is_cut_off(identifier) else "accepted"
         for identifier, (end, since) in self.ends.items():
             if self.cycle < (since // TOLD + 2) * TOLD:
-                told[identifier] = end
-        assert found == told
+                reported[identifier] = end
+        assert found == reported
 
     def act(self, action, reason=None):
         """Execute ``action``; it fails if a ``reason`` is given."""

@@ -88,14 +88,14 @@ class GoalServerTest(unittest.TestCase):
 
     def test_status_has_goals_and_cancels_once_in_journal(self):
         core, client, statuses = self.start("keeps")
-        goals, told = [client.send(f"do(walk,{number})") for number in range(3)], []
-        core.keep = lambda: (told.append(set(statuses.goals)), core.server.publish_status())
+        goals, reported = [client.send(f"do(walk,{number})") for number in range(3)], []
+        core.keep = lambda: (reported.append(set(statuses.goals)), core.server.publish_status())
         wait_until(lambda: core.server.arrivals == 3, "the goals")
         client.raw.cancel_all_goals()
         wait_until(lambda: core.server.arrivals == 4, "the cancel")
         core.take()
         wait_until(lambda: len(statuses.goals) == 3, "the status after the journal")
-        self.assertEqual(told, [set()])
+        self.assertEqual(reported, [set()])
         for handle in core.handles:
             handle.set_canceled(ROSoClingoResult(CANCELED, "ended"), "ended")
         for goal in goals:

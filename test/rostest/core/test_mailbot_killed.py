@@ -162,14 +162,14 @@ class MailbotKilled(unittest.TestCase):
 
     def check(self, goal, status, package, origin, target):
         """Check that a goal has ended once, and that its package is where the end says."""
-        way, told = self.world.way(package, origin), f"{goal.text}: {self.world.ways.get(str(package))}"
-        self.assertEqual(goal.states.count(CommState.DONE), 1, told)
+        way, reported = self.world.way(package, origin), f"{goal.text}: {self.world.ways.get(str(package))}"
+        self.assertEqual(goal.states.count(CommState.DONE), 1, reported)
         if status == GoalStatus.SUCCEEDED:
-            self.assertEqual(way, ["robot", target], told)
+            self.assertEqual(way, ["robot", target], reported)
         else:
-            self.assertIn(status, (GoalStatus.RECALLED, GoalStatus.PREEMPTED), told)
-            self.assertIn(goal, self.cancelled, told)
-            self.assertIn(way, ([], ["robot", origin], ["robot", target]), told)  # last: a late cancel
+            self.assertIn(status, (GoalStatus.RECALLED, GoalStatus.PREEMPTED), reported)
+            self.assertIn(goal, self.cancelled, reported)
+            self.assertIn(way, ([], ["robot", origin], ["robot", target]), reported)  # last: a late cancel
 
 
 if __name__ == "__main__":

@@ -44,10 +44,12 @@ class InterfaceRespawn(unittest.TestCase):
         self.move_base.accept()  # the core is connected with the new node
         os.kill(process_of("move_base_interface"), signal.SIGINT)
         self.move_base.cancelled().set_canceled()
-        told = self.returns.receive()
-        if told[0].startswith("_return(pickup,1,"):  # the new node perhaps sent it before it was connected to the test
-            told = self.returns.receive()
-        self.assertRegex(told[0], r"^_return\(move_base,interface_lost,\d+\)$")
+        reported = self.returns.receive()
+        if reported[0].startswith(
+            "_return(pickup,1,"
+        ):  # the new node perhaps sent it before it was connected to the test
+            reported = self.returns.receive()
+        self.assertRegex(reported[0], r"^_return\(move_base,interface_lost,\d+\)$")
         self.move_base.accept().set_succeeded()  # replanned
         self.deliver.accept().set_succeeded()
         sent.ends_as(GoalStatus.SUCCEEDED)

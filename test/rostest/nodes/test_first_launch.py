@@ -25,11 +25,11 @@ class FirstLaunch(unittest.TestCase):
         rospy.Subscriber("/rosout", Log, lambda message: said.append((message.name, message.msg)), queue_size=None)
         goal = Client("rosoclingo").send("goal(office1,office2,3)")
         status, result = goal.wait(LIMIT)
-        told = "\n".join(": ".join(one) for one in said)
-        self.assertEqual(status, GoalStatus.SUCCEEDED, f"{result}\n{told}")
-        self.assertIn("/move_base: compiling navigation once", told)
-        self.assertIn("/move_base_interface: move_base: waits for the action server move_base to start", told)
-        self.assertNotIn("server_lost", told)
+        log = "\n".join(": ".join(one) for one in said)
+        self.assertEqual(status, GoalStatus.SUCCEEDED, f"{result}\n{log}")
+        self.assertIn("/move_base: compiling navigation once", log)
+        self.assertIn("/move_base_interface: move_base: waits for the action server move_base to start", log)
+        self.assertNotIn("server_lost", log)
         self.assertTrue(os.listdir(self.folder), "nothing was kept")
 
 

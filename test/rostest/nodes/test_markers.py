@@ -45,8 +45,8 @@ class Markers(unittest.TestCase):
         self.goals.publish(
             goals=[GoalState(request="g(1)", status=1), GoalState(request="g(2)", status=5, reason="no")]
         )
-        told = ["goals: 1 open, 1 ended\ng(1): active\ng(2): rejected, no"]
-        wait_until(lambda: self.texts.get("goals") == told, "the goals")
+        reported = ["goals: 1 open, 1 ended\ng(1): active\ng(2): rejected, no"]
+        wait_until(lambda: self.texts.get("goals") == reported, "the goals")
         self.state.publish(cycle=1, atoms=["shut(office1,office2,now)", "lies(cup,office2,now)"])
         self.program.publish(String("no program"))
         text = '_draws(shut,blocked,"shut"). _draws(lies,thing).'

@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 import rostest
-import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
+import tf2_ros  # noqa: F401 - the launched nodes need it: this file is skipped without it
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

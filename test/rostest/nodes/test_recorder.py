@@ -207,11 +207,11 @@ class Recorder(unittest.TestCase):
         client = self.start(executable("request"), "goal(office3,office2,1)", stdout=subprocess.PIPE)
         self.assertIn("active", client.stdout.readline())
         self.end(launch)
-        told = client.communicate(timeout=PATIENCE)[0].splitlines()[-1]
+        reported = client.communicate(timeout=PATIENCE)[0].splitlines()[-1]
         with rosbag.Bag(str(self.bag)) as bag:
             results = [message for _, message, _ in bag.read_messages(["/rosoclingo/result"])]
             notes = [message.data for _, message, _ in bag.read_messages([NOTES])]
-        self.assertEqual([f"aborted: {one.status.text}" for one in results], [told])
+        self.assertEqual([f"aborted: {one.status.text}" for one in results], [reported])
         self.assertEqual(notes[-1], "ends, with the run: complete")
 
 

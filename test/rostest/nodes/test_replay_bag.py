@@ -107,10 +107,10 @@ class ReplayBag(unittest.TestCase):
         unmet = any(one["outcome"] == SolveOutcome.UNSATISFIABLE.value for one in results)  # so a goal was aborted
         self.assertEqual(code, UNSATISFIABLE if unmet else 0)
         with rosbag.Bag(str(self.bag)) as bag:
-            told = {one.cycle: one for _, one, _ in bag.read_messages(["/house/rosoclingo/task_plan"])}
+            reported = {one.cycle: one for _, one, _ in bag.read_messages(["/house/rosoclingo/task_plan"])}
         compared = 0
         for found in results:
-            plan = told.get(found["step"])
+            plan = reported.get(found["step"])
             if plan is not None and plan.actions and found["answers"]:
                 self.assertEqual((found["step"], found["horizon"]), (plan.cycle, plan.horizon))
                 compared += 1
@@ -129,8 +129,8 @@ class ReplayBag(unittest.TestCase):
             self.assertGreaterEqual(len(goals), GOALS)
             self.assertEqual([goal for goal in goals if goal["ended"] is None], [])
             with rosbag.Bag(str(self.bag)) as bag:
-                told = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
-            self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in told))
+                reported = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
+            self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in reported))
             if browser.found() is not None:
                 self.look_at(page, goals)
 

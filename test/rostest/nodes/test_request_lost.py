@@ -138,12 +138,12 @@ class RequestLost(unittest.TestCase):
         self.assertIn("ROS time has not begun", said)
 
     def test_core_is_restarted(self):
-        with core("anew") as process:
-            _, _, request = self.asks("anew")
+        with core("restarted") as process:
+            _, _, request = self.asks("restarted")
             with request:
                 process.signal(signal.SIGKILL)
                 process.wait()
-                with core("anew"):
+                with core("restarted"):
                     code, said = request.end()
                     self.assertEqual(code, 5, said)
                     self.assertIn("lost:", said)

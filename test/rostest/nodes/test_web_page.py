@@ -190,7 +190,7 @@ class WebPage(unittest.TestCase):
 
     def test_unusable_settings_are_reported(self):
         port = int(self.address.rstrip("/").rpartition(":")[2])
-        for name, value, told in (
+        for name, value, reported in (
             ("port", port, "cannot be served on 127.0.0.1"),
             ("port", 99999, "port"),
             ("host", 7, "host"),
@@ -198,7 +198,7 @@ class WebPage(unittest.TestCase):
             rospy.set_param("~" + name, value)
             with self.assertRaises(ParameterError) as caught:
                 WebNode()
-            self.assertIn(told, str(caught.exception))
+            self.assertIn(reported, str(caught.exception))
             rospy.delete_param("~" + name)
 
 

@@ -93,22 +93,24 @@ class TwoRobots(unittest.TestCase):
         rival.client.cancel_goal()
         rival.wait(lambda: rival.speed == (0.0, 0.0))
         self.assertTrue(rospy.ServiceProxy("simulator/set_pose", SetRobotPose)("anna", 4.0, -0.2, 2.0).success)
-        told = PoseWithCovarianceStamped()
-        told.header.frame_id = "map"
-        told.pose.pose = pose_goal(4.0, -0.2, 2.0).target_pose.pose
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = "map"
+        message.pose.pose = pose_goal(4.0, -0.2, 2.0).target_pose.pose
         lost = rospy.Publisher("robot_0/initialpose", PoseWithCovarianceStamped, queue_size=1)
         wait_until(lost.get_num_connections, "the localisation to listen")
-        lost.publish(told)
-        wait_until(lambda: is_near(rospy.wait_for_message("robot_0/amcl_pose", type(told)), told), "it to be found")
+        lost.publish(message)
+        wait_until(
+            lambda: is_near(rospy.wait_for_message("robot_0/amcl_pose", type(message)), message), "it to be found"
+        )
         self.assertEqual(rival.drive(8.0, 0.0), (SUCCEEDED, "Goal reached."))
         self.assertLess(rival.distance(8.0, 0.0), 0.2)
         truth.unregister()
         bert.wait(lambda: bert.speed[0] < 0.01)
 
 
-def is_near(found, told):
+def is_near(found, message):
     """Return whether two poses are next to each other."""
-    a, b = found.pose.pose.position, told.pose.pose.position
+    a, b = found.pose.pose.position, message.pose.pose.position
     return math.hypot(a.x - b.x, a.y - b.y) < 0.05
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import rospy
 import rostest
-import tf2_ros  # noqa: F401 - what is launched needs it: where it is missing this file is not run
+import tf2_ros  # noqa: F401 - the launched nodes need it: this file is skipped without it
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
 PATIENCE = 300.0  # seconds of wall time for one command

@@ -149,5 +149,5 @@ def test_carrying_world_sends_no_return_before_its_action(seed):
     play = Play(OFFICE, core, Random(seed), 0)
     for _ in range(40):
         play.stir()
-    told = {fact for fact in core.facts if fact.startswith("_return")}
-    assert {fact for fact in told if not fact.endswith(f",{play.cycle - 1})")} == set()
+    reported = {fact for fact in core.facts if fact.startswith("_return")}
+    assert {fact for fact in reported if not fact.endswith(f",{play.cycle - 1})")} == set()

@@ -260,8 +260,8 @@ def test_plan_bound_reaches_the_solver():
 
 def claimed(program, requests):
     """Return the program's lower bound for a plan, from a grounding of one step after a search."""
-    told = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
-    update = StreamUpdate(1, None, tuple(map(fact, told)))
+    reported = [parse_atom(f"_request(goal(o{a},o{b},{number}),2)") for number, (a, b) in enumerate(requests, 1)]
+    update = StreamUpdate(1, None, tuple(map(fact, reported)))
     snapshot = Snapshot.initial(program).with_update(update, program)
     found = []
     for one in (snapshot, replace(snapshot, step=2)):
@@ -291,8 +291,8 @@ def test_plan_bound_is_recomputed_only_for_few_requests():
     assert steps_of("_check", ground(program, [(1, 2)] * 16, 20)[0]) == {1, 9, 17}
     assert steps_of("_check", ground(program, [(1, 2)] * 17, 20)[0]) == {1}
     more = [f"_request(goal(o1,o2,{number}),3)" for number in range(20, 36)]
-    told, loads = ground(program, [(1, 2)] * 16, 20, facts=more)[0], {}
-    for atom in told.symbolic_atoms.by_signature("_loads", 3):
+    control, loads = ground(program, [(1, 2)] * 16, 20, facts=more)[0], {}
+    for atom in control.symbolic_atoms.by_signature("_loads", 3):
         number, step = (one.number for one in atom.symbol.arguments[1:])
         loads[step] = max(loads.get(step, 0), number)
     assert loads == {1: 6, 2: 11, 10: 6, 18: 6}

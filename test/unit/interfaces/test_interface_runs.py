@@ -109,8 +109,8 @@ def test_goal_run_connected_server_is_lost_by_both_clocks(phase, now):
 
 def test_goal_run_waits_for_starting_server_with_one_report():
     run = run_in(Phase.WAITING)
-    told = [run.wait_on(later(wall=second)) for second in range(1, 100)]
-    assert told == [True] + [False] * 98
+    reported = [run.wait_on(later(wall=second)) for second in range(1, 100)]
+    assert reported == [True] + [False] * 98
     assert run.tick(later(wall=99.0 + 4.9)) is Effect.NOTHING
     assert run.tick(later(wall=99.0 + 5.0)) is Effect.FINISH
     assert run.verdict == "server_lost"

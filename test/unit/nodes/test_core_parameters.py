@@ -71,7 +71,7 @@ def test_core_parameters_reject_unknown_resume_value(program, value):
 
 
 @pytest.mark.parametrize(
-    ("labels", "told"),
+    ("labels", "reported"),
     [
         ({"a": [1, 2, 0.5], "b": {"x": 0, "y": 1, "frame": "map"}}, {"a": [1.0, 2.0, 0.5], "b": [0.0, 1.0, 0.0]}),
         ({"a": [1, 2], "dock": {"x": 0, "y": 0, "frame": "odom"}}, {"a": [1.0, 2.0, 0.0]}),
@@ -80,9 +80,9 @@ def test_core_parameters_reject_unknown_resume_value(program, value):
     ],
     ids=["poses", "another frame", "names", "none"],
 )
-def test_core_parameters_pass_label_file_to_program(program, labels, told):
+def test_core_parameters_pass_label_file_to_program(program, labels, reported):
     found = core_parameters({"program_files": program, "labels": labels})
-    assert found.deciding["labels"] == told
+    assert found.deciding["labels"] == reported
     assert len(found.labels) == 2
 
 
@@ -165,8 +165,8 @@ def test_core_parameters_reject_constants_unknown_to_program(program):
         "~constants: the program has no #const m (its constants are n)",
     ]
     _, odd = load_program(core_parameters({"program_files": [program], "constants": {"n": -1}}))
-    (told,) = [one for one in odd if "negative-constant" in one]
-    assert told.startswith("constant n: n is -1")
+    (reported,) = [one for one in odd if "negative-constant" in one]
+    assert reported.startswith("constant n: n is -1")
 
 
 def test_core_parameters_report_constant_that_prevents_loading(tmp_path):
@@ -197,8 +197,8 @@ def test_core_parameters_lint_findings_are_logged_at_start(tmp_path):
     )
     labels = {"hall": [1.0, 1.0], "kitchen": [2.0, 1.0], "attic": [3.0, 3.0], "study": [0.0, 0.0]}
     _, odd = load_program(core_parameters({"program_files": [str(path)], "labels": {**labels, "kitchn": [2.0, 1.0]}}))
-    told = [re.sub(r" \(.*\)", "", one.replace(str(path), "drive.lp")) for one in odd]
-    assert told == [
+    reported = [re.sub(r" \(.*\)", "", one.replace(str(path), "drive.lp")) for one in odd]
+    assert reported == [
         "drive.lp:5:11: no rule and no #external defines brocken/1: it is never true [undefined]",
         "~labels: no action uses the label kitchen [idle-label]",
         "~labels: no action uses the label attic [idle-label]",

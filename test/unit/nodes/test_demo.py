@@ -31,7 +31,7 @@ def test_demo_shows_the_error_despite_later_output(demo, tmp_path, log, shown):
     system._process.wait()
     with pytest.raises(demo.DemoError) as caught:
         system.check()
-    told = str(caught.value)
-    assert str(system.log) in told
-    assert all(words in told for words in shown)
-    assert told.count("\n") <= 15
+    reported = str(caught.value)
+    assert str(system.log) in reported
+    assert all(words in reported for words in shown)
+    assert reported.count("\n") <= 15

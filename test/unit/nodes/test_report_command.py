@@ -200,8 +200,8 @@ def test_report_shows_goals_without_recorded_clients(report, write, run, message
         return messages.GoalStates(goals=states)
 
     said = [one for one in run() if heard or not one[1].endswith("/goal")]
-    told = [("g(1)",), ("g(1)", "g(2)"), ("g(1)", "g(2)", "g(3)")]
-    said += [(2.5 + tick, "/rosoclingo/goals", goals(*texts)) for tick, texts in enumerate(told)]
+    reported = [("g(1)",), ("g(1)", "g(2)"), ("g(1)", "g(2)", "g(3)")]
+    said += [(2.5 + tick, "/rosoclingo/goals", goals(*texts)) for tick, texts in enumerate(reported)]
     report(write(sorted(said, key=lambda one: one[0])))
     found = [goal["request"] for _, goal in shown(tmp_path / "run.html")["goals"]]
     assert found == [*([GOAL] if heard else []), "g(1)", "g(2)", "g(3)"]

@@ -64,9 +64,9 @@ def test_rviz_panel_goals_use_the_available_lines(count, length):
     assert heading == f"goals: 0 open, {count} ended"
     assert 1 <= len(lines) <= LINES
     assert max(map(len, lines)) <= LETTERS
-    told = sum(not line.startswith((" ", "...")) for line in lines)
-    if told < count:
-        assert lines[-1] == f"... {count - told} more"
+    reported = sum(not line.startswith((" ", "...")) for line in lines)
+    if reported < count:
+        assert lines[-1] == f"... {count - reported} more"
 
 
 def test_rviz_panel_ignores_an_invalid_status():

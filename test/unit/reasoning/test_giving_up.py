@@ -117,16 +117,16 @@ class TrialPlanner:
         satisfiable = None if outcome is INTERRUPTED else outcome is SATISFIABLE
         if satisfiable or not self._world.cores:
             return Reply(satisfiable, core=frozenset() if satisfiable else doubted)
-        told = set(self._world.asked[-1].split())
-        whole = next((one for one in self._world.conflicts if one <= told), None)
+        reported = set(self._world.asked[-1].split())
+        whole = next((one for one in self._world.conflicts if one <= reported), None)
         return Reply(False, core=frozenset(fact for fact in doubted if whole is None or name(fact) in whole))
 
     def _outcome(self, update, disabled, withdrawn, steps):
         world = self._world
         assert update.step == STEP
         world.updates.append(update)
-        told = {item.head for item in update.items if isinstance(item, Statement)} - disabled
-        gone = {str(atom.arguments[0].arguments[0]) for atom in told | withdrawn}
+        reported = {item.head for item in update.items if isinstance(item, Statement)} - disabled
+        gone = {str(atom.arguments[0].arguments[0]) for atom in reported | withdrawn}
         seen = {str(one.atom.arguments[0]) for one in world.observations if one.atom not in disabled}
         return world.outcome({one.key for one in world.goals} - gone, seen, bool(withdrawn), steps)
 

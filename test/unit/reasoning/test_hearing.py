@@ -97,8 +97,8 @@ def test_hearing_accepts_requests_that_some_rule_sees(visits, goal):
 )
 def test_hearing_rejects_requests_that_no_rule_sees(visits, goal, advice):
     assert not heard(visits, goal)
-    told = visits.advice(parse_atom(f"_request({goal},2)"))
-    assert told == advice if advice else told
+    reported = visits.advice(parse_atom(f"_request({goal},2)"))
+    assert reported == advice if advice else reported
 
 
 def test_hearing_accepts_a_cycle_named_by_a_rule(visits):

@@ -61,8 +61,8 @@ def test_late_facts_of_long_past_cycles_are_redated():
     driver.goal("b", "do(run,200)")
     assert f"_battery(low,{now})." in driver.journal.updates[-2]
     assert driver.awaited == [f"_action_lib(run,200,{now + 1})"]
-    told = f"_battery(low,3) from interface power is too late: it is redated to _battery(low,{now})"
-    assert driver.problems[0] == told
+    reported = f"_battery(low,3) from interface power is too late: it is redated to _battery(low,{now})"
+    assert driver.problems[0] == reported
     assert driver.finish().states("b")[-1] == "succeeded"
 
 

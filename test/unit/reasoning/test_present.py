@@ -47,9 +47,9 @@ def test_beliefs_follow_a_fact_from_its_cycle_on(show, terms):
     driver = Driver(LAMP.format(show=show))
     driver.facts("_seen(hall,now)")
     assert set(present(driver)) == {"lit(hall,now)", "-lit(yard,now)", *terms}
-    told = len(driver.journal.of(StateChanged))
+    reported = len(driver.journal.of(StateChanged))
     driver.facts("_seen(hall,now)")
-    assert len(driver.journal.of(StateChanged)) == told
+    assert len(driver.journal.of(StateChanged)) == reported
     driver.facts("_seen(yard,now)")
     assert {"lit(hall,now)", "lit(yard,now)"} <= set(present(driver))
 

@@ -79,27 +79,29 @@ class World:
         names = {one: requests.get(one) or actions.get(one) or str(one) for one in assumable}
         heads = {item.head for item in update.items if isinstance(item, Statement) and item.head is not None}
         cancels = {one for one in heads if update.step == STEP + 1 and one.name == "_request"}
-        told = {str(one) for one in (heads - cancels) | {one.atom for one in [*self.new, *self.old]}}
-        told.update(map(str, self.requests), actions.values(), requests.values())
-        told -= {names[one] for one in disabled} | {f"g{one.arguments[0].arguments[0]}" for one in cancels - disabled}
-        return self.reply(told, names)
+        assumed = {str(one) for one in (heads - cancels) | {one.atom for one in [*self.new, *self.old]}}
+        assumed.update(map(str, self.requests), actions.values(), requests.values())
+        assumed -= {names[one] for one in disabled} | {
+            f"g{one.arguments[0].arguments[0]}" for one in cancels - disabled
+        }
+        return self.reply(assumed, names)
 
-    def reply(self, told, names):
+    def reply(self, assumed, names):
         self.left = None if self.left is None else self.left - 1
-        self.asked.append(" ".join(sorted(told)))
-        if any(one <= told for one in self.refused) or len(self.asked) - 1 == self.most:
+        self.asked.append(" ".join(sorted(assumed)))
+        if any(one <= assumed for one in self.refused) or len(self.asked) - 1 == self.most:
             raise SolverError("refused by the test")
-        conflict = next((one for one in self.conflicts if one <= told), None)
+        conflict = next((one for one in self.conflicts if one <= assumed), None)
         if conflict is not None:
             return Reply(False, core=frozenset(fact for fact, name in names.items() if name in conflict))
-        return Reply(None if any(one <= told for one in self.slow) else True)
+        return Reply(None if any(one <= assumed for one in self.slow) else True)
 
     def corrected(self, gone, new):
-        told = {str(one.atom) for one in [*self.new, *self.old] if one.atom not in gone}
-        told |= {str(one) for one in self.requests if one not in gone} | {str(one) for one in new}
-        told |= {f"{one.interface}({one.parameter})" for one in self.done if one.atom not in gone}
-        self.last = told
-        return self, self.reply(told, {})
+        assumed = {str(one.atom) for one in [*self.new, *self.old] if one.atom not in gone}
+        assumed |= {str(one) for one in self.requests if one not in gone} | {str(one) for one in new}
+        assumed |= {f"{one.interface}({one.parameter})" for one in self.done if one.atom not in gone}
+        self.last = assumed
+        return self, self.reply(assumed, {})
 
 
 def changes(world):

@@ -33,8 +33,8 @@ def test_returns_are_dated_with_present_cycle_and_interface():
         (FactAccepted, 2),
         (ReturnAccepted, 2),
     ]
-    told = [(one.origin, one.cycle) for one in driver.journal.of(Problem)]
-    assert told == [("interface", 2), *[("door", 3)] * (MOST_FACTS + 1)]
+    reported = [(one.origin, one.cycle) for one in driver.journal.of(Problem)]
+    assert reported == [("interface", 2), *[("door", 3)] * (MOST_FACTS + 1)]
 
 
 def test_returns_of_actions_that_time_out_are_reported_singly():

@@ -138,8 +138,8 @@ def test_planner_keeps_or_drops_update_of_stopped_search(kept):
     assert caught.value.accepted == kept
     bench.halt, bench.solver.drops = None, False
     trial = bench.planner.restarted()
-    told = plan(trial.update(parse_update("#step 3. #endstep.")))
-    assert any("run" in action for action in told) == kept
+    actions = plan(trial.update(parse_update("#step 3. #endstep.")))
+    assert any("run" in action for action in actions) == kept
 
 
 def test_planner_trial_agrees_with_a_fresh_planner():

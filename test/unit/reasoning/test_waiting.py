@@ -228,8 +228,8 @@ def test_packages_are_delivered_whatever_search_is_interrupted(seed, corrections
             if not fails:
                 world.do(action)
             value = "failed" if fails else action.parameter
-            told = [draw.choice(corrections)] if corrections and draw.random() < 0.3 else []
-            driver.core.receive("world", [*told, f"_return({action.interface},{value},{action.cycle})"])
+            reported = [draw.choice(corrections)] if corrections and draw.random() < 0.3 else []
+            driver.core.receive("world", [*reported, f"_return({action.interface},{value},{action.cycle})"])
     assert {number: world.places[number] for number in wanted} == wanted
     assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
     assert any(driver.waits(f"g{number}") for number in wanted)

@@ -188,8 +188,8 @@ def test_move_base_parameters_of_a_layer_override_costmap(given):
     values = {"global_costmap": {"inflation_radius": 0.8, "inflation_layer": {"inflation_radius": 0.7}}}
     given(values)
     assert settings_of().costmap.inflation_radius == 0.7
-    [told] = unread(values, parameters._READ)
-    assert told.startswith("~global_costmap/inflation_radius")
+    [reported] = unread(values, parameters._READ)
+    assert reported.startswith("~global_costmap/inflation_radius")
 
 
 def test_move_base_parameters_report_all_faults_at_once(given):
