@@ -95,7 +95,7 @@ class Core(unittest.TestCase):
             "do(walk,1": "cannot be a goal",
             "walk": "names no goal",
             "cancel(1)": "cancel the goal itself",
-            good_text: "taken",
+            good_text: "in use",
             "\u00e4(1)": "cannot be a goal",
         }
         for text, reason in reasons.items():

@@ -108,7 +108,8 @@ class CoreDefence(unittest.TestCase):
             self.assertIn(reason, message)
             self.assertLess(len(message), 500)
         self.hands.tell("_seen(" + "9" * 1_000_000 + ")", *["_seen(1)"] * 2000, origin="loudmouth")
-        found = self.diagnostics.wait_for(lambda _, one: "2001 facts in one message" in one["last error"], "the facts")
+        text = "a message from 'loudmouth' has 2001 facts"
+        found = self.diagnostics.wait_for(lambda _, one: text in one["last error"], "the facts")
         self.assertIn("only the first 1000 are accepted", found[1]["last error"])
         goal = self.client.send("do(walk,20)")
         self.hands.succeed(self.hands.take())
