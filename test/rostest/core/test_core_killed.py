@@ -128,7 +128,10 @@ class CoreKilled(unittest.TestCase):
             self.wait_for_trouble()
             runs = self.kill()
         wait_until(lambda: set(self.hands.runs) - runs, "another run")
-        wait_until(lambda: any(f"before {self.stale} could have all" in line for line in list(self.said)), "a warning")
+        wait_until(
+            lambda: any(f"the disk failed before {self.stale} was complete" in line for line in list(self.said)),
+            "a warning",
+        )
         self.assertEqual(lost.wait()[0], GoalStatus.LOST)
         goal, command = self.begin("do(walk,4)")
         self.answer_until(command, lambda: CommState.DONE in goal.states)

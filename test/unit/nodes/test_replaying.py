@@ -101,7 +101,7 @@ def test_replay_prints_answer_of_a_cycle_as_table(replay, write):
 @pytest.mark.slow
 def test_replay_refuses_a_cycle_beyond_the_run(replay, write, capsys):
     assert replay(write(), "--to", 999)[0] == 2
-    assert "--to 999 is beyond" in capsys.readouterr().err
+    assert "--to 999 is after the last cycle" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -105,7 +105,7 @@ def test_driving_to_goal_under_unmapped_obstacle_ends():
     drive = Drive(simulation(room(), START, obstacles=(crate,)))
     result = drive.to(Pose2D(4.8, 1.0))
     assert result.outcome is NavigationOutcome.NO_PLAN
-    assert "something that is not on the map" in result.message
+    assert "an obstacle that is not on the map" in result.message
     assert drive.recoveries == ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
     assert drive.collisions == []
 
@@ -145,7 +145,7 @@ def test_driving_ends_at_closed_door_unless_it_opens(opens):
 
     result = drive.to(Pose2D(5.0, 1.0), limit=300.0, each=reopen)
     assert result.outcome is (REACHED if opens else NavigationOutcome.NO_PLAN)
-    assert opens or "blocked by something that is not on the map" in result.message
+    assert opens or "blocked by an obstacle that is not on the map" in result.message
     assert drive.collisions == []
 
 
