@@ -78,7 +78,7 @@ class TwoRobots(unittest.TestCase):
         self.assertLess(anna.distance(13.0, 0.0), 0.2)
         self.assertLess(bert.distance(2.0, 0.0), 0.2)
 
-    def test_robot_is_moved_while_somebody_walks_about(self):
+    def test_walkers_do_not_stop_a_moved_robot(self):
         """Concurrent goals, and a person who walks to and fro. The last test: odometry is wrong afterwards."""
         rospy.ServiceProxy("reset_positions", Empty)()
         anna, bert = self.drivers
