@@ -25,6 +25,9 @@ _OWN = ("server", "timeout", "server_timeout", "pause", "retries", "repeatable")
 class InterfacesNode:
     """One ROS node that hosts one or several configured interfaces on one worker thread.
 
+    Topics and actions are those of Interface, for each interface. Raises ConfigError, which lists all faults of the
+    parameters.
+
     Parameters
     ----------
         ~interfaces (map, optional): the entries, see doc/interfaces.md; default: config/interfaces.yaml.
@@ -37,9 +40,6 @@ class InterfacesNode:
             single interface.
         ~memory (str, optional): folder in which the node records begun and answered actions, so that it repeats none
             after it was killed; empty: no file; default: rosoclingo/interfaces in ROS's home.
-
-    Topics and actions are those of Interface, for each interface.
-    Raises ConfigError, which lists all faults of the parameters.
 
     """
 
