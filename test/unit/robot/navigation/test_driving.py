@@ -145,7 +145,7 @@ def test_driving_ends_at_closed_door_unless_it_opens(opens):
 
     result = drive.to(Pose2D(5.0, 1.0), limit=300.0, each=reopen)
     assert result.outcome is (REACHED if opens else NavigationOutcome.NO_PLAN)
-    assert opens or "blocked by an obstacle that is not on the map" in result.message
+    assert opens or "blocked by something that is not on the map" in result.message
     assert drive.collisions == []
 
 
