@@ -35,9 +35,12 @@ class InterfacesNode:
         ~labels (map, optional): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`. Without them, an action that
             needs the pose of a label returns unknown_label.
         ~frame (str, default "map"): tf frame of labels without a frame.
-        ~server (str, optional), ~timeout (float, optional), ~server_timeout (float, optional), ~pause (float,
-            optional), ~retries (int, optional), ~repeatable (bool, optional): override the entry, if the node runs a
-            single interface.
+        ~server (str, optional): overrides the entry, if the node runs a single interface.
+        ~timeout (float, optional): overrides the entry, if the node runs a single interface.
+        ~server_timeout (float, optional): overrides the entry, if the node runs a single interface.
+        ~pause (float, optional): overrides the entry, if the node runs a single interface.
+        ~retries (int, optional): overrides the entry, if the node runs a single interface.
+        ~repeatable (bool, optional): overrides the entry, if the node runs a single interface.
         ~memory (str, optional): folder in which the node records begun and answered actions, so that it repeats none
             after it was killed; empty: no file; default: rosoclingo/interfaces in ROS's home.
 
