@@ -246,71 +246,45 @@ def line(head, cells, names):
     return "  ".join([head[0].ljust(5), str(head[1]).rjust(8), head[2].ljust(6), *shown])
 
 
-def main():
+SHORT = {
+    "lama_seconds": 1,
+    "floors": ["4", "20", "loops"],
+    "requests": [20],
+    "how": ["once"],
+    "seconds": [1, 5],
+    "action_time": 0.05,
+}
+"""Values of options in the short form."""
+
+
+def command_line():
+    """Return the parser of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--floors", nargs="+", default=["4", "20", "50", "loops"], help="floors (default: %(default)s)")
-    parser.add_argument(
-        "--requests",
-        type=int,
-        nargs="+",
-        default=[3, 10, 20, 50, 100],
-        help="numbers of requests (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--how", nargs="+", choices=HOWS, default=list(HOWS), help="arrival of requests (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--seeds", type=int, nargs="+", default=[1], help="a row is the mean of these seeds (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--seconds", type=float, nargs="+", default=[1, 5, 20], help="times to compare plans at (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--plan-time",
-        type=float,
-        default=CoreParameters.plan_time,
-        help="~plan_time of the core (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--action-time",
-        type=float,
-        default=0.5,
-        help="seconds to improve the plan during an action; real actions take longer (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--search-timeout",
-        type=float,
-        default=CoreSettings.search_timeout,
-        help="~search_timeout of the core (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--all-seconds",
-        type=float,
-        default=60,
-        help="time limit of a plan for all requests (default: %(default)s)",
-    )
-    parser.add_argument("--gap", type=int, default=4, help="actions between two requests (default: %(default)s)")
-    parser.add_argument("--or-seconds", type=float, default=5, help="OR-Tools' time for a plan (default: %(default)s)")
-    parser.add_argument(
-        "--or-stream-seconds",
-        type=float,
-        default=1,
-        help="OR-Tools' time for each plan in a stream (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--lama-seconds", type=float, default=10, help="time limit of seq-sat-lama-2011 (default: %(default)s)"
-    )
+
+    def add(name, default, text, **more):
+        parser.add_argument(name, default=default, help=f"{text} (default: %(default)s)", **more)
+
+    add("--floors", ["4", "20", "50", "loops"], "floors", nargs="+")
+    add("--requests", [3, 10, 20, 50, 100], "numbers of requests", type=int, nargs="+")
+    add("--how", list(HOWS), "arrival of requests", nargs="+", choices=HOWS)
+    add("--seeds", [1], "a row is the mean of these seeds", type=int, nargs="+")
+    add("--seconds", [1, 5, 20], "times to compare plans at", type=float, nargs="+")
+    add("--plan-time", CoreParameters.plan_time, "~plan_time of the core", type=float)
+    add("--action-time", 0.5, "seconds to improve the plan during an action; real actions take longer", type=float)
+    add("--search-timeout", CoreSettings.search_timeout, "~search_timeout of the core", type=float)
+    add("--all-seconds", 60, "time limit of a plan for all requests", type=float)
+    add("--gap", 4, "actions between two requests", type=int)
+    add("--or-seconds", 5, "OR-Tools' time for a plan", type=float)
+    add("--or-stream-seconds", 1, "OR-Tools' time for each plan in a stream", type=float)
+    add("--lama-seconds", 10, "time limit of seq-sat-lama-2011", type=float)
     parser.add_argument("--without-or-tools", action="store_true", help="leave OR-Tools out")
     parser.add_argument("--without-fast-downward", action="store_true", help="leave Fast Downward out")
-    short = {
-        "lama_seconds": 1,
-        "floors": ["4", "20", "loops"],
-        "requests": [20],
-        "how": ["once"],
-        "seconds": [1, 5],
-        "action_time": 0.05,
-    }
-    options = parse(parser, **short)
+    return parser
+
+
+def main():
+    parser = command_line()
+    options = parse(parser, **SHORT)
     try:
         for name in options.floors:
             floor_named(name)

@@ -164,7 +164,7 @@ class CoreNode:
         self._keeper.attach(self._core, found.state)
         self._results = Results(resumed=found.state is not None)
         self._worker = Worker(self._settle)
-        self._given_up = UnmetGoals(program, self._worker, self._keeper.aborted_goals)
+        self._unmet_goals = UnmetGoals(program, self._worker, self._keeper.aborted_goals)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
