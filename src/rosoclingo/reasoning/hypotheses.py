@@ -72,7 +72,7 @@ class Hypotheses:
     ) -> None:
         """Make the ``facts`` of the stream, executed actions, and ``further`` unstated facts assumable."""
         self._planner, self._impasse, self._way = planner, impasse, way
-        self._beside: Optional[Planner] = None
+        self._trial_planner: Optional[Planner] = None
         self._refuted: List[_Refuted] = []
         cancels = self._cancels(impasse.goals)
         self._assumable = frozenset([*facts, *further, *cancels, *self._requests(impasse.goals)])
@@ -92,9 +92,11 @@ class Hypotheses:
             if known.covers(disabled, steps):
                 return Reply(False, core=known.core)
         try:
-            if self._beside is None:
-                self._beside = self._planner.before_update() if self._way is Way.KEPT else self._planner.restarted()
-            reply = self._beside.inquire(self._update, self._assumable, disabled, steps)
+            if self._trial_planner is None:
+                self._trial_planner = (
+                    self._planner.before_update() if self._way is Way.KEPT else self._planner.restarted()
+                )
+            reply = self._trial_planner.inquire(self._update, self._assumable, disabled, steps)
         except SolverError:  # the update takes too long, or is refused
             return UNKNOWN
         if reply.satisfiable is False:
