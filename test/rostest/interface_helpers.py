@@ -66,7 +66,7 @@ class CoreSide:
     """Sends commands as the core does and collects the answers.
 
     With a run it announces the run and sends the actions under way to each newcomer, as the core does; without a run
-    it is a core that knows of no runs.
+    it is a core without runs.
     """
 
     def __init__(self, run=None, under_way=()):

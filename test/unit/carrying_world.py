@@ -225,7 +225,7 @@ class Play:
         """Judge an action of the core, execute it or let it fail, and answer."""
         found = re.fullmatch(r"_action_lib\((\w+),(\w+),(\d+)\)", text)
         if found is None:
-            self._fault(f"{text} is no action")
+            self._fault(f"{text} is not an action")
             return
         interface, what, self.cycle = found[1], found[2], int(found[3])
         for key in [key for key in self._put_back if key in self.live]:

@@ -9,7 +9,7 @@ class Standby:
     """Prefetches answers within ``delay`` cycles; its solvers have this ``plan_time``.
 
     Attributes:
-        searches: number of searches for which the robot waited, as no answer was prefetched.
+        searches: number of searches that the robot waited for, because no answer was prefetched.
         waits: number of times that the core waited for a prefetched answer.
 
     """

@@ -131,7 +131,7 @@ def test_house_modules_have_no_import_cycle():
         name[: -len(".__init__")] if name.endswith(".__init__") else name: path for name, path in modules.items()
     }
     left = {name: imported_modules(path, modules) - {name} for name, path in modules.items()}
-    while True:  # modules without a remaining import are part of no cycle; imports for types count as well
+    while True:  # modules without a remaining import are not part of a cycle; imports for types count as well
         last = {name for name, imports in left.items() if not imports & left.keys()}
         if not last:
             break

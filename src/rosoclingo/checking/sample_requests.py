@@ -69,7 +69,7 @@ def names_in_facts(program: ReactiveProgram) -> List[str]:
                     fact = parse_atom(str(statement.head))
                 except ProgressionError:  # an interval or a pool, which stands for several facts
                     continue
-                if fact.name.startswith("_"):  # keywords such as _says/2, whose names are no arguments of requests
+                if fact.name.startswith("_"):  # keywords such as _says/2, whose names are not arguments of requests
                     continue
                 found.update(str(one) for one in fact.arguments if one.type is clingo.SymbolType.Function)
     return [name for name, _ in found.most_common(NAMES)]

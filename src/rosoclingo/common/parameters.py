@@ -65,7 +65,7 @@ def warn_of_unread() -> None:
     """Log the private parameters that the node has not read; call this after it has read all."""
     try:
         found = unread(_private(), frozenset(_READ))
-    except FAULTS:  # a master that died meanwhile is no reason to end
+    except FAULTS:  # a master that died meanwhile is not a reason to end
         return
     if found:
         rospy.logwarn("%s: unknown parameters: %s", rospy.get_name(), ", ".join(found))

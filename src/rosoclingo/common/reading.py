@@ -76,12 +76,12 @@ class Reader:
         if key not in self._known:
             self._known.append(key)
         inside = self.value.get(key, MISSING) if isinstance(self.value, Mapping) else MISSING
-        # A value that is no mapping is a single fault; do not report its keys as missing too.
+        # A value that is not a mapping is a single fault; do not report its keys as missing too.
         faults = self.faults if isinstance(self.value, Mapping) or not self.given else []
         return Reader(inside, self._of(key), self.source, self._where, self._joint, faults)
 
     def close(self, wanted: str = "", also: Iterable[str] = ()) -> None:
-        """Add faults for keys that were neither read nor are in ``also``, or if the value is no mapping."""
+        """Add faults for keys that were neither read nor are in ``also``, or if the value is not a mapping."""
         self._known += also
         known = ", ".join(self._known)
         if isinstance(self.value, Mapping):

@@ -96,7 +96,7 @@ class Worker:
             finally:
                 self._ended.set()
         except BaseException:  # noqa: BLE001 the last resort: expected exceptions are caught elsewhere
-            if not ending():  # closed topics at shutdown are no error
+            if not ending():  # closed topics at shutdown are not an error
                 rospy.logfatal("the worker failed, the node shuts down:\n%s", traceback.format_exc())
                 _failure.set()
                 rospy.signal_shutdown("the worker failed")

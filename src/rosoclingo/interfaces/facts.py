@@ -22,7 +22,7 @@ REMEMBERED = 1000  # limit of remembered actions; those of the present cycle alw
 
 
 class CommandError(ValueError):
-    """A fact that is no command; the message has the text and its fault."""
+    """A fact that is not a command; the message has the text and its fault."""
 
 
 class Verb(enum.Enum):

@@ -170,14 +170,14 @@ def _one_term(reference: str, value: Any, joined: bool) -> str:
     """Return the text of a value outside quotes.  Raises FillError if it is not a single term."""
     text = str(value) if isinstance(value, Symbol) and not joined else _inner_text(value)
     if joined and not _PART_OF_NAME.match(text):
-        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no part of a name")
+        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is not part of a name")
     try:
         if isinstance(value, float):
             raise TermError("ASP has no fractions")
         return text if joined or isinstance(value, Symbol) else str(read_term(text))
     except TermError:
         fix = f'write "${{{reference}}}", within quotes, for an ASP string'
-        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is no term: {fix}") from None
+        raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is not a term: {fix}") from None
 
 
 def _substitute(match: Match[str], scope: ActionScope) -> str:

@@ -12,7 +12,7 @@ _NO_TEXT = re.compile("[\0\ud800-\udfff]")
 
 
 class TermError(ValueError):
-    """A text that is no ground term, or a value that does not fit its field."""
+    """A text that is not a ground term, or a value that does not fit its field."""
 
 
 def read_term(text: str) -> Symbol:
@@ -20,7 +20,7 @@ def read_term(text: str) -> Symbol:
     try:
         return parse_term(text)
     except ProgressionError as error:
-        raise TermError(f"{text!r} is no ground term: {error.message}") from error
+        raise TermError(f"{text!r} is not a ground term: {error.message}") from error
 
 
 def read_atom(text: str) -> Symbol:
@@ -28,7 +28,7 @@ def read_atom(text: str) -> Symbol:
     try:
         return parse_atom(text)
     except ProgressionError as error:
-        raise TermError(f"{text!r} is no ground atom: {error.message}") from error
+        raise TermError(f"{text!r} is not a ground atom: {error.message}") from error
 
 
 def as_string(text: str) -> Symbol:
@@ -67,7 +67,7 @@ def as_integer(value: Any) -> int:
     try:
         return int(as_text(value))
     except ValueError:
-        raise TermError(f"{as_text(value)} is no whole number") from None
+        raise TermError(f"{as_text(value)} is not an integer") from None
 
 
 def as_real(value: Any) -> float:
@@ -77,7 +77,7 @@ def as_real(value: Any) -> float:
     except ValueError:
         number = math.nan
     if isinstance(value, bool) or not math.isfinite(number):
-        raise TermError(f"{as_text(value)} is no finite number")
+        raise TermError(f"{as_text(value)} is not a finite number")
     return number
 
 

@@ -23,7 +23,7 @@ def new_package(name: str, folder: Path, templates: Path, known: Iterable[str] =
     """
     if not _FIT.fullmatch(name):
         raise NewPackageError(
-            f"'{name}' is no name for a package: use 2 to 100 lower-case letters, digits and '_', a letter first"
+            f"'{name}' is not a valid package name: use 2 to 100 lower-case letters, digits and '_', a letter first"
         )
     package = folder / name
     if name in known and not package.exists():

@@ -34,7 +34,7 @@ class Explanations:
 
     def _enter(self, atom: Symbol) -> None:
         if len(atom.arguments) != 3 or atom.arguments[2].type is not SymbolType.Number:
-            self.faults.append(f"'{atom}' is no explanation: write _explain(What,Text,C)")
+            self.faults.append(f"'{atom}' is not an explanation: write _explain(What,Text,C)")
             return
         what, text, cycle = atom.arguments
         if what not in self._texts or self._texts[what][0] <= cycle.number:

@@ -66,7 +66,7 @@ def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], 
         if number is not None and word.type is SymbolType.Function and word.name in WORDS:
             table.setdefault((identifier, number), []).append(word)
         else:
-            text = "'{}' is no status: write _status(Id,S,C), where S is one of {}".format(atom, ", ".join(WORDS))
+            text = "'{}' is not a status: write _status(Id,S,C), where S is one of {}".format(atom, ", ".join(WORDS))
             faults.append((number, text))
     return table, sorted(faults, key=lambda fault: fault[1])
 

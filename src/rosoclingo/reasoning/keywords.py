@@ -174,5 +174,5 @@ def _arguments(atom: Symbol, name: str, form: str) -> "tuple[Symbol, Symbol, int
         raise KeywordError(f"'{atom}' is not of the form {form}")
     first, second, cycle = atom.arguments
     if cycle.type is not SymbolType.Number or cycle.number < 1:
-        raise KeywordError(f"'{atom}': the cycle '{cycle}' is no positive integer")
+        raise KeywordError(f"'{atom}': the cycle '{cycle}' is not a positive integer")
     return first, second, cycle.number

@@ -113,7 +113,7 @@ def drawing_fault(fact: Symbol) -> str:
         return f"write {DRAWS}(Predicate,Kind) or {DRAWS}(Predicate,Kind,Text)"
     kinds = [one.value for one in DrawingKind]
     if str(fact.arguments[1]) not in kinds:
-        return f"{fact.arguments[1]} is no kind, write one of {', '.join(kinds)}"
+        return f"{fact.arguments[1]} is not a kind: write one of {', '.join(kinds)}"
     if len(fact.arguments) == 3 and fact.arguments[2].type is not SymbolType.String:
         return f'the text has to be a string, write "{fact.arguments[2]}"'
     return ""

@@ -10,7 +10,7 @@ A choice is one of these:
 * a list of terms;
 * ``labels``: all labels with a pose;
 * ``packages``: all packages at a known place;
-* ``place of NAME``: the place of the package that was chosen as NAME, which is no field of the form.
+* ``place of NAME``: the place of the package that was chosen as NAME, which is not a field of the form.
 
 The places of one goal differ: a label chosen from ``labels`` cannot be another place of the goal.
 """
@@ -126,9 +126,9 @@ def _form(reader: Reader) -> OrderForm:
         reader.fault(f"'{name}' has to be in the goal, as {{{name}}}, and among the choices")
     for one in choices:
         if one.kind == PLACE_OF and (one.of not in names or names[one.of].kind != PACKAGES):
-            reader.fault(f"'{one.of}' is no choice of packages")
+            reader.fault(f"'{one.of}' is not a choice of packages")
     if not reader.faults and not _is_term(_NAME.sub("1", goal)):
-        reader.at("goal").fault("is no ground term")
+        reader.at("goal").fault("is not a ground term")
     return form
 
 
@@ -143,7 +143,7 @@ def _choice(name: str, reader: Reader) -> Choice:
     )
     for term in terms:
         if not _is_term(term):
-            reader.fault(f"'{term}' is no ground term")
+            reader.fault(f"'{term}' is not a ground term")
     return Choice(name, terms=terms)
 
 

@@ -190,7 +190,7 @@ class Replay:
         ended = [text for text in cycle.problems if any(words in text for words in _ENDED)]
         why = ended[-1] if ended else "and the core did not report that it ended the search"
         if published is None and not ended:  # the core logs equal problems at most once a minute
-            why = "the search was ended, as no plan of it was published"
+            why = "the search was ended, because its plan was not published"
         return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(ended) or published is None)
 
     @staticmethod

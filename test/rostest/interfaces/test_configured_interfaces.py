@@ -388,7 +388,7 @@ class InterfaceNode(unittest.TestCase):
             "~interfaces: leg.type: no action nowhere/NoAction",
             "~interfaces: leg.done.when.packages.idea: rosoclingo/PackageState has no such field; it has id, location",
             "~interfaces: head.done.type: no message nowhere/Nothing",
-            "~interfaces: head.goal.goal: needs int32, but much is no whole number",
+            "~interfaces: head.goal.goal: needs int32, but much is not an integer",
         )
         for beginning in beginnings:
             self.assertEqual(len([fault for fault in faults if fault.startswith(beginning)]), 1, (beginning, faults))

@@ -47,7 +47,7 @@ class Surveyor(GridPlanner):
 
 
 class Stroller(LocalPlanner):
-    """Delegates to another follower, limits the speed, and returns a value that is no number on demand of the test."""
+    """Delegates to another follower, limits the speed, and returns NaN if the test demands it."""
 
     def __init__(self, parameters=None, radius=0.18, footprint=()):
         super().__init__(parameters, radius, footprint)

@@ -109,7 +109,7 @@ def test_worker_error_ends_node_with_a_traceback(make, monkeypatch, at_the_end):
     assert not after, "its state is perhaps inconsistent"
     assert worker_module.failed() != at_the_end
     if at_the_end:
-        assert not logged, "topics are closed then, which is no fault"
+        assert not logged, "topics are closed then, which is not a fault"
     else:
         assert len(logged) == len(ended) == 1
         assert "Traceback" in logged[0]

@@ -115,7 +115,7 @@ LIVES = {
     "somebody else drives it with its load": (ROW, """
         request 1 1 3; works 1; fails preempted 3; has_no_plan; cancel 1; rests; place 1 rides o1; request 1 1 2
         finish 2; ended 1 succeeded"""),
-    "actions that the core ends are no failures": (ROW, f"""
+    "actions that the core ends are not failures": (ROW, f"""
         request 1 2 1; {"fails preempted; called_off;" * 5} finish; ended 1 succeeded"""),
     "things that could not be put down are asked for again": (ROW, """
         request 1 1 2; works 2; fails failed 3; rests; place 1 stuck; request 1 2 4; rests; request 1 1 4; finish 3

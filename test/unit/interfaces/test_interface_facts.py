@@ -124,15 +124,15 @@ def test_facts_cancellation_names_the_same_action():
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("_action_lib(move_base,office2", "is no ground atom"),
-        ("_action_lib(move_base,X,1)", "is no ground atom"),
-        ("", "is no ground atom"),
+        ("_action_lib(move_base,office2", "is not a ground atom"),
+        ("_action_lib(move_base,X,1)", "is not a ground atom"),
+        ("", "is not a ground atom"),
         ("_action_lib(move_base,office2)", "not of the form"),
         ("_cancel(move_base,office2)", "not of the form"),
         ("go(move_base,office2,1)", "not of the form"),
         ("-_action_lib(move_base,office2,1)", "not of the form"),
-        ("_action_lib(move_base,office2,now)", "cycle 'now' is no positive integer"),
-        ("_action_lib(move_base,office2,-1)", "cycle '-1' is no positive integer"),
+        ("_action_lib(move_base,office2,now)", "cycle 'now' is not a positive integer"),
+        ("_action_lib(move_base,office2,-1)", "cycle '-1' is not a positive integer"),
         ("_action_lib(pickup,office2,1)", "is for pickup, but was sent to move_base"),
     ],
 )

@@ -144,7 +144,7 @@ def test_memory_is_written_once_full_disk_has_room(tmp_path):
         one.tend(100.0)
         assert "cannot write" in one.trouble
         assert "disk" in one.trouble
-        assert memory(tmp_path).recall(PICKUP) == Record("goal-1"), "a partly written entry is no answer"
+        assert memory(tmp_path).recall(PICKUP) == Record("goal-1"), "a partly written entry is not an answer"
     one.tend(100.0 + RETRY - 0.1)
     assert one.trouble
     one.tend(100.0 + RETRY)

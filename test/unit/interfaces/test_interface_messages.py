@@ -81,7 +81,7 @@ def test_messages_scalars_times_and_arrays_are_filled():
             r"goal.points: geometry_msgs/Point32 cannot be .*: a pose fills geometry_msgs/Pose, ",
         ),
         (Int8(), {"data": 128}, r"goal.data: needs int8, but 128 is out of its range"),
-        (Int8(), {"data": read_term("cup")}, r"goal.data: needs int8, but cup is no whole number"),
+        (Int8(), {"data": read_term("cup")}, r"goal.data: needs int8, but cup is not an integer"),
         (Bool(), {"data": "maybe"}, r"goal.data: needs bool, but maybe is neither true nor false"),
         (
             PoseWithCovariance(),

@@ -141,7 +141,7 @@ def test_template_first_matching_rule_answers():
     assert str(answer(rules, scope(ended=GoalEnd("aborted", "", None))).value) == "blocked"
     assert str(answer(rules, scope(ended=GoalEnd("rejected"))).value) == "rejected"
     assert first.facts == ()
-    assert "is no ground atom" in first.warnings[0]
+    assert "is not a ground atom" in first.warnings[0]
 
 
 def test_template_adds_facts_and_terms_from_result():
@@ -202,7 +202,7 @@ def test_template_bare_text_is_one_term_or_reported(words):
         assert heard.arguments[0] == read_term(words) == given.value.arguments[0]
     else:
         assert len(given.warnings) == 2
-        assert all("which is no term" in warning for warning in given.warnings)
+        assert all("which is not a term" in warning for warning in given.warnings)
         assert str(given.value) == "office2", "as without the rule"
 
 
@@ -229,15 +229,15 @@ def test_template_server_words_in_a_fact(words, template, fact):
         (
             "two words",
             "heard(${text},now)",
-            "${text} is 'two words', which is no term: write \"${text}\", within quotes",
+            "${text} is 'two words', which is not a term: write \"${text}\", within quotes",
         ),
-        ("a,b", "heard(${text},now)", "is no term"),
-        ("a),evil(b", "heard(${text})", "is no term"),
-        ("", "heard(${text},now)", "${text} is '', which is no term"),
-        (0.5, "heard(${result.message},now)", "${result.message} is '0.5', which is no term"),
-        (float("inf"), "heard(${result.message},now)", "which is no term"),
-        ("a(b", "heard_${text}(now)", "which is no part of a name"),
-        ("two words", "$text", "is no ground atom"),
+        ("a,b", "heard(${text},now)", "is not a term"),
+        ("a),evil(b", "heard(${text})", "is not a term"),
+        ("", "heard(${text},now)", "${text} is '', which is not a term"),
+        (0.5, "heard(${result.message},now)", "${result.message} is '0.5', which is not a term"),
+        (float("inf"), "heard(${result.message},now)", "which is not a term"),
+        ("a(b", "heard_${text}(now)", "which is not part of a name"),
+        ("two words", "$text", "is not a ground atom"),
     ],
 )
 def test_template_reports_server_words_that_are_no_term(words, template, warning):

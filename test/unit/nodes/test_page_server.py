@@ -243,7 +243,7 @@ def test_server_answers_a_number_that_is_invalid(number):
         async def scene():
             client = await served.connect()
             await client.write_message(f'{{"number": {number}}}')
-            assert await answered(client) == {"number": None, "fault": "'number' is no whole number"}
+            assert await answered(client) == {"number": None, "fault": "'number' is not an integer"}
             await client.write_message('{"number": 3}')
             assert await answered(client) == {"number": 3, "heard": 1}
 

@@ -209,7 +209,7 @@ def test_replay_refuses_files_that_are_no_bag(replay, write, capsys, tmp_path):
     assert "none.bag cannot be read: No such file" in capsys.readouterr().err
     shutil.copy(__file__, tmp_path / "test.bag")
     assert replay(tmp_path / "test.bag")[0] == 2
-    assert "is no bag, or damaged" in capsys.readouterr().err
+    assert "is not a bag, or is damaged" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -130,7 +130,7 @@ def test_admission_delays_unacceptable_goal_longer_each_time():
     clients.tick(now)
     for _ in range(9):
         clients.leave_out()
-        now, rest = now + 1000.0, 0  # the search used its time, so this is no pause
+        now, rest = now + 1000.0, 0  # the search used its time, so this is not a pause
         clients.tick(now)
         assert not clients.served
         while not clients.served:

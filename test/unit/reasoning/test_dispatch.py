@@ -61,7 +61,7 @@ RETURNS = {
     "failure is about any action that no other return names": ("drive,a drive,b drive,c", """
         back drive,failed; failures drive,failed:a:b:c; back drive,b drive,failed(c); missing
         failures drive,failed(c):c drive,failed:a"""),
-    "success is no failure": ("drive,f(a) drive,a", "back drive,f(a); missing drive,a; failures"),
+    "success is not a failure": ("drive,f(a) drive,a", "back drive,f(a); missing drive,a; failures"),
     "time-outs of a place named timeout": ("drive,timeout drive,a drive,b arm,c", """
         back drive,a; expire timeout:failed(timeout) b:failed(timeout,b) c:timeout; missing
         failures drive,failed(timeout):timeout drive,failed(timeout,b):b arm,timeout:c"""),

@@ -115,12 +115,12 @@ RECOVERIES = {
         says b reach(hall,2) cannot be met since _shut(d) was reported in cycle 1; is a succeeded"""),
     "malformed explanation": (rooms(words="_explain(I,R,soon(t)) :- asked(R,I,t)."), None, """
         goal a reach(hall,1); facts _return(enter,blocked,1)
-        problem ...'_explain(1,hall,soon(1))' is no explanation: write _explain(What,Text,C)...
+        problem ...'_explain(1,hall,soon(1))' is not an explanation: write _explain(What,Text,C)...
         says a reach(hall,1) cannot be met since enter(hall) returned blocked in cycle 1"""),
     "no time for the reason": (rooms(clashes=[("hall", "den")]), halting(0), """
         goal a reach(hall,1); add b reach(den,2); add c reach(hall,3); facts _return(enter,failed,1); finish
         says a reach(hall,1) cannot be met: there is no plan of at most 8 steps"""),
-    "withheld fact is no reason, without time for other reasons": (
+    "withheld fact is not a reason, without time for other reasons": (
         rooms(doors=[("hall", "d")]) + "#external _odd/1.\n:- _odd(X).", halting(1), """
         facts _odd(1) _odd(2); problems 2; problem ...withheld; facts _shut(d); goal a reach(hall,1)
         says a reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"""),

@@ -204,7 +204,7 @@ def test_repair_reports_that_nothing_helps():
     assert len(world.asked) == 1, "it does not matter which facts are doubted"
     world = World("_a(5)", ["go(w)"], done="go,w,1", requests="go(1),6")
     assert repair(world, world.impasse) is None
-    assert world.asked == ["_request(go(1),6) go(w)"], "the last update's answer is known, and requests are no cancels"
+    assert world.asked == ["_request(go(1),6) go(w)"], "the last update's answer is known, and requests are not cancels"
 
 
 def test_repair_tries_each_of_many_facts_once():

@@ -65,7 +65,7 @@ def test_drawing_of_each_thing_is_unique_and_uses_labels(declared):
     ("fact", "fault"),
     [
         ("_draws(x)", "write _draws(Predicate,Kind) or _draws(Predicate,Kind,Text)"),
-        ("_draws(x,nothing)", "nothing is no kind, write one of way, open, blocked, thing, carried, mark, robot"),
+        ("_draws(x,nothing)", "nothing is not a kind: write one of way, open, blocked, thing, carried, mark, robot"),
         ("_draws(x,way,text)", 'the text has to be a string, write "text"'),
     ],
 )

@@ -119,10 +119,10 @@ def test_orders_from_unknown_location_offer_no_place():
         ("- {title: A, goal: g}", "choices"),
         ("- {title: A, goal: 'g({a})', choices: {}}", "'a' has to be in the goal, as {a}, and among the choices"),
         ("- {title: A, goal: 'g', choices: {a: [x]}}", "'a' has to be in the goal"),
-        ("- {title: A, goal: 'g({a})', choices: {a: [X]}}", "'X' is no ground term"),
-        ("- {title: A, goal: 'g({a}', choices: {a: [x]}}", "is no ground term"),
+        ("- {title: A, goal: 'g({a})', choices: {a: [X]}}", "'X' is not a ground term"),
+        ("- {title: A, goal: 'g({a}', choices: {a: [x]}}", "is not a ground term"),
         ("- {title: A, goal: 'g({a})', choices: {a: nonsense}}", "a list of terms, 'labels', 'packages'"),
-        ("- {title: A, goal: 'g({a})', choices: {a: place of b}}", "'b' is no choice of packages"),
+        ("- {title: A, goal: 'g({a})', choices: {a: place of b}}", "'b' is not a choice of packages"),
         ("- {title: A, goal: 'g({a})', choices: {a: [x]}, choose: 1}", "choose"),
     ],
 )

@@ -1,4 +1,4 @@
-"""The topic ``~goals``: the states of all goals, for nodes that are no actionlib clients."""
+"""The topic ``~goals``: the states of all goals, for nodes that are not actionlib clients."""
 
 import time
 from typing import Dict

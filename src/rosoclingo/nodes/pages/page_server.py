@@ -243,7 +243,7 @@ class _Viewer(WebSocketHandler):
             self.close(1008, "a message has to be a JSON object")
             return
         number = found.get("number")
-        taken = self._server.take(found) if type(number) in _NUMBERS else {"fault": "'number' is no whole number"}
+        taken = self._server.take(found) if type(number) in _NUMBERS else {"fault": "'number' is not an integer"}
         answer = json.dumps({"answer": {**taken, "number": number if type(number) in _NUMBERS else None}})
         self._server.put(lambda: self._say(answer))
 

@@ -80,7 +80,7 @@ def opened(path: Path) -> Iterator[rosbag.Bag]:
     except Exception as error:  # noqa: BLE001 rosbag can raise anything for a damaged file
         what = f"{type(error).__name__}: {error}"
         fix = "try rosbag reindex, or another copy"
-        raise RecordingError(f"{path} is no bag, or damaged ({what}); {fix}") from None
+        raise RecordingError(f"{path} is not a bag, or is damaged ({what}); {fix}") from None
 
 
 def core_in(topics: Set[str], wanted: Optional[str] = None) -> str:

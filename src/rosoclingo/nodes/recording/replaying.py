@@ -19,7 +19,7 @@ Say = Callable[[str], None]
 
 _DESCRIPTION = """\
 Solve a recorded run again, and report for each cycle whether the decisions agree, or how they differ and why. Another
-plan of equal length is no difference; a longer plan is reported. No ROS master is needed."""
+plan of equal length is not a difference; a longer plan is reported. No ROS master is needed."""
 
 _EPILOG = """\
 Exit code: 0, 1 for a difference without an explanation, 2 for a wrong command line or a recording that cannot be

@@ -123,7 +123,7 @@ def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
     steps: List[PlanStep] = []
     place: Optional[Label] = None
     for action in actions:
-        if action.parameter in labels:  # noqa: SIM401 a table is no dict
+        if action.parameter in labels:  # noqa: SIM401 a table is not a dict
             place = labels[action.parameter]
         steps.append(PlanStep(action, place))
     return steps

@@ -185,7 +185,7 @@ class StreamUpdate:
 
     Attributes:
         step: logical time point k; None keeps the step of the previous update.
-        bound: m; the horizon can grow to k + m. None is no bound or, without a step, the previous bound.
+        bound: m; the horizon can grow to k + m. None: no bound or, without a step, the previous bound.
         items: statements and directives, in order; a statement belongs to the last section before it, initially
             ``#cumulative.``
         warnings: warnings about text that the parser ignored; not compared.

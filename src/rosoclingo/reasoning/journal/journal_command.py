@@ -36,7 +36,7 @@ def _show(path: Path) -> int:
 
 def _clear(path: Path) -> int:
     if not path.is_dir():
-        return _failed(f"{path} is no folder with a journal")
+        return _failed(f"{path} is not a folder with a journal")
     folder = Journal(path)
     try:
         names = ", ".join(folder.clear())

@@ -112,7 +112,7 @@ class Costmap:
         """Enter a scan: mark the cells that it hits, clear those that it passes. Return whether any mark changed.
 
         ``sensor``: pose of the laser in the map frame. ``angles``: rad, float64, relative to the sensor. ``ranges``: m;
-        a range of at least ``range_max`` is no hit, NaN and negative values are ignored.
+        a range of at least ``range_max`` is not a hit; NaN and negative values are ignored.
 
         ``smear``: maximum error (rad) of the directions, for a turning robot. Rays end where it would exceed
         ``most_tolerance``, and hits that could belong to a mapped obstacle are ignored.

@@ -28,7 +28,7 @@ class PathProgress:
         self._oscillation: Tuple[float, Optional[Pose2D]] = (now, None)
 
     def set_path(self, now: float, length: float) -> None:
-        """Adopt the length (m) of a new path. A shorter path is no progress; only driving is."""
+        """Adopt the length (m) of a new path. A shorter path does not count as progress; only driving does."""
         if length > self._best + DETOUR_LENGTH and self.detours < DETOUR_LIMIT:
             # The detour gets time of its own, but does not reset the recovery behaviours.
             self._best, self._last, self.detours = length, now, self.detours + 1

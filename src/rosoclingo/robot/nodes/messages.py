@@ -30,7 +30,7 @@ def sendable(array: np.ndarray) -> np.ndarray:
 
 
 def to_pose2d(pose: Any) -> Optional[Pose2D]:
-    """Convert a geometry_msgs/Pose to the plane; None if its orientation is no rotation about the z axis."""
+    """Convert a geometry_msgs/Pose to the plane; None if its orientation is not a rotation about the z axis."""
     yaw = quaternion_to_yaw(pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w)
     return None if yaw is None else Pose2D(pose.position.x, pose.position.y, yaw)
 

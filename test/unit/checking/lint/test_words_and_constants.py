@@ -147,7 +147,7 @@ def test_lint_accepts_look_backs_at_persistent_atoms(rules):
         ({"low": "-1"}, []),
         ({"n": "0"}, []),
         ({"zero": "-1"}, []),
-        ({"pair": "7", "odd": "7", "back": "7"}, []),  # their values are no numbers
+        ({"pair": "7", "odd": "7", "back": "7"}, []),  # their values are not numbers
         ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
         ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (is start meant?)")]),
         ({"zzz": "1"}, [("unknown-constant", "(its constants are back, low, n, odd, pair, start, twice, zero)")]),

@@ -61,7 +61,7 @@ SEEDS = {
     "two places one after the other": (
         more(VISITS, "_never(hurry,t) :- _action_lib(go,P,t), _action_lib(go,Q,t-1), P != Q."),
         DefectKind.FORBIDDEN, 2, 2),
-    "a plan with what is no action": (
+    "a plan with an invalid action": (
         VISITS.replace("at(home,0).", "at(home,0). _action_lib(beep,home,0)."), DefectKind.MALFORMED, 1, 1),
     "what is held is forgotten, and grabbed again": (
         edited(CARRIES, ("held(X,t-1), not dropped(X,t).", "held(X,t-1), not dropped(X,t), wanted(X,t).")),

@@ -43,7 +43,7 @@ def test_order_file_goals_are_tried(ask):
         (ORDERS.replace("visit({room})", "visits({room})"), "unheard-order", 3, "rules look at _request(visit(P),t+1)"),
         (ORDERS.replace("visit({room})", "visit({room},1)"), "unheard-order", 3, "no rule of the program asks for"),
         (ORDERS.replace("{room: [", "{rom: ["), "configuration", 2, "'room' has to be in the goal"),
-        (ORDERS.replace("den]", "Den]"), "configuration", 4, "'Den' is no ground term"),
+        (ORDERS.replace("den]", "Den]"), "configuration", 4, "'Den' is not a ground term"),
         ("- ]", "configuration", 1, "invalid YAML"),
     ],
 )

@@ -190,7 +190,7 @@ SEEDS = [
         "a failure reason of move_base",
     ),
     # drawings
-    ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is no kind"),
+    ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is not a kind"),
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "is corridor meant?"),
     ("house", "house.lp", "_draws(door,way)", "@_draws(D,way) :- door(D,E)", "idle-drawing", "from ground facts"),
 ]
