@@ -87,7 +87,7 @@ def check(python, source, folder):
     assert "odd.lp:1:" in odd.stdout, odd
     assert "place/1" in odd.stdout, odd
     (folder / "right.lp").write_text(CASES[0]["program"], encoding="utf-8")
-    assert output_of(programs / "check", "right.lp", **own) == "nothing in 1 file\n"
+    assert output_of(programs / "check", "right.lp", **own) == "no findings in 1 file\n"
     (folder / "old.lp").write_text(OLD, encoding="utf-8")
     assert output_of(programs / "gringo3to5", "old.lp", **own) == "\n{ p(X); q } :- f(X).\n% dialect: clingo 5\n"
     check_golog(programs, folder, own)
@@ -100,7 +100,7 @@ def check_golog(programs, folder, own):
     (folder / "calls.lp").write_text("#program base. calls(3).\n", encoding="utf-8")
     (folder / "run.txt").write_text("#step 1. _request(run(control,1),2). #endstep.\n", encoding="utf-8")
     files = [ROOT / "encodings" / "golog" / "elevator.golog", "calls.lp"]
-    assert output_of(programs / "check", *files, **own) == "nothing in 7 files\n"
+    assert output_of(programs / "check", *files, **own) == "no findings in 7 files\n"
     done = output_of(programs / "oclingo", *files, "--shortest", "--stream", "run.txt", **own)
     assert "_action_lib(turnoff,3,t)" in done, done
 

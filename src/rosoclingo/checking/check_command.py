@@ -153,7 +153,7 @@ class _Report(NamedTuple):
             parts.append(f"{place}: {severity}: {fault.message}{mend} [{fault.kind}]\n")
             parts.append(_excerpt(fault, lines.get(fault.file, ())))
         counts = [_counted(self.errors, "error"), _counted(len(self.found) - self.errors, "warning")]
-        parts.append(f"{', '.join(filter(None, counts)) or 'nothing'} in {_counted(len(self.files), 'file')}\n")
+        parts.append(f"{', '.join(filter(None, counts)) or 'no findings'} in {_counted(len(self.files), 'file')}\n")
         parts += [f"\n{one.text(width)}" for one in self.trials]
         parts += [] if self.verification is None else [f"\n{self.verification.text()}"]
         return "".join(parts)

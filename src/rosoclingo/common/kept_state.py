@@ -79,5 +79,5 @@ class KeptState:
             self._failing = False
         except FAULTS as error:
             if not self._failing:
-                rospy.logerr("%s: %s: the master does not answer: %s; retries", self._node, self._loss, error)
+                rospy.logerr("%s: %s: the master does not answer: %s; retrying", self._node, self._loss, error)
             self._failing = True

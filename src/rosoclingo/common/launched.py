@@ -70,7 +70,7 @@ def _end_launch(starts: int) -> None:
         sys.stderr.write(f"{sys.argv[0]}: cannot find out whether to end roslaunch: {error}\n")
         return
     if found.get("respawn") and found["spawn_count"] >= starts:
-        sys.stderr.write(f"{node}: a restart cannot help: ends roslaunch\n")
+        sys.stderr.write(f"{node}: a restart cannot help: ending roslaunch\n")
         os.kill(os.getppid(), signal.SIGINT)
 
 

@@ -182,7 +182,7 @@ def read_yaml(path: Union[str, Path], what: str, error: Type[Exception]) -> Read
 def likely(name: str, known: Iterable[str], before: str = "") -> str:
     """Return a hint with the ``known`` name closest to a misspelt name; empty if none is close."""
     close = get_close_matches(name, list(known), 1)
-    return f" (is {before}{close[0]} meant?)" if close else ""
+    return f" (did you mean {before}{close[0]}?)" if close else ""
 
 
 def _number(value: Any, low: float = -INF, high: float = INF, above: float = -INF, kind: type = float) -> Any:

@@ -82,7 +82,7 @@ class Registration:
         if ending():  # rospy removes its entries
             return
         if any(missing):
-            self._lose("the ROS master was restarted and lacks entries of this node: registers them again")
+            self._lose("the ROS master was restarted and lacks entries of this node: registering them again")
             self._register(*missing)
         # rospy itself retries a publisher that does not respond, so one subscription is enough
         self._subscribe({(topic, kind) for topic, kind, _ in unheard - self._asked})

@@ -247,7 +247,7 @@ def _explained(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str
         return token, f"{shown} outside a procedure", "write proc NAME(X) { ... }"
     slip = _slip(tokens, at) if "SEMICOLON" in accepted else None
     if slip is not None:
-        return slip[0], f"'{slip[0]}' is not a keyword, and no ';' follows it", f"is {slip[1]} meant?"
+        return slip[0], f"'{slip[0]}' is not a keyword, and no ';' follows it", f"did you mean {slip[1]}?"
     wanted = (row for row in _WANTED if set(row[0].split()) <= accepted)
     types, what, mend = next(wanted, ("", " or ".join(sorted(accepted)), "see doc/golog.md"))
     if token in _WORDS and types == "WHILE":

@@ -171,7 +171,7 @@ class Interface(abc.ABC):
         self._sent.clear()
         for action, attempt in list(self._attempts.items()):
             if attempt.sender.run is not None:
-                rospy.logwarn("%s: cancels %s, which belongs to a previous run", self.name, action.atom)
+                rospy.logwarn("%s: cancelling %s, which belongs to a previous run", self.name, action.atom)
                 del self._attempts[action]
                 self._cancel(attempt)
 
@@ -180,7 +180,7 @@ class Interface(abc.ABC):
     def _begin(self, action: Action, sender: Sender) -> None:
         known = self._memory.recall(str(action.atom)) if self._remembers(sender) else None
         if known is not None and known.facts is not None:
-            rospy.loginfo("%s: %s has already ended: sends the same answer again", self.name, action.atom)
+            rospy.loginfo("%s: %s has already ended: sending the same answer again", self.name, action.atom)
             self._send(list(known.facts), sender)
             return
         try:
@@ -234,7 +234,7 @@ class Interface(abc.ABC):
         action = attempt.action
         result = self._answer(action, ended)
         if attempt.should_retry(ended, result.value, self._retry_on):
-            rospy.logwarn("%s: %s: %s; retries", self.name, action.atom, in_words(ended, self._server))
+            rospy.logwarn("%s: %s: %s; retrying", self.name, action.atom, in_words(ended, self._server))
             self._attempts[action] = attempt.next_attempt(ended, _now())
             return
         del self._attempts[action]
@@ -308,7 +308,7 @@ class Interface(abc.ABC):
             if event is not None and not run.done:
                 self._apply(attempt, run.handle(event, now))
         if run.phase is Phase.WAITING and self._link.starting and run.wait_on(now):
-            rospy.loginfo("%s: waits for the action server %s to start", self.name, self._server)
+            rospy.loginfo("%s: waiting for the action server %s to start", self.name, self._server)
         elif not run.done:
             self._apply(attempt, run.tick(now))
 

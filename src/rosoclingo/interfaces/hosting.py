@@ -90,7 +90,7 @@ def _entries(given: Reader, say: Callable[..., None]) -> Reader:
     if given.given:
         return Reader(given.value, source="~interfaces: ")
     path = os.path.join(rospkg.RosPack().get_path("rosoclingo"), "config", "interfaces.yaml")
-    say("%s: ~interfaces is not set: reads the entries of %s", rospy.get_name(), path)
+    say("%s: ~interfaces is not set: reading the entries of %s", rospy.get_name(), path)
     return read_yaml(path, "the interfaces of", ConfigError)
 
 

@@ -66,5 +66,5 @@ def chosen_core(published: Iterable[Sequence[str]], usual: str) -> str:
     if usual in cores or not cores:
         return usual
     if len(cores) > 1:
-        raise RecordingError(f"there are {len(cores)} cores: name one of {', '.join(cores)} by --core")
+        raise RecordingError(f"there are {len(cores)} cores: choose one of {', '.join(cores)} with --core")
     return cores[0]

@@ -97,7 +97,7 @@ class Hearing:
         if failed:
             places = (place.statement.location.begin for place, _ in failed)
             return f"the conditions of {listed(f'{one.filename}:{one.line}' for one in places)} exclude it"
-        return f"rules look at {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
+        return f"rules match {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
         """Return the first argument of an atom, corrected to similar known values; None if that is not heard either."""

@@ -72,7 +72,7 @@ class Observation(NamedTuple):
 class UnhandledFailure(NamedTuple):
     """A failure that the program cannot handle.
 
-    ``undone`` is true if its actions count as not done. It is None if no rule looks at the failure, and it is not known
+    ``undone`` is true if its actions count as not done. It is None if no rule uses the failure, and it is not known
     yet whether the actions can count as not done.
     """
 

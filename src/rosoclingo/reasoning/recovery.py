@@ -108,7 +108,7 @@ class Settled(NamedTuple):
 
 
 #: Reasons why the program cannot handle a failure.
-UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
+UNHEARD, CONTRADICTS = "which no rule of the program uses", "which contradicts the program"
 
 
 def settle(planner: Planner, result: SolveResult, impasse: Impasse, unhandled: Sequence[UnhandledFailure]) -> Settled:

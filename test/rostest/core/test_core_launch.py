@@ -111,7 +111,7 @@ class CoreLaunch(unittest.TestCase):
         for word in words:
             self.assertIn(word, text)
         self.assertEqual(launched.starts, 1, text)
-        self.assertIn("a restart cannot help: ends roslaunch", text)
+        self.assertIn("a restart cannot help: ending roslaunch", text)
 
     def test_program_with_a_fault_ends_roslaunch(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:

@@ -78,7 +78,7 @@ class CoreWords(unittest.TestCase):
             found, "no rule of the program can see gaol(office3,office2,1): did you mean goal(office3,office2,1)?"
         )
         found = client.send("goal(office3,office2)").ends_as(GoalStatus.REJECTED)
-        self.assertIn("rules look at goal(From,To,Id)", found)
+        self.assertIn("rules match goal(From,To,Id)", found)
 
     def test_request_fails_for_a_goal_that_no_rule_sees(self):
         command = ["rosrun", "rosoclingo", "request", "gaol(office3,office2,1)", "--wait", "40"]

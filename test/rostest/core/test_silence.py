@@ -74,33 +74,33 @@ class Misspelt(unittest.TestCase):
         line = self.warning_of(
             "core", f"_program_files:=[{DATA / 'errands.lp'}]", "_horizon_limt:=7", "_labels:={hall: {}}"
         )
-        self.assertIn("~horizon_limt (is ~horizon_limit meant?), ~zzz", line)
+        self.assertIn("~horizon_limt (did you mean ~horizon_limit?), ~zzz", line)
 
     def test_unread_parameters_of_bare_interface_node(self):
         with Process(executable("interface"), "__name:=given_nothing") as process:
             lines = process.lines_until("move_base needs labels, but ~labels is empty: each of its actions will")
-        self.assertIn("~interfaces is not set: reads the entries of ", "".join(lines))
+        self.assertIn("~interfaces is not set: reading the entries of ", "".join(lines))
 
     def test_unread_parameters_of_interface(self):
         entry = "{arm: {type: actionlib/TestAction}}"
         line = self.warning_of("interface", f"_interfaces:={entry}", "_server_timout:=3", "_retries:=1")
-        self.assertIn("~server_timout (is ~server_timeout meant?), ~zzz", line)
+        self.assertIn("~server_timout (did you mean ~server_timeout?), ~zzz", line)
 
     @NEEDS_TF2
     def test_unread_parameters_of_office(self):
         line = self.warning_of("office", "_labels:={hall: [1, 2]}", "_capacty:=3")
-        self.assertIn("~capacty (is ~capacity meant?), ~zzz", line)
+        self.assertIn("~capacty (did you mean ~capacity?), ~zzz", line)
 
     def test_unread_parameters_of_map_server(self):
         line = self.warning_of("map_server", f"_map:={DATA.parents[1] / 'worlds' / 'office.yaml'}", "_frame:=x")
-        self.assertIn("~frame (is ~frame_id meant?), ~zzz", line)
+        self.assertIn("~frame (did you mean ~frame_id?), ~zzz", line)
 
     @NEEDS_TF2
     def test_unread_parameters_of_move_base(self):
         values = ("_controler_frequency:=10", "_global_costmap:={robot_radius: 0.2, robot_radus: 0.3}")
         line = self.warning_of("move_base", *values)
-        self.assertIn("~controler_frequency (is ~controller_frequency meant?)", line)
-        self.assertIn("~global_costmap/robot_radus (is ~global_costmap/robot_radius meant?)", line)
+        self.assertIn("~controler_frequency (did you mean ~controller_frequency?)", line)
+        self.assertIn("~global_costmap/robot_radus (did you mean ~global_costmap/robot_radius?)", line)
         self.assertNotIn("~global_costmap/robot_radius (", line)
 
 

@@ -381,7 +381,7 @@ class InterfaceNode(unittest.TestCase):
             "~server: must be the name of an actionlib server, not 3",
             "~timeout: must be a number from 0 on",
             "~interfaces: pickup.timeout: must be a number from 0 on",
-            "~interfaces: pickup.returns[1]: unknown key 'stratus' (is status meant?)",
+            "~interfaces: pickup.returns[1]: unknown key 'stratus' (did you mean status?)",
             "~interfaces: pickup.goal.pack: rosoclingo/PickupGoal has no such field; it has package",
             "~interfaces: pickup.returns[0]: rosoclingo/PickupResult has no field y; it has outcome, message",
             "~interfaces: pickup.returns[0].when.outcome: rosoclingo/PickupResult has no constant NOT_THERE; its",

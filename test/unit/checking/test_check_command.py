@@ -16,7 +16,7 @@ open(F,t) :- cal(F,t).
 #program volatile(t).
 :- open(F,t), not up(t).
 """
-UNDEFINED = "no rule and no #external defines cal/2: it is never true (is call/2 meant? else write #defined cal/2.)"
+UNDEFINED = "no rule and no #external defines cal/2: it is never true (did you mean call/2? otherwise write #defined cal/2.)"
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def test_check_prints_a_finding_with_its_line(folder, run):
 
 
 def test_check_succeeds_without_findings(folder, run):
-    assert run("right.lp") == (0, "nothing in 1 file\n", "")
+    assert run("right.lp") == (0, "no findings in 1 file\n", "")
 
 
 def test_check_reports_all_files_at_once(folder, run):
@@ -81,7 +81,7 @@ def test_check_reports_faults_of_a_stream(folder, run):
     printed = [line for line in out.splitlines() if line.startswith("calls.str")]
     assert code == 1
     assert printed[0].startswith(
-        "calls.str:2:1: warning: call/2 is never external with 7 as argument 1 (it may be 0, 1, 2"
+        "calls.str:2:1: warning: call/2 is never external with 7 as argument 1 (known: 0, 1, 2"
     )
     assert printed[1].startswith("calls.str:5:4: error: ")
     assert len(printed) == 2
@@ -99,7 +99,7 @@ def test_check_prints_findings_as_json(folder, run):
         "line": 4,
         "column": 14,
         "message": UNDEFINED.partition(" (")[0],
-        "mend": "is call/2 meant? else write #defined cal/2.",
+        "mend": "did you mean call/2? otherwise write #defined cal/2.",
     }
     code, out, _ = run("right.lp", "--json")
     assert (code, json.loads(out)["findings"]) == (0, [])
@@ -165,4 +165,4 @@ def test_check_accepts_streams_of_the_real_oclingo(folder, run, name):
     (case,) = [one for one in lint_programs.GOLDEN if one["name"] == name]
     (folder / "golden.lp").write_text(case["program"], encoding="utf-8")
     (folder / "golden.str").write_text("".join(one["update"] for one in case["updates"]), encoding="utf-8")
-    assert run("golden.lp", "--stream", "golden.str") == (0, "nothing in 2 files\n", "")
+    assert run("golden.lp", "--stream", "golden.str") == (0, "no findings in 2 files\n", "")

@@ -88,7 +88,7 @@ def test_launched_node_with_failed_start_ends_the_roslaunch(serving, ended, monk
     with pytest.raises(type(error)), Required():
         raise error
     assert ended == THE_END
-    assert f"{NODE}: a restart cannot help: ends roslaunch" in capsys.readouterr().err
+    assert f"{NODE}: a restart cannot help: ending roslaunch" in capsys.readouterr().err
 
 
 def test_launched_node_finds_parent_of_remote_roslaunch(serving, ended, monkeypatch):

@@ -114,11 +114,11 @@ def test_reading_suggests_a_likely_key():
     reader.close(also=("also",))
     keys = "keys are speed, also"
     assert reader.faults == [
-        f"unknown key 'sped' (is speed meant?); {keys}",
+        f"unknown key 'sped' (did you mean speed?); {keys}",
         f"unknown key 'xyz'; {keys}",
         f"unknown key 3; {keys}",
     ]
-    assert likely("sped", ["speed"], "~") == " (is ~speed meant?)"
+    assert likely("sped", ["speed"], "~") == " (did you mean ~speed?)"
     assert likely("abc", ["speed"]) == ""
 
 

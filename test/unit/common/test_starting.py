@@ -126,11 +126,11 @@ def test_start_reports_other_missing_modules():
     [
         ({}, {"a"}, []),
         ({"labels": {"kitchen": {"x": 1}}, "speed": 1}, {"labels", "speed", "map"}, []),
-        ({"sped": 1, "zzz": 2}, {"speed"}, ["~sped (is ~speed meant?)", "~zzz"]),
+        ({"sped": 1, "zzz": 2}, {"speed"}, ["~sped (did you mean ~speed?)", "~zzz"]),
         (
             {"global_costmap": {"footprnt": [], "inflation": {"radius": 1}, "other": {"x": 1, "y": 2}}},
             {"global_costmap/footprint", "global_costmap/inflation/radius"},
-            ["~global_costmap/footprnt (is ~global_costmap/footprint meant?)", "~global_costmap/other"],
+            ["~global_costmap/footprnt (did you mean ~global_costmap/footprint?)", "~global_costmap/other"],
         ),
         ({"status_frequency": 5, "actionlib_server_pub_queue_size": 9}, set(), []),
     ],

@@ -69,8 +69,8 @@ FAULTS = [
     ("proc p { test" + " not" * 2000 + " f; }", 1, None, "nesting is too deep", "procedures"),
     ("proc p(X) { test X == 2; }", 1, 20, "'==' is not part of the language", "write ="),
     ("include 'x.lp';", 1, 9, "'x.lp' is not a string", 'write "x.lp"'),
-    ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is not a keyword", "is else meant?"),
-    ("proc p { whille f { a; } }", 1, 10, "'whille' is not a keyword", "is while meant?"),
+    ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is not a keyword", "did you mean else?"),
+    ("proc p { whille f { a; } }", 1, 10, "'whille' is not a keyword", "did you mean while?"),
     ("proc p { stars b; }", 1, 16, "expected ';' after 'stars', found 'b'", "write ;"),
     ('include "x.lp"', 1, 15, "expected ';' after '\"x.lp\"', found the end of the file", "write ;"),
 ]

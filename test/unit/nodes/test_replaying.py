@@ -154,7 +154,7 @@ def test_replay_accepts_another_program(replay, write, tmp_path):
     [
         (["rosoclingo/updates"], ("/",), "the bag has no stream updates of a core"),
         (["rosoclingo/task_plan"], ("/",), "lacks the decisions"),
-        ([], ("/a/", "/b/"), "the bag has runs of 2 cores: choose one of /a/rosoclingo, /b/rosoclingo by --core"),
+        ([], ("/a/", "/b/"), "the bag has runs of 2 cores: choose one of /a/rosoclingo, /b/rosoclingo with --core"),
         ([], (), "the bag is empty"),
     ],
 )
@@ -180,7 +180,7 @@ def test_replay_handles_a_core_that_was_restarted(replay, write, capsys):
     assert (code, text.count("no unexplained difference")) == (0, 2)
     assert replay(path, *files, "--run", 2)[1].count("no unexplained difference") == 1
     assert replay(path, *files, "--to", 2)[0] == 2
-    assert "has 2 runs of the core: choose one by --run N" in capsys.readouterr().err
+    assert "has 2 runs of the core: choose one with --run N" in capsys.readouterr().err
     assert replay(path, *files, "--run", 3)[0] == 2
 
 

@@ -25,7 +25,7 @@ def test_watch_finds_the_core(messages, cores, usual, expected):
 def test_watch_asks_for_a_choice_between_cores(messages):
     from rosoclingo.nodes.watch import chosen_core
 
-    with pytest.raises(RecordingError, match=r"/a/brain, /b/brain by --core"):
+    with pytest.raises(RecordingError, match=r"/a/brain, /b/brain with --core"):
         chosen_core([["/b/brain/task_plan", PLAN], ["/a/brain/task_plan", PLAN]], "/rosoclingo")
 
 

@@ -131,9 +131,9 @@ def test_goal_keeps_its_documented_fields(rests_until):
     [
         ("gaol(office3,office2,1)", "did you mean goal(office3,office2,1)?"),
         ("gOAL(office3,office2,1)", "did you mean goal(office3,office2,1)?"),
-        ("goal(office3,office2)", "rules look at goal(From,To,Id)"),
-        ("goal(goal(office3,office2,1))", "rules look at goal(From,To,Id)"),
-        ("fetch(cup)", "rules look at goal(From,To,Id)"),
+        ("goal(office3,office2)", "rules match goal(From,To,Id)"),
+        ("goal(goal(office3,office2,1))", "rules match goal(From,To,Id)"),
+        ("fetch(cup)", "rules match goal(From,To,Id)"),
     ],
 )
 def test_goal_that_no_rule_reads_is_rejected(text, advice):

@@ -108,7 +108,7 @@ def test_hearing_accepts_a_cycle_named_by_a_rule(visits):
 
 def test_hearing_suggests_form_with_missing_argument():
     hearing = Hearing(shipped("paper.lp"))
-    assert hearing.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules look at goal(From,To,Id)"
+    assert hearing.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules match goal(From,To,Id)"
     assert hearing.advice(parse_atom("_request(gaol(office3,office2,1),2)")) == "did you mean goal(office3,office2,1)?"
 
 

@@ -9,7 +9,7 @@ from stream_replay import check_replay
 from rosoclingo.reasoning.events import StateChanged
 from rosoclingo.reasoning.settings import CoreSettings
 
-UNHEARD, CONTRADICTS = "which no rule of the program looks at", "which contradicts the program"
+UNHEARD, CONTRADICTS = "which no rule of the program uses", "which contradicts the program"
 
 #: Programs that cannot handle a failure, and why.
 UNDECLARED = fetch().replace("#external _return/3.", "")
@@ -19,8 +19,8 @@ UNHANDLED = {
         fetch(rules=":- _return(arm,V,t), not _action_lib(arm,V,t).\n"),
         CONTRADICTS,
     ),
-    "no rule looks at it": (fetch(), UNHEARD),
-    "no rule looks at that of the arm": (fetch(rules=FAILED.replace("(A,V,t)", "(legs,V,t)")), UNHEARD),
+    "no rule uses it": (fetch(), UNHEARD),
+    "no rule uses that of the arm": (fetch(rules=FAILED.replace("(A,V,t)", "(legs,V,t)")), UNHEARD),
     "it is not declared": (UNDECLARED, UNHEARD),
     "it is declared for others": (UNDECLARED + "#external _return(legs,failed,t).\n" + FAILED, UNHEARD),
 }

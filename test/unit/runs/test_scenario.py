@@ -67,7 +67,7 @@ def test_scenario_events_have_due_times():
         ("3", "must be a mapping with the keys title, events, packages, expect, timeout, launch, not 3"),
         ("[", "not valid YAML"),
         ("title: x", "events: is missing: give a list of events"),
-        ("events: []\nevnts: []", "unknown key 'evnts' (is events meant?); keys are title, events"),
+        ("events: []\nevnts: []", "unknown key 'evnts' (did you mean events?); keys are title, events"),
         ("events: [3]", "events[0]: must be a mapping with the keys request, cancel"),
         ("events: [{time: 1}]", "events[0]: give one of request, cancel, facts, call"),
         ("events: [{request: g(1)}]", "either 'time' or 'cycle'"),
@@ -82,7 +82,7 @@ def test_scenario_events_have_due_times():
             "events: []\nexpect: {goals: [preempted]}",
             "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'preempted'",
         ),
-        ("events: []\nexpect: {goal: []}", "expect: unknown key 'goal' (is goals meant?); keys are goals, packages"),
+        ("events: []\nexpect: {goal: []}", "expect: unknown key 'goal' (did you mean goals?); keys are goals, packages"),
         ("events: []\ntimeout: long", "timeout: must be a number of seconds from 0 on, not 'long'"),
     ],
 )
@@ -111,10 +111,10 @@ def test_scenario_reports_all_faults_at_once(tmp_path):
     with pytest.raises(ScenarioError) as error:
         Scenario.from_file(path)
     assert [line.replace(f"scenario {path}: ", "") for line in str(error.value).splitlines()] == [
-        "events[0]: unknown key 'requst' (is request meant?); "
+        "events[0]: unknown key 'requst' (did you mean request?); "
         "keys are request, cancel, facts, call, time, cycle, delay, with, client, origin",
         "events[0]: give one of request, cancel, facts, call",
         "events[1].cycle: must be a whole number from 1 on, not 0",
         "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'won'",
-        "unknown key 'lunch' (is launch meant?); keys are title, events, packages, expect, timeout, launch",
+        "unknown key 'lunch' (did you mean launch?); keys are title, events, packages, expect, timeout, launch",
     ]

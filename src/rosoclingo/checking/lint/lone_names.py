@@ -7,7 +7,7 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.likeness import asked, is_slip
+from rosoclingo.oclingo.program.likeness import did_you_mean, is_slip
 from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences
@@ -56,7 +56,7 @@ def _lower_case(constants: _Names) -> Iterator[Fault]:
         alone = statement.ast_type == ASTType.Rule and all(one is statement for one, _ in places)
         if alone and variable in names_in(statement):
             message = f"{name} is a constant that occurs only in this rule, which has a variable {variable}"
-            yield from (fault_at(node, "lower-case", message, asked(variable)) for _, node in places)
+            yield from (fault_at(node, "lower-case", message, did_you_mean(variable)) for _, node in places)
 
 
 def _slips(constants: _Names, predicates: Set[str], values: List[str]) -> Iterator[Fault]:
@@ -73,7 +73,7 @@ def _slips(constants: _Names, predicates: Set[str], values: List[str]) -> Iterat
                 near.append(one)
         if near:
             meant = max(sorted(near), key=lambda one: len(constants.get(one, ())))
-            yield fault_at(places[0][1], "misspelt", f"the constant {name} occurs only once", asked(meant))
+            yield fault_at(places[0][1], "misspelt", f"the constant {name} occurs only once", did_you_mean(meant))
 
 
 def _are_apart(one: _Places, other: _Places) -> bool:
@@ -96,7 +96,7 @@ def _slips_of_variables(variables: _Names) -> Iterator[Fault]:
         near = [one for one in often if len(places) == 1 and _is_slip_of_variable(name, one)]
         meant = max(near, key=lambda one: len(variables[one]), default=None)
         if meant is not None:
-            yield fault_at(places[0][1], "misspelt", f"the variable {name} occurs only once", asked(meant))
+            yield fault_at(places[0][1], "misspelt", f"the variable {name} occurs only once", did_you_mean(meant))
 
 
 def _is_slip_of_variable(text: str, other: str) -> bool:

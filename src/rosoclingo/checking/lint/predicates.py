@@ -8,7 +8,7 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.likeness import asked, likely_value, slip_of
+from rosoclingo.oclingo.program.likeness import did_you_mean, likely_value, slip_of
 from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences, signature_and_arguments
@@ -41,7 +41,7 @@ def unused_predicates(survey: Survey) -> List[Fault]:
         places = survey.defining.get(signature, survey.declaring.get(signature))
         primed = primed_mend(signature, survey.known)
         if primed or meant is not None:
-            found += _unused(survey, signature, places, "misspelt", primed or asked(meant))
+            found += _unused(survey, signature, places, "misspelt", primed or did_you_mean(meant))
         elif survey.shows:
             use = "write a rule for it" if signature.name in _INCOMING else f"use it, #show {signature}."
             found += _unused(survey, signature, places, "unused", f"{use} or remove it")
@@ -152,7 +152,7 @@ def odd_rules(survey: Survey) -> Iterator[Fault]:
                 yield from _odd_comparison(one, plain.values())
         if statement.ast_type == ASTType.Rule and _is_plain(statement.head) and str(statement.head.atom) in plain:
             message = f"the rule derives nothing: it requires its own head {written(statement.head.atom)}"
-            yield fault_at(statement.head, "tautology", message, "is another step meant in the body?")
+            yield fault_at(statement.head, "tautology", message, "did you mean another step in the body?")
 
 
 def _is_plain(literal: Node) -> bool:

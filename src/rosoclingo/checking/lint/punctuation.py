@@ -28,7 +28,7 @@ def odd_marks(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
                 yield from _odd_heads(name, marks)
                 if before.has_body and not marks.has_body and found[first].text == "not":
                     message = "the statement after this dot begins with not: it forbids its atoms at all times"
-                    yield _mark_fault(name, found[first - 1], message, "is a comma meant?")
+                    yield _mark_fault(name, found[first - 1], message, "did you mean a comma?")
                 before = marks
 
 
@@ -36,10 +36,10 @@ def _odd_heads(name: str, marks: _Marks) -> Iterator[Fault]:
     seen = [one.text for one in marks.head]
     if seen and seen[0] == "," and ":" not in seen:
         message = "a comma between heads makes a disjunction: only one of them has to hold"
-        yield _mark_fault(name, marks.head[0], message, "is a dot meant? for a disjunction write ';'")
+        yield _mark_fault(name, marks.head[0], message, "did you mean a dot? for a disjunction write ';'")
     elif seen and seen[0] == ":" and not {";", "|"} & set(seen) and not marks.has_body:
         message = "':' in a head makes a disjunction over the condition, not a rule"
-        yield _mark_fault(name, marks.head[0], message, "is ':-' meant?")
+        yield _mark_fault(name, marks.head[0], message, "did you mean ':-'?")
 
 
 def _mark_fault(name: str, mark: SourceToken, message: str, mend: str) -> Fault:

@@ -7,7 +7,7 @@ import clingo
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault, ProgressionError
-from rosoclingo.oclingo.program.likeness import asked, likely_external, likely_value, most_similar
+from rosoclingo.oclingo.program.likeness import did_you_mean, likely_external, likely_value, most_similar
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.survey import written
 from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
@@ -63,7 +63,7 @@ class _StatementLint:
             if not self._hearing.hears(atom):
                 uses = program.survey.using.get(signature, ())
                 terms = list(dict.fromkeys(written(one.occurrence.term) for one in uses))[:_MANY]
-                mend = f"rules look at {', '.join(terms)}" if terms else "write a rule for it"
+                mend = f"rules match {', '.join(terms)}" if terms else "write a rule for it"
                 yield f"no rule can ever see {atom}", mend
         elif signature in program.external_signatures:
             yield from self._impossible_value(atom, signature, "external")
@@ -80,7 +80,7 @@ class _StatementLint:
         if signature in known:
             yield from self._impossible_value(atom, signature, "true")
         elif signature not in self._stated:
-            mend = asked(most_similar(signature, known | self._stated))
+            mend = did_you_mean(most_similar(signature, known | self._stated))
             yield f"{signature} is never true: nothing defines it", mend
 
     def _impossible_value(self, atom: clingo.Symbol, signature: Signature, what: str) -> Iterator[Tuple[str, str]]:

@@ -11,7 +11,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.first_steps import TrialGrounding
-from rosoclingo.oclingo.program.likeness import asked, likely_value, likeness
+from rosoclingo.oclingo.program.likeness import did_you_mean, likely_value, likeness
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, signature_and_arguments
 from rosoclingo.oclingo.program.survey import Survey, fault_at, written
@@ -95,7 +95,7 @@ def status_faults(survey: Survey, values: ArgumentValues) -> List[Fault]:
             fault = _status_fault(rule, "unreachable-status", message, "check its body")
         if fault is not None:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
-    misspelt = any(one.kind == "status-word" and "succeeded meant" in one.mend for one in found.values())
+    misspelt = any(one.kind == "status-word" and "mean succeeded" in one.mend for one in found.values())
     if numbers and not given & {"succeeded", ANY.name} and not misspelt and survey.is_external(REQUEST):
         message = "no rule reports that a goal has succeeded: clients wait forever"
         place = survey.defining[STATUS][0]
@@ -144,7 +144,7 @@ def misspelt_cancels(survey: Survey) -> Iterator[Fault]:
             yield fault_at(term, "misspelt", message, f"write {_CANCEL}(Id)")
         elif size == 1 and name != _CANCEL and likeness(name, _CANCEL) >= _ALIKE:
             message = f"no client sends {written(term)}: clients cancel a goal by cancel(Id)"
-            yield fault_at(term, "misspelt", message, asked(f"{_CANCEL}(...)"))
+            yield fault_at(term, "misspelt", message, did_you_mean(f"{_CANCEL}(...)"))
 
 
 def idle_words(program: ReactiveProgram) -> Iterator[Fault]:

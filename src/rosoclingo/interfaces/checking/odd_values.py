@@ -52,7 +52,7 @@ def _slash(file: YamlFile, path: str, frame: Any) -> Iterator[Fault]:
 def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
     """Yield a fault if a yaw is more than a full turn."""
     if isinstance(yaw, (int, float)) and not isinstance(yaw, bool) and 2 * math.pi + 0.01 < abs(yaw) < math.inf:
-        mend = f"are degrees meant? write {math.radians(yaw):.4g}"
+        mend = f"did you mean degrees? write {math.radians(yaw):.4g}"
         yield file.fault(f"{path}: {yaw:g} radians is more than a full turn ({mend})", "label-value")
 
 

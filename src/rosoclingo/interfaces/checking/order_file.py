@@ -40,4 +40,4 @@ def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]
 def _asked_for(program: ReactiveProgram) -> str:
     uses = program.survey.using.get(Signature("_request", 2), ())
     terms: List[str] = list(dict.fromkeys(written(one.occurrence.term) for one in uses))
-    return f"rules look at {', '.join(terms[:_LISTED])}" if terms else "no rule looks at _request/2"
+    return f"rules match {', '.join(terms[:_LISTED])}" if terms else "no rule uses _request/2"

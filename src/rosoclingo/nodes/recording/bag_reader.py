@@ -100,5 +100,5 @@ def core_in(topics: Set[str], wanted: Optional[str] = None) -> str:
     if not cores:
         raise RecordingError(f"the bag lacks the decisions ({found[0]}/task_plan): record that topic too")
     if len(cores) > 1:
-        raise RecordingError(f"the bag has runs of {len(cores)} cores: choose one of {', '.join(cores)} by --core")
+        raise RecordingError(f"the bag has runs of {len(cores)} cores: choose one of {', '.join(cores)} with --core")
     return cores[0]

@@ -107,7 +107,7 @@ def _chosen(runs: List[RecordedRun], options: argparse.Namespace) -> List[Record
             raise RecordingError(f"no run {options.run}: {options.recording} has {len(runs)} runs of the core")
         return [runs[options.run - 1]]
     if len(runs) > 1 and (options.to or options.stream or options.program_to):
-        raise RecordingError(f"{options.recording} has {len(runs)} runs of the core: choose one by --run N")
+        raise RecordingError(f"{options.recording} has {len(runs)} runs of the core: choose one with --run N")
     return runs
 
 
@@ -126,7 +126,7 @@ def _write(run: RecordedRun, options: argparse.Namespace, say: Say) -> None:
 def _program_of(run: RecordedRun) -> RunProgram:
     if run.program is None:
         raise RecordingError(
-            "the recording lacks the program (topic rosoclingo/program): give the program's files by --program FILE ..."
+            "the recording lacks the program (topic rosoclingo/program): give the program's files with --program FILE ..."
         )
     return run.program
 

@@ -65,7 +65,7 @@ def _compare(place: str, name: str, value: clingo.Symbol, constant: _Constant) -
     if value.type is not clingo.SymbolType.Number:
         yield Fault(place, 0, 0, message, "give a number", "constant-value")
     elif value.number < 0 < own.number:
-        yield Fault(place, 0, 0, message, "is a negative number meant?", "negative-constant")
+        yield Fault(place, 0, 0, message, "did you mean a negative number?", "negative-constant")
 
 
 def own_constants(survey: Survey) -> Dict[str, _Constant]:

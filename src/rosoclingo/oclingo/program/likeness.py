@@ -31,7 +31,7 @@ def most_similar(signature: Signature, known: Iterable[Signature]) -> Optional[S
 
 def likely_external(signature: Signature, externals: AbstractSet[Signature]) -> str:
     """Return a fix for a fact of an undeclared predicate: a similar external, or a new declaration."""
-    return asked(most_similar(signature, externals)) or f"write #external {signature}."
+    return did_you_mean(most_similar(signature, externals)) or f"write #external {signature}."
 
 
 def slip_of(signature: Signature, used: Collection[Signature], shows: bool) -> Optional[Signature]:
@@ -90,20 +90,20 @@ _SERIES_MARKS = frozenset("0123456789_'")  # distinguish the names of a series
 # ---- words ----------------------------------------------------------------------------------------------------------
 
 
-def asked(meant: object) -> str:
-    """Return the question whether ``meant`` is meant, "" for None."""
-    return "" if meant is None else f"is {meant} meant?"
+def did_you_mean(name: object) -> str:
+    """Return the question whether the user means ``name``, "" for None."""
+    return "" if name is None else f"did you mean {name}?"
 
 
 def likely_word(text: str, known: Iterable[str]) -> str:
-    """Return the question whether the word in ``known`` most similar to ``text`` is meant, "" if none is similar."""
-    return asked(next(iter(get_close_matches(text, sorted(known), 1)), None))
+    """Return a question that suggests the word in ``known`` most similar to ``text``, "" if none is similar."""
+    return did_you_mean(next(iter(get_close_matches(text, sorted(known), 1)), None))
 
 
 def likely_value(text: str, known: Collection[str]) -> str:
     """Return the suggestion of a similar value in ``known``; if there is none, the first of all values."""
     shown = sorted(known)[:_LISTED]
-    return likely_word(text, {_filled(one, text) for one in known}) or "it may be {}{}".format(
+    return likely_word(text, {_filled(one, text) for one in known}) or "known: {}{}".format(
         ", ".join(shown), " ..." if len(known) > _LISTED else ""
     )
 

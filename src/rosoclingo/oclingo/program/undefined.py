@@ -4,7 +4,7 @@ from typing import Collection, List, Set
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.likeness import asked, most_similar
+from rosoclingo.oclingo.program.likeness import did_you_mean, most_similar
 from rosoclingo.oclingo.program.survey import Survey, fault_at
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -33,7 +33,7 @@ def _mend(signature: Signature, known: Set[Signature]) -> str:
         return other
     near = most_similar(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
     if near is not None:
-        return f"{asked(near)} else write #defined {signature}."
+        return f"{did_you_mean(near)} otherwise write #defined {signature}."
     return f"write a rule or an #external for it, or #defined {signature}."
 
 

@@ -10,7 +10,7 @@ import clingo
 
 from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.likeness import asked, most_similar
+from rosoclingo.oclingo.program.likeness import did_you_mean, most_similar
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.solving.stream_state import StreamState
@@ -95,5 +95,5 @@ def unused_facts(program: ReactiveProgram, state: StreamState) -> Iterator[str]:
             both = {signature, signature._replace(positive=not signature.positive)}
             bodies = (signature_of(one.atom) for rule in state.statements for one in rule.body)
             if both.isdisjoint(program.signatures) and both.isdisjoint(bodies):
-                meant = asked(most_similar(signature, program.external_signatures))
+                meant = did_you_mean(most_similar(signature, program.external_signatures))
                 yield _UNUSED.format(signature, f" ({meant})" if meant else "")

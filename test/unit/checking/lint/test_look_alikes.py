@@ -81,11 +81,11 @@ def test_lint_repeats_other_syntax_errors_of_clingo(text):
 @pytest.mark.parametrize(
     ("text", "known", "hint"),
     [
-        ("att(sink)", ["at(_)", "place(sink)"], "is at(sink) meant?"),
-        ("att(sink)", ["at(_,_)", "place(sink)"], "is place(sink) meant?"),
-        ("hed(cup,2)", ["held(_,_)", "at(_)"], "is held(cup,2) meant?"),
-        ("held", ["held(_)"], "is held(_) meant?"),
-        ("moon", ["at(_)"], "it may be at(_)"),
+        ("att(sink)", ["at(_)", "place(sink)"], "did you mean at(sink)?"),
+        ("att(sink)", ["at(_,_)", "place(sink)"], "did you mean place(sink)?"),
+        ("hed(cup,2)", ["held(_,_)", "at(_)"], "did you mean held(cup,2)?"),
+        ("held", ["held(_)"], "did you mean held(_)?"),
+        ("moon", ["at(_)"], "known: at(_)"),
     ],
 )
 def test_likely_value_ignores_open_arguments(text, known, hint):

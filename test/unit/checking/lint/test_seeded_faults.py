@@ -14,23 +14,23 @@ RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/s
 #: Program, file, old text, new text (@ marks the place of the finding), kind, words of the finding.
 SEEDS = [
     # names that look misspelt, in bodies, in heads, in #show and #external
-    ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "is open/2 meant?"),
-    ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "is _seen/3 meant?"),
-    ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "is _request/2 meant?"),
-    ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "is watered/2 meant?"),
-    ("garden", "garden.lp", "#show _explain/3.", "@#show _explian/3.", "undefined", "is _explain/3 meant?"),
-    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- @cal(F,t).", "undefined", "is call/2 meant?"),
+    ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "did you mean open/2?"),
+    ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "did you mean _seen/3?"),
+    ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "did you mean _request/2?"),
+    ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "did you mean watered/2?"),
+    ("garden", "garden.lp", "#show _explain/3.", "@#show _explian/3.", "undefined", "did you mean _explain/3?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- @cal(F,t).", "undefined", "did you mean call/2?"),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @v(t-1).", "undefined", "write a rule or an #external for it"),
     # numbers of arguments
-    ("paper", "paper.lp", "at(L,t-1), not moved(t)", "@at(t-1), not moved(t)", "undefined", "is at/2 meant?"),
-    ("garden", "garden.lp", "done(A,P,t)     :-", "@done(P,t)     :-", "misspelt", "is done/3 meant?"),
+    ("paper", "paper.lp", "at(L,t-1), not moved(t)", "@at(t-1), not moved(t)", "undefined", "did you mean at/2?"),
+    ("garden", "garden.lp", "done(A,P,t)     :-", "@done(P,t)     :-", "misspelt", "did you mean done/3?"),
     # unused predicates
     ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "remove it"),
     ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
     # impossible values
     ("mailbot", FAULTS, "tells(A,missing,R), _action_lib", "tells(A,@mising,R), _action_lib", "no-match", "is missing"),
-    ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "is tap meant?"),
-    ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "is fill meant?"),
+    ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "did you mean tap?"),
+    ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "did you mean fill?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
     # circular rules, and bodies that never hold
     ("bound", "bound.lp", "c(t) :- e(t).", "@c(t) :- d(t).\nd(t) :- c(t).", "unfounded", "its rules need d/1"),
@@ -65,7 +65,7 @@ SEEDS = [
         "move the rule to the cumulative",
     ),
     ("back", "back.lp", "#volatile t.", "", "missing-part", "the program has no volatile part"),
-    ("garden", "garden.lp", "at(L,t)      :- at(L,t-1)", "@at(L,t)      :- at(L,t)", "tautology", "another step meant"),
+    ("garden", "garden.lp", "at(L,t)      :- at(L,t-1)", "@at(L,t)      :- at(L,t)", "tautology", "another step"),
     ("paper", "paper.lp", "_return(A,V,t), V != P", "_return(A,V,t), @V = P", "same-variables", "or V != P"),
     ("garden", "garden.lp", "thirsty(P,t-1), not wat", "@thirsty(P,t+1), not wat", "look-ahead", "thirsty(P,t+1)"),
     ("paper", "paper.lp", "at(L,t)         :- done", "@at(t,L)         :- done", "exchanged", "as argument 2"),
@@ -99,20 +99,20 @@ SEEDS = [
     ),
     ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
     # exchanged names and arguments
-    ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "is P meant?"),
-    ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "is V meant?"),
+    ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "did you mean P?"),
+    ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "did you mean V?"),
     ("garden", "garden.lp", "done(water,P,t).", "done(P,@water,t).", "no-match", "with water as argument 2"),
     # punctuation that changes the statement
-    ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "is a dot meant?"),
-    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "is ':-' meant?"),
-    ("paper", "paper.lp", "at(L,t-1), not moved(t).", "at(L,t-1)@. not moved(t).", "mark", "is a comma meant?"),
+    ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "did you mean a dot?"),
+    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "did you mean ':-'?"),
+    ("paper", "paper.lp", "at(L,t-1), not moved(t).", "at(L,t-1)@. not moved(t).", "mark", "did you mean a comma?"),
     ("battery", "battery.lp", "t) : asked(W,I,t), W", "t); @asked(W,I,t), W", "syntax", "unexpected"),
     ("paper", "paper.lp", "cancel(Id),t).\nwaiting", "cancel(Id),t)@,\nwaiting", "syntax", "a comma stands where a"),
     ("garden", "garden.lp", "failed(t)       :- failed(A,P,V,t).", "failed(t) :- failed(A,P,V,t)@", "syntax", "a dot"),
     # constants and variables that occur once
     ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,@offcie2).", "misspelt", "is office2"),
     ("house", "home.lp", "door(kitchen,living_room).", "door(kitchen,@livingroom).", "misspelt", "is living_room"),
-    ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "is home meant?"),
+    ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "did you mean home?"),
     ("paper", "paper.lp", "aboard(Id,From,To,t), cancelled", "aboard(Id,From,@Too,t), cancelled", "misspelt", "is To"),
     ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "_request(@cancel(me,Id),t).\nc", "misspelt", "cancel(Id)"),
     # swapped arguments, mismatched steps
@@ -148,7 +148,7 @@ SEEDS = [
         "misspelt",
         "is cancel(...)",
     ),
-    ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "is move_base meant?"),
+    ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "did you mean move_base?"),
     (
         "template",
         "@NAME@.lp",
@@ -181,7 +181,7 @@ SEEDS = [
         "_status(P,canceled,t)      :-",
         "_status(P,@cancelled,t)      :-",
         "status-word",
-        "is canceled meant?",
+        "did you mean canceled?",
     ),
     (
         "mailbot",
@@ -252,14 +252,14 @@ SEEDS = [
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\n:- @&final.", "syntax", "no #theory defines the theory atom &final"),
     # constants, and messages of clingo
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
-    ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "is capacity meant?"),
-    ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "is tries meant?"),
+    ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "did you mean capacity?"),
+    ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "did you mean tries?"),
     ("mailbot", "office.lp", "start(office1)", "start(hall)", "no-match", "no L fits both start(L) and place(L)"),
     ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
     ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
     ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
     ("paper", "paper.lp", "#program base.", "@#program bse.", "unknown-part", "base, cumulative(t) and volatile(t)"),
-    ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "is history meant?"),
+    ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "did you mean history?"),
 ]
 
 

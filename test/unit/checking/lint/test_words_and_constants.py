@@ -108,7 +108,7 @@ def test_lint_takes_no_keyword_for_a_misspelt_one(keyword):
     text = f"#external {keyword}. #program cumulative(t). p(t). #show p/1. #program volatile(t). :- not p(t)."
     found = list(lint_program(ReactiveProgram.from_text(text, "home.lp"), core=False))
     assert [one.kind for one in found] == ["unused"]
-    assert "meant?" not in str(found[0])
+    assert "did you mean" not in str(found[0])
 
 
 @pytest.mark.parametrize(
@@ -142,14 +142,14 @@ def test_lint_accepts_look_backs_at_persistent_atoms(rules):
         ),
         (
             {"n": "-1"},
-            [("negative-constant", "own value is 3 (home.lp:1) (is a negative number meant?)")],
+            [("negative-constant", "own value is 3 (home.lp:1) (did you mean a negative number?)")],
         ),
         ({"low": "-1"}, []),
         ({"n": "0"}, []),
         ({"zero": "-1"}, []),
         ({"pair": "7", "odd": "7", "back": "7"}, []),  # their values are not numbers
         ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
-        ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (is start meant?)")]),
+        ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (did you mean start?)")]),
         ({"zzz": "1"}, [("unknown-constant", "(its constants are back, low, n, odd, pair, start, twice, zero)")]),
         ({"zzz": "1", "n": "f(x)"}, [("unknown-constant", "no #const zzz"), ("constant-value", "give a number")]),
     ],

@@ -81,18 +81,18 @@ def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
 
 #: System, file, its text, the replacement (@ marks the place of the finding), kind, words of the message.
 SEEDS = [
-    ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "is office2 meant?"),
-    ("mailbot", "labels.yaml", "office3:", "@ofice3:", "idle-label", "is office3 meant?"),
+    ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "did you mean office2?"),
+    ("mailbot", "labels.yaml", "office3:", "@ofice3:", "idle-label", "did you mean office3?"),
     ("house", "labels.yaml", "study: [6.0, 9.0]\n", "@garage: [6.0, 9.0]\n", "idle-label", "places are bathroom"),
     ("house", "home.lp", "thing(towel,bathroom)", "thing(towel,@basement)", "no-label", "all other facts have labels"),
-    ("garden", "garden.lp", "plant(palm).", "plant(@plam).", "no-label", "is palm meant?"),
-    ("garden", "labels.yaml", "tap:", "@tab:", "idle-label", "is tap meant?"),
-    ("garden", "garden.lp", "place(home). place(tap).", "place(@hom). place(tap).", "no-label", "is home meant?"),
+    ("garden", "garden.lp", "plant(palm).", "plant(@plam).", "no-label", "did you mean palm?"),
+    ("garden", "labels.yaml", "tap:", "@tab:", "idle-label", "did you mean tap?"),
+    ("garden", "garden.lp", "place(home). place(tap).", "place(@hom). place(tap).", "no-label", "did you mean home?"),
     ("garden", "labels.yaml", "[2.5, 2.5]", "[2.5, x]", "configuration", "tap"),
     ("garden", "labels.yaml", "palm:", "@Palm:", "configuration", "Palm"),
     ("mailbot", "labels.yaml", "{x: 9.9, y: 0.0, yaw", "{x: 9.9, y: 0.0, @jaw", "configuration", "unknown key 'jaw'"),
     ("garden", "labels.yaml", "tap: [2.5", "tap: ]@[2.5", "configuration", "invalid YAML"),
-    ("mailbot", "interfaces.yaml", "pickup:", "@pick_up:", "idle-interface", "is pickup meant?"),
+    ("mailbot", "interfaces.yaml", "pickup:", "@pick_up:", "idle-interface", "did you mean pickup?"),
     ("mailbot", "delivery/rules.lp", "{ _action_lib(pickup,Id", "{ _action_lib(@picup,Id", "no-interface", "is pickup"),
     (
         "mailbot",
@@ -102,8 +102,8 @@ SEEDS = [
         "idle-reason",
         "is server_lost",
     ),
-    ("garden", "interfaces.yaml", "fill:", "@fil:", "idle-interface", "is fill meant?"),
-    ("garden", "interfaces.yaml", "fill:", "fil:", "no-interface", "is fil meant?"),
+    ("garden", "interfaces.yaml", "fill:", "@fil:", "idle-interface", "did you mean fill?"),
+    ("garden", "interfaces.yaml", "fill:", "fil:", "no-interface", "did you mean fil?"),
     (
         "garden",
         "interfaces.yaml",
@@ -132,16 +132,16 @@ SEEDS = [
     ),
     ("mailbot", "interfaces.yaml", "outcome: NOT_HERE", "@outcome: NOTHERE", "message-type", "no constant NOTHERE"),
     ("mailbot", "interfaces.yaml", "carried: true", "@caried: true", "message-type", "has no such field"),
-    ("mailbot", "interfaces.yaml", "timeout: 300.0", "@timeot: 300.0", "configuration", "is timeout meant?"),
+    ("mailbot", "interfaces.yaml", "timeout: 300.0", "@timeot: 300.0", "configuration", "did you mean timeout?"),
     ("mailbot", "interfaces.yaml", "timeout: 300.0", "@timeout: soon", "configuration", "not 'soon'"),
-    ("garden", "interfaces.yaml", "$parameter.pose", "$paramter.pose", "configuration", "is $parameter meant?"),
+    ("garden", "interfaces.yaml", "$parameter.pose", "$paramter.pose", "configuration", "did you mean $parameter?"),
     (
         "mailbot",
         "interfaces.yaml",
         "return: unreachable}",
         'return: unreachable, @facts: ["_blockd(${parameter},a,now)"]}',
         "unheard-fact",
-        "is _blocked/3 meant?",
+        "did you mean _blocked/3?",
     ),
     # rejected by tf2, and headings in degrees
     (
@@ -152,7 +152,7 @@ SEEDS = [
         "label-value",
         "write map",
     ),
-    ("garden", "labels.yaml", "[2.5, 2.5]", "@[2.5, 2.5, 90]", "label-value", "are degrees meant? write 1.571"),
+    ("garden", "labels.yaml", "[2.5, 2.5]", "@[2.5, 2.5, 90]", "label-value", "did you mean degrees? write 1.571"),
     ("garden", "labels.yaml", "[2.5, 2.5]", "{x: 2.5, y: 2.5, @yaw: -180.0}", "label-value", "write -3.142"),
     (
         "garden",
@@ -191,7 +191,7 @@ SEEDS = [
     ),
     # drawings
     ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(corridor,ways)", "idle-drawing", "ways is not a kind"),
-    ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "is corridor meant?"),
+    ("mailbot", "mailbot.lp", "_draws(corridor,way)", "@_draws(coridor,way)", "idle-drawing", "did you mean corridor?"),
     ("house", "house.lp", "_draws(door,way)", "@_draws(D,way) :- door(D,E)", "idle-drawing", "from ground facts"),
 ]
 
@@ -262,7 +262,7 @@ def test_robot_files_count_each_file_once(tmp_path, capsys):
     named = [str(tmp_path / one) for one in ("garden.lp", "labels.yaml", "interfaces.yaml")]
     options = [named[0], "--labels", named[1], "--interfaces", named[2]]
     assert check_command.main(options, RobotFiles()) == 0
-    assert capsys.readouterr().out == "nothing in 3 files\n"
+    assert capsys.readouterr().out == "no findings in 3 files\n"
     check_command.main([*options, "--json"], RobotFiles())
     assert json.loads(capsys.readouterr().out)["files"] == named
 

@@ -103,7 +103,7 @@ def test_program_warns_about_unknown_constants():
     text = "#const capacity = 3.\nroom(r1).\n" + STEPS
     assert remarks(text, {"capacity": "4", "r1": "r2"}) == []
     assert remarks(text, {"capcity": "4"}) == [
-        "constant capcity: the program has no #const capcity (is capacity meant?)",
+        "constant capcity: the program has no #const capcity (did you mean capacity?)",
     ]
     assert "(it has none)" in remarks(STEPS, {"x": "4"})[0]
 
@@ -116,7 +116,7 @@ def test_unused_facts_are_reported_only_once():
     solver = ReactiveSolver(ReactiveProgram.from_text("{ c }.\n" + STEPS))
     (warning,) = play(solver, "#step 1. ee(1). e(1).")
     assert warning.startswith("No rule and no #external of the program mentions ee/1")
-    assert warning.endswith("(is e/1 meant?).")
+    assert warning.endswith("(did you mean e/1?).")
     assert play(solver, "#step 2. ee(2).") == ()
     assert play(solver, "x(1). e(2) :- x(1). -c.") == ()
     assert play(solver, "x(2).") == ()

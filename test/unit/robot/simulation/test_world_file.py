@@ -166,7 +166,7 @@ def test_world_file_reports_all_faults_at_once(world):
         "robots[1].laser",
         "seed",
     ]
-    assert faults[2].startswith("robots[0]: unknown key 'pos' (is pose meant?); keys are ")
+    assert faults[2].startswith("robots[0]: unknown key 'pos' (did you mean pose?); keys are ")
 
 
 @pytest.mark.parametrize(
