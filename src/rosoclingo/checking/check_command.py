@@ -149,8 +149,8 @@ class _Report(NamedTuple):
         parts = []
         for fault, severity in self.found:
             place = f"{fault.file}:{fault.line}:{fault.column}" if fault.line else fault.file
-            mend = f" ({fault.mend})" if fault.mend else ""
-            parts.append(f"{place}: {severity}: {fault.message}{mend} [{fault.kind}]\n")
+            remedy = f" ({fault.remedy})" if fault.remedy else ""
+            parts.append(f"{place}: {severity}: {fault.message}{remedy} [{fault.kind}]\n")
             parts.append(_excerpt(fault, lines.get(fault.file, ())))
         counts = [_counted(self.errors, "error"), _counted(len(self.found) - self.errors, "warning")]
         parts.append(f"{', '.join(filter(None, counts)) or 'no findings'} in {_counted(len(self.files), 'file')}\n")

@@ -122,15 +122,15 @@ class Trials:
 
     def _facts(self, text: str, step: int) -> List[clingo.Symbol]:
         """Return the facts of a request; facts of an external of the program are used as they are."""
-        mend = "write a term such as goal(office1,office2,1), or a fact of an external of the program"
+        remedy = "write a term such as goal(office1,office2,1), or a fact of an external of the program"
         try:
             update = parse_update(f"{text.strip().rstrip('.')}.\n#endstep.")
         except ProgressionError as error:
-            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, error.message, mend)]) from None
+            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, error.message, remedy)]) from None
         heads = [item.head if isinstance(item, Statement) and not item.body else None for item in update.items]
         terms = [head for head in heads if head is not None]
         if not terms or len(terms) < len(heads) or update.step is not None:
-            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, "not a request", mend)])
+            raise ProgramError([Fault(f"--plan {text!r}", 0, 0, "not a request", remedy)])
         return [self._fact(term, step, text) for term in terms]
 
     def _fact(self, term: clingo.Symbol, step: int, text: str) -> clingo.Symbol:

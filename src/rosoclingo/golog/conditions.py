@@ -57,9 +57,9 @@ class Bindings:
         """Begin a condition; its rules share no variables with those of earlier conditions."""
         self._quantified.clear()
 
-    def fault(self, place: Union[SyntaxNode, Token], message: str, mend: str) -> GologError:
+    def fault(self, place: Union[SyntaxNode, Token], message: str, remedy: str) -> GologError:
         """Return an error at a place."""
-        return GologError(Fault(self._file, place.line or 1, place.column or 1, message, mend))
+        return GologError(Fault(self._file, place.line or 1, place.column or 1, message, remedy))
 
     def inner(self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables") -> Dict[str, str]:
         """Return the names within a scope that binds ``variables``; raise GologError for duplicates."""
@@ -88,10 +88,10 @@ class Bindings:
         if kind == "variable":
             found = _name_of(term, names)
             if not found:
-                mend = (
+                remedy = (
                     "bind it as a parameter, or by pick, some or all; names of constants begin with a lower-case letter"
                 )
-                raise self.fault(term, f"variable {term.text} is unbound", mend)
+                raise self.fault(term, f"variable {term.text} is unbound", remedy)
             self.first.setdefault(found, term)
             return found
         if kind == "operation":

@@ -209,8 +209,8 @@ def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
     return ControlProgram(tuple(one for one in found if one.kind == "include"), tuple(procedures))
 
 
-def _fault(name: str, token: Token, message: str, mend: str) -> Fault:
-    return Fault(name, token.line or 1, token.column or 1, message, mend)
+def _fault(name: str, token: Token, message: str, remedy: str) -> Fault:
+    return Fault(name, token.line or 1, token.column or 1, message, remedy)
 
 
 def _checked(token: Token, name: str, faults: List[Fault]) -> Token:
@@ -219,8 +219,8 @@ def _checked(token: Token, name: str, faults: List[Fault]) -> Token:
         faults.append(_fault(name, token, f"{token} is not a string", f'write "{token[1:-1]}"'))
         return token.update(type="STRING")
     if token.type == "NUMBER" and _is_too_large(token):
-        mend = f"write at most {GREATEST}, or a string"
-        faults.append(_fault(name, token, f"the number {token} is too large", mend))
+        remedy = f"write at most {GREATEST}, or a string"
+        faults.append(_fault(name, token, f"the number {token} is too large", remedy))
     return token
 
 
@@ -249,12 +249,12 @@ def _explained(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str
     if slip is not None:
         return slip[0], f"'{slip[0]}' is not a keyword, and no ';' follows it", f"did you mean {slip[1]}?"
     wanted = (row for row in _WANTED if set(row[0].split()) <= accepted)
-    types, what, mend = next(wanted, ("", " or ".join(sorted(accepted)), "see doc/golog.md"))
+    types, what, remedy = next(wanted, ("", " or ".join(sorted(accepted)), "see doc/golog.md"))
     if token in _WORDS and types == "WHILE":
-        mend = _MISPLACED.get(token, "actions cannot have this name")
+        remedy = _MISPLACED.get(token, "actions cannot have this name")
     elif token in _WORDS and not what.startswith("'"):
         shown = f"the keyword {shown}"
-    return token, f"expected {what} after '{tokens[at - 1]}', found {shown}", mend
+    return token, f"expected {what} after '{tokens[at - 1]}', found {shown}", remedy
 
 
 def _open(tokens: Sequence[Token]) -> List[Token]:

@@ -50,11 +50,11 @@ def translate_files(documents: Sequence[Document], included: Sequence[Sequence[S
     found: List[Translation] = []
     for number, one in enumerate(documents):
         procedures, own = linker.procedures(number), [*one.content.faults, *linker.faults[number]]
-        for call, message, mend in endless_calls(
+        for call, message, remedy in endless_calls(
             {head: declared.procedure for head, declared in procedures.items()},
             [head for head, declared in procedures.items() if declared.file == one.name],
         ):
-            own.append(Fault(one.name, call.line, call.column, message, mend))
+            own.append(Fault(one.name, call.line, call.column, message, remedy))
         writer = Writer(one.name, stems[number], one.content.program, procedures, own)
         faults += sorted(own, key=lambda fault: (fault.line, fault.column))
         found.append(Translation("".join(f"{line}\n" for line in writer.lines), tuple(writer.places)))
@@ -118,8 +118,8 @@ class _Linker:
             PurePath(self._documents[one].name).name for one in self._include_chain[self._include_chain.index(first) :]
         ]
         message = "this file includes itself" + (f": {', '.join([*names, names[0]])}" if names[1:] else "")
-        mend = "move shared procedures into a third file" if names[1:] else "remove the include"
-        self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, mend))
+        remedy = "move shared procedures into a third file" if names[1:] else "remove the include"
+        self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, remedy))
 
     def _declare(self, number: int, procedure: SyntaxNode) -> None:
         head, name = signature(procedure), procedure.tokens[0]

@@ -43,8 +43,8 @@ def endless_calls(
     for one in own:
         for call in calls[one]:
             if one in _reached(signature(call), calls):
-                mend = f"write an action before the call, count down ({COUNTING}), or use a loop (while, star)"
-                yield call, f"{one[0]} can call itself endlessly without an action in between", mend
+                remedy = f"write an action before the call, count down ({COUNTING}), or use a loop (while, star)"
+                yield call, f"{one[0]} can call itself endlessly without an action in between", remedy
                 break
 
 

@@ -204,8 +204,8 @@ class Writer:
     ) -> None:
         for name in unbound(way, known, wanted):
             where = self._scope.first.get(name, one)
-            mend = f"add a fluent with it, or {where.text} in 1..3, or in {{a, b}}"
-            raise self._scope.fault(where, f"no fluent determines the values of {where.text}", mend)
+            remedy = f"add a fluent with it, or {where.text} in 1..3, or in {{a, b}}"
+            raise self._scope.fault(where, f"no fluent determines the values of {where.text}", remedy)
 
     def _rule_body(self, way: Sequence[Literal], asked: str) -> str:
         """Return the body of a rule, and write the rules for its negated conditions."""

@@ -17,7 +17,7 @@ class Fault:
         line: line from 1; 0 if the fault has no place in the file.
         column: column from 1.
         message: the description of the fault.
-        mend: how to fix the fault; empty if unknown.
+        remedy: how to fix the fault; empty if unknown.
         kind: the kind of the finding, see checking/lint/kinds.py.
 
     """
@@ -26,12 +26,12 @@ class Fault:
     line: int
     column: int
     message: str
-    mend: str = ""
+    remedy: str = ""
     kind: str = "syntax"
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}: " if self.line else f"{self.file}: "
-        return place + self.message + (f" ({self.mend})" if self.mend else "")
+        return place + self.message + (f" ({self.remedy})" if self.remedy else "")
 
 
 class ProgramError(OclingoError):

@@ -99,7 +99,7 @@ def test_check_prints_findings_as_json(folder, run):
         "line": 4,
         "column": 14,
         "message": UNDEFINED.partition(" (")[0],
-        "mend": "did you mean call/2? otherwise write #defined cal/2.",
+        "remedy": "did you mean call/2? otherwise write #defined cal/2.",
     }
     code, out, _ = run("right.lp", "--json")
     assert (code, json.loads(out)["findings"]) == (0, [])

@@ -76,15 +76,15 @@ FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("text", "line", "column", "message", "mend"), FAULTS)
-def test_translate_reports_place_message_and_fix(text, line, column, message, mend):
+@pytest.mark.parametrize(("text", "line", "column", "message", "remedy"), FAULTS)
+def test_translate_reports_place_message_and_fix(text, line, column, message, remedy):
     with pytest.raises(ProgramError) as caught:
         translate(text, "x.golog")
     fault = caught.value.faults[0]
     assert (fault.file, fault.line) == ("x.golog", line)
     assert fault.column == (fault.column if column is None else column)
     assert message in fault.message
-    assert mend in fault.mend
+    assert remedy in fault.remedy
 
 
 def test_string_in_single_quotes_is_one_error():
@@ -197,7 +197,7 @@ def test_any_text_is_translated_or_has_errors(text):
             assert fault.line >= 1, fault
             assert fault.column >= 1, fault
             assert fault.message, fault
-            assert fault.mend, fault
+            assert fault.remedy, fault
 
 
 def test_program_reports_errors_of_golog_files():

@@ -44,7 +44,7 @@ def faults(path):
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_files([path])
     return [
-        (one.file.rsplit("/", 1)[-1], one.line, one.column, f"{one.message} ({one.mend})")
+        (one.file.rsplit("/", 1)[-1], one.line, one.column, f"{one.message} ({one.remedy})")
         for one in caught.value.faults
     ]
 

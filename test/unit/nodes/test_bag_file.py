@@ -53,8 +53,8 @@ def test_bag_is_repaired_up_to_last_flush(tmp_path, lost):
     bag._file.flush()
     repair(bag.path, tmp_path / "other.bag", "/notes")
     assert read(tmp_path / "other.bag") == ["1", "2"]
-    with rosbag.Bag(str(tmp_path / "other.bag")) as mended:
-        (note,) = [message.data for _, message, _ in mended.read_messages(["/notes"])]
+    with rosbag.Bag(str(tmp_path / "other.bag")) as repaired:
+        (note,) = [message.data for _, message, _ in repaired.read_messages(["/notes"])]
     assert note == "repaired: the recorder was killed; messages after 2.000 s are missing"
 
 

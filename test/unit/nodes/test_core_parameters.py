@@ -93,7 +93,7 @@ def test_core_parameters_limit_time_for_improvement(program):
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "mend"),
+    ("name", "value", "remedy"),
     [
         ("program_files", [], "must be a list of paths of ASP programs"),
         ("program_files", [3], "must be a list of paths of ASP programs"),
@@ -117,8 +117,8 @@ def test_core_parameters_limit_time_for_improvement(program):
         ("preempt", "true", "must be true or false"),
     ],
 )
-def test_core_parameters_faults_name_parameter_and_remedy(program, name, value, mend):
-    with pytest.raises(ParameterError, match=re.escape(mend)) as error:
+def test_core_parameters_faults_name_parameter_and_remedy(program, name, value, remedy):
+    with pytest.raises(ParameterError, match=re.escape(remedy)) as error:
         core_parameters({"program_files": [program], name: value})
     assert f"~{name}" in str(error.value)
 

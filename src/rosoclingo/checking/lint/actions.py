@@ -46,9 +46,9 @@ class PlacedName(NamedTuple):
     line: int
     column: int
 
-    def fault(self, kind: str, message: str, mend: str) -> Fault:
+    def fault(self, kind: str, message: str, remedy: str) -> Fault:
         """Return a fault at this place."""
-        return Fault(self.file, self.line, self.column, message, mend, kind)
+        return Fault(self.file, self.line, self.column, message, remedy, kind)
 
 
 class Actions:
@@ -122,8 +122,8 @@ class Actions:
             for term in sorted(alike):
                 node = self._where(term)
                 message = f"{term} is both a parameter and a failure reason of {action}"
-                mend = f"rename it: _return({action},{term},C) would mean success and failure"
-                yield fault_at(self._nodes[action] if node is None else node, "like-reason", message, mend)
+                remedy = f"rename it: _return({action},{term},C) would mean success and failure"
+                yield fault_at(self._nodes[action] if node is None else node, "like-reason", message, remedy)
 
     def _odd_in_rows(self, names: Set[str]) -> Iterator[Node]:
         """Yield the only constant without a label in a position where all other facts have labels."""
@@ -141,8 +141,8 @@ class Actions:
     def _no_label(self, action: str, term: clingo.Symbol, names: Set[str]) -> Fault:
         message = f"there is no label {term}: the action {action} will return unknown_label for it"
         node = self._where(str(term))
-        mend = likely_value(str(term), names) if names else ""
-        return fault_at(self._nodes[action] if node is None else node, "no-label", message, mend)
+        remedy = likely_value(str(term), names) if names else ""
+        return fault_at(self._nodes[action] if node is None else node, "no-label", message, remedy)
 
     def _where(self, text: str) -> Optional[Node]:
         """Return the occurrence of a term in the fact with the fewest arguments."""

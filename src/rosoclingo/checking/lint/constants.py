@@ -23,12 +23,12 @@ def words_for_numbers(survey: Survey) -> List[Fault]:
             name = _word(term)
             if name and name not in known:
                 message = f"{name} is used as a number, but no #const defines it"
-                fault = fault_at(term, "no-number", message, _mend(name, own))
+                fault = fault_at(term, "no-number", message, _remedy(name, own))
                 found.setdefault(f"{fault.file}:{fault.line}:{name}", fault)
     return list(found.values())
 
 
-def _mend(name: str, own: Collection[str]) -> str:
+def _remedy(name: str, own: Collection[str]) -> str:
     return likely_word(name, own) or f"write #const {name} = 1. with its value"
 
 

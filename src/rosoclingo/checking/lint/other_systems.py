@@ -51,9 +51,9 @@ def included_libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
 
 def _theory_atom(node: Node) -> Fault:
     name = str(node.term).partition("(")[0]
-    mend = "write rules about atoms with the step" if name in _STATES else "write rules, or an aggregate like #sum"
+    remedy = "write rules about atoms with the step" if name in _STATES else "write rules, or an aggregate like #sum"
     message = f"&{name} is not interpreted: no theory is loaded, and the atom constrains nothing"
-    return fault_at(node, _PASSIVE, message, mend)
+    return fault_at(node, _PASSIVE, message, remedy)
 
 
 def _queries(survey: Survey) -> Iterator[Fault]:

@@ -13,7 +13,7 @@ from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences, signature_and_arguments
 from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written
-from rosoclingo.oclingo.program.undefined import primed_mend
+from rosoclingo.oclingo.program.undefined import primed_remedy
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import format_pattern
 
@@ -39,7 +39,7 @@ def unused_predicates(survey: Survey) -> List[Fault]:
             continue
         meant = None if signature in _KEYWORDS else slip_of(signature, looked_at | _KEYWORDS, survey.shows)
         places = survey.defining.get(signature, survey.declaring.get(signature))
-        primed = primed_mend(signature, survey.known)
+        primed = primed_remedy(signature, survey.known)
         if primed or meant is not None:
             found += _unused(survey, signature, places, "misspelt", primed or did_you_mean(meant))
         elif survey.shows:
@@ -59,15 +59,15 @@ def _defines_alone(statement: Node, signature: Signature) -> bool:
 
 
 def _unused(
-    survey: Survey, signature: Signature, places: Optional[List[Place]], kind: str, mend: str
+    survey: Survey, signature: Signature, places: Optional[List[Place]], kind: str, remedy: str
 ) -> Iterator[Fault]:
     if places is None:
         opened = survey.opened[signature]
-        yield Fault(opened.file, opened.line, 1, f"no rule uses the external {signature}", mend, kind)
+        yield Fault(opened.file, opened.line, 1, f"no rule uses the external {signature}", remedy, kind)
     elif places[0].occurrence.term.location.begin.filename != LABELS:
         what = "the external " if places[0].declares else ""
         shown = "" if places[0].declares or not survey.shows else ", and no #show shows it"
-        yield places[0].fault(kind, f"no rule uses {what}{signature}{shown}", mend)
+        yield places[0].fault(kind, f"no rule uses {what}{signature}{shown}", remedy)
 
 
 # ---- atoms that are never true --------------------------------------------------------------------------------------
@@ -100,8 +100,8 @@ def disjoint_bodies(values: ArgumentValues) -> Iterator[Fault]:
         if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
             name, atom, other = found.variable, written(found.atom.term), written(found.other.term)
             message = f"the rule never applies: no {name} fits both {other} and {atom}"
-            mend = f"it is {_listed(found.others)} in the first, {_listed(found.its)} in the second"
-            yield fault_at(found.atom.term, "no-match", message, mend)
+            remedy = f"it is {_listed(found.others)} in the first, {_listed(found.its)} in the second"
+            yield fault_at(found.atom.term, "no-match", message, remedy)
 
 
 def _listed(values: Iterable[clingo.Symbol]) -> str:
@@ -173,8 +173,8 @@ def _odd_comparison(literal: Node, atoms: Iterable[Node]) -> Iterator[Fault]:
     meant = not equation or literal.location.begin.filename.endswith(".golog")
     if not meant and set(names) <= {name for one in atoms for name in names_in(one)}:
         message = f"{names[0]} = {names[1]} equates two variables that atoms bind"
-        mend = f"write {names[0]} instead of {names[1]}, or {names[0]} != {names[1]}"
-        yield fault_at(literal, "same-variables", message, mend)
+        remedy = f"write {names[0]} instead of {names[1]}, or {names[0]} != {names[1]}"
+        yield fault_at(literal, "same-variables", message, remedy)
 
 
 _STRICT = (ComparisonOperator.NotEqual, ComparisonOperator.LessThan, ComparisonOperator.GreaterThan)

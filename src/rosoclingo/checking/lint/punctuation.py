@@ -42,8 +42,8 @@ def _odd_heads(name: str, marks: _Marks) -> Iterator[Fault]:
         yield _mark_fault(name, marks.head[0], message, "did you mean ':-'?")
 
 
-def _mark_fault(name: str, mark: SourceToken, message: str, mend: str) -> Fault:
-    return Fault(name, mark.line, mark.column, message, mend, KIND)
+def _mark_fault(name: str, mark: SourceToken, message: str, remedy: str) -> Fault:
+    return Fault(name, mark.line, mark.column, message, remedy, KIND)
 
 
 def _marks(statement: Sequence[SourceToken]) -> _Marks:

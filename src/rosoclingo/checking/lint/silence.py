@@ -41,12 +41,12 @@ class Silences:
                     self._kinds.setdefault((name, number + 1), set()).update(kinds)
 
     def _judge(self, name: str, line: int, column: int, kinds: List[str]) -> None:
-        mend = "write % check: ok KIND, with the kind in square brackets at the end of the finding"
+        remedy = "write % check: ok KIND, with the kind in square brackets at the end of the finding"
         if not kinds:
-            self.faults.append(Fault(name, line, column, "the comment names no kind", mend, "silence"))
+            self.faults.append(Fault(name, line, column, "the comment names no kind", remedy, "silence"))
         for kind in kinds:
             if kind not in KINDS:
-                hint = likely_word(kind, KINDS) or mend
+                hint = likely_word(kind, KINDS) or remedy
                 self.faults.append(Fault(name, line, column, f"there is no kind {kind} of findings", hint, "silence"))
 
     def covers(self, fault: Fault) -> bool:

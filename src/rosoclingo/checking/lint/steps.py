@@ -72,8 +72,8 @@ def _mixed_offsets(signature: Signature, timed: Sequence[_Atom]) -> Iterator[Fau
     if len(offsets) > 1 and len({position for position, _ in steps}) == 1:
         words = " and ".join(timed[0].place.part.parameter + (f"{one:+d}" if one else "") for one in offsets)
         message = f"heads of {signature} have the steps {words}: rules of two steps can define the same atom"
-        mend = "use the same step in all heads of a predicate, or two predicates"
-        yield timed[-1].place.fault("no-step", message, mend)
+        remedy = "use the same step in all heads of a predicate, or two predicates"
+        yield timed[-1].place.fault("no-step", message, remedy)
 
 
 def _misplaced_steps(atoms: Sequence[_Atom]) -> Iterator[Fault]:
@@ -131,8 +131,8 @@ def _volatile_look_backs(heads: Sequence[_Atom], uses: Sequence[_Atom]) -> Itera
             if steps.get(position, least) < least and place.statement.ast_type != ASTType.External:
                 term = written(place.occurrence.term)
                 message = f"{term} looks back at the volatile part, whose atoms are removed after their step"
-                mend = f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
-                yield place.fault("past-volatile", message, mend)
+                remedy = f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
+                yield place.fault("past-volatile", message, remedy)
 
 
 def histories(survey: Survey) -> List[Fault]:

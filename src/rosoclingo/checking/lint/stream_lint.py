@@ -33,8 +33,8 @@ def lint_stream(program: ReactiveProgram, text: str, name: str) -> List[Fault]:
             place = re.search(r"in line ([0-9]+)", warning)
             found.append(Fault(name, int(place.group(1)) if place else 1, 1, warning, "", "stream-fact"))
         for (line, column), item in zip(places, update.items):
-            for message, mend in judge.faults(item) if isinstance(item, Statement) else ():
-                found.append(Fault(name, line, column, message, mend, "stream-fact"))
+            for message, remedy in judge.faults(item) if isinstance(item, Statement) else ():
+                found.append(Fault(name, line, column, message, remedy, "stream-fact"))
     return found
 
 
@@ -49,7 +49,7 @@ class _StatementLint:
         self._asked = {signature_of(literal.atom) for one in statements for literal in one.body}
 
     def faults(self, statement: Statement) -> Iterator[Tuple[str, str]]:
-        """Yield the faults of a statement, each with its mend."""
+        """Yield the faults of a statement, each with its remedy."""
         if statement.head is not None:
             yield from self._head_faults(statement.head, bool(statement.body))
         for literal in statement.body:
@@ -63,8 +63,8 @@ class _StatementLint:
             if not self._hearing.hears(atom):
                 uses = program.survey.using.get(signature, ())
                 terms = list(dict.fromkeys(written(one.occurrence.term) for one in uses))[:_MANY]
-                mend = f"rules match {', '.join(terms)}" if terms else "write a rule for it"
-                yield f"no rule can ever see {atom}", mend
+                remedy = f"rules match {', '.join(terms)}" if terms else "write a rule for it"
+                yield f"no rule can ever see {atom}", remedy
         elif signature in program.external_signatures:
             yield from self._impossible_value(atom, signature, "external")
         elif signature in program.head_signatures:
@@ -80,8 +80,8 @@ class _StatementLint:
         if signature in known:
             yield from self._impossible_value(atom, signature, "true")
         elif signature not in self._stated:
-            mend = did_you_mean(most_similar(signature, known | self._stated))
-            yield f"{signature} is never true: nothing defines it", mend
+            remedy = did_you_mean(most_similar(signature, known | self._stated))
+            yield f"{signature} is never true: nothing defines it", remedy
 
     def _impossible_value(self, atom: clingo.Symbol, signature: Signature, what: str) -> Iterator[Tuple[str, str]]:
         """Yield the first argument of an atom that the program never gives its predicate."""

@@ -55,7 +55,7 @@ def missing_keywords(survey: Survey) -> List[Fault]:
         ),
     )
     # the first line of the program is their place, so that a comment there can silence them
-    return [Fault(survey.first_file, 1, 1, text, mend, kind) for lacks, kind, text, mend in rows if lacks]
+    return [Fault(survey.first_file, 1, 1, text, remedy, kind) for lacks, kind, text, remedy in rows if lacks]
 
 
 def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fault]:
@@ -64,8 +64,8 @@ def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fa
     if trial is None or not places or STATUS in survey.defining or not trial.demands(ACTION):
         return []
     message = "each step has an action even without an open goal, and without _status/3 no goal ever ends"
-    mend = "plan actions only for open goals, or write rules for _status(Id,succeeded,C)"
-    return [places[0].fault("restless", message, mend)]
+    remedy = "plan actions only for open goals, or write rules for _status(Id,succeeded,C)"
+    return [places[0].fault("restless", message, remedy)]
 
 
 def volatile_keywords(survey: Survey) -> List[Fault]:
@@ -95,7 +95,7 @@ def status_faults(survey: Survey, values: ArgumentValues) -> List[Fault]:
             fault = _status_fault(rule, "unreachable-status", message, "check its body")
         if fault is not None:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
-    misspelt = any(one.kind == "status-word" and "mean succeeded" in one.mend for one in found.values())
+    misspelt = any(one.kind == "status-word" and "mean succeeded" in one.remedy for one in found.values())
     if numbers and not given & {"succeeded", ANY.name} and not misspelt and survey.is_external(REQUEST):
         message = "no rule reports that a goal has succeeded: clients wait forever"
         place = survey.defining[STATUS][0]
@@ -117,9 +117,9 @@ def _unknown_status(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
     return _status_fault(rule, "status-word", message, likely_value(unknown[0], WORDS))
 
 
-def _status_fault(rule: HeadRule, kind: str, message: str, mend: str) -> Fault:
+def _status_fault(rule: HeadRule, kind: str, message: str, remedy: str) -> Fault:
     begin = signature_and_arguments(rule.head.term)[1][1].location.begin
-    return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
+    return Fault(begin.filename, begin.line, begin.column, message, remedy, kind)
 
 
 def hidden_predicates(survey: Survey) -> Iterator[Fault]:

@@ -96,8 +96,8 @@ def _goal(text: str) -> Symbol:
         raise ProgramError([_fault(str(error))]) from None
 
 
-def _fault(message: str, mend: str = "") -> Fault:
-    return Fault("--verify", 0, 0, message, mend)
+def _fault(message: str, remedy: str = "") -> Fault:
+    return Fault("--verify", 0, 0, message, remedy)
 
 
 def _quoted(text: str) -> str:

@@ -52,8 +52,8 @@ def _slash(file: YamlFile, path: str, frame: Any) -> Iterator[Fault]:
 def _degrees(file: YamlFile, path: str, yaw: Any) -> Iterator[Fault]:
     """Yield a fault if a yaw is more than a full turn."""
     if isinstance(yaw, (int, float)) and not isinstance(yaw, bool) and 2 * math.pi + 0.01 < abs(yaw) < math.inf:
-        mend = f"did you mean degrees? write {math.radians(yaw):.4g}"
-        yield file.fault(f"{path}: {yaw:g} radians is more than a full turn ({mend})", "label-value")
+        remedy = f"did you mean degrees? write {math.radians(yaw):.4g}"
+        yield file.fault(f"{path}: {yaw:g} radians is more than a full turn ({remedy})", "label-value")
 
 
 # ---- reasons --------------------------------------------------------------------------------------------------------
@@ -70,8 +70,8 @@ def labels_like_reasons(labels: Sequence[PlacedName], reasons: AbstractSet[str])
     for one in labels:
         if one.name in reasons:
             message = f"the label {one.name} has the name of a failure reason"
-            mend = f"rename it: _return(A,{one.name},C) would mean success and failure"
-            yield one.fault("like-reason", message, mend)
+            remedy = f"rename it: _return(A,{one.name},C) would mean success and failure"
+            yield one.fault("like-reason", message, remedy)
 
 
 # ---- drawings -------------------------------------------------------------------------------------------------------

@@ -137,8 +137,8 @@ def _unheard(file: Interfaces, specs: Mapping[str, InterfaceSpec], program: Reac
             with suppress(ProgressionError):
                 signature = signature_of(parse_atom(term_with(fact, clingo.Function("x"))))
                 if signature not in known:
-                    mend = likely_external(signature, known)
-                    text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({mend})"
+                    remedy = likely_external(signature, known)
+                    text = f"{name}.returns[{index}].facts: the program declares no external {signature} ({remedy})"
                     yield file.fault(text, "unheard-fact")
 
 
@@ -149,8 +149,8 @@ def _idle_reasons(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> Itera
         given = isinstance(file.data[key], dict) and "retry_on" in file.data[key]
         for reason in spec.retry_on if given and not any("$" in one for one in returned) else ():
             if reason not in returned:
-                mend = likely_word(reason, returned) or f"it returns {', '.join(sorted(returned))}"
-                yield file.fault(f"{key}.retry_on: the interface never returns {reason} ({mend})", "idle-reason")
+                remedy = likely_word(reason, returned) or f"it returns {', '.join(sorted(returned))}"
+                yield file.fault(f"{key}.retry_on: the interface never returns {reason} ({remedy})", "idle-reason")
 
 
 def _type_faults(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> List[Fault]:

@@ -116,7 +116,7 @@ def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None
     found = findings(check_given_values(program.survey, parse_constants(given)), ())
     faults = [one.fault for one in found if is_error(one)]
     if faults:
-        raise ParameterError("\n".join(f"~constants: {one.message} ({one.mend})" for one in faults))
+        raise ParameterError("\n".join(f"~constants: {one.message} ({one.remedy})" for one in faults))
 
 
 def _resume(reader: Reader) -> str:

@@ -132,14 +132,14 @@ class UntranslatableError(Exception):
 
     """
 
-    def __init__(self, place: Place, message: str, mend: str = "", limits: bool = False) -> None:
-        self.line, self.column, self.message, self.mend = place.line or 1, place.column or 1, message, mend
+    def __init__(self, place: Place, message: str, remedy: str = "", limits: bool = False) -> None:
+        self.line, self.column, self.message, self.remedy = place.line or 1, place.column or 1, message, remedy
         self.limits = limits
         super().__init__(message)
 
     def fault(self, file: str) -> Fault:
         """Return the error as a fault of a file."""
-        return Fault(file, self.line, self.column, self.message, self.mend)
+        return Fault(file, self.line, self.column, self.message, self.remedy)
 
 
 class Aggregate(NamedTuple):
@@ -188,15 +188,15 @@ def parse(tokens: Sequence[SourceToken], first: int, after: int) -> SyntaxNode:
     Raises :class:`UntranslatableError`.
     """
     word = tokens[first]
-    mend = f"write '#{word.text}' for the directive" if word.text in _LPARSE_WORDS else ""
-    if mend and tokens[first + 1].text in ("[", "{"):
-        raise UntranslatableError(word, f"'{word.text}' before an aggregate is not a number", mend)
+    remedy = f"write '#{word.text}' for the directive" if word.text in _LPARSE_WORDS else ""
+    if remedy and tokens[first + 1].text in ("[", "{"):
+        raise UntranslatableError(word, f"'{word.text}' before an aggregate is not a number", remedy)
     if word.kind is TokenKind.DIRECTIVE and not _grammar().type_of(word.text):
         raise UntranslatableError(word, f"gringo 3 has no directive '{word.text}'")
     try:
         found = _grammar().parse(_read(tokens, first, after), GrammarToken("$END", ""), "statement")
     except MisfitError as misfit:
-        raise _refusal(tokens[misfit.token.start_pos or 0], misfit.accepted, mend) from None
+        raise _refusal(tokens[misfit.token.start_pos or 0], misfit.accepted, remedy) from None
     for node in found.walk():
         if node.kind in _CHECKS:
             _CHECKS[node.kind](node, tokens)
@@ -212,20 +212,20 @@ def _read(tokens: Sequence[SourceToken], first: int, after: int) -> Iterator[Gra
         yield GrammarToken(kind or "UNKNOWN", one.text, index, one.line, one.column, one.line, one.column, index + 1)
 
 
-def _refusal(token: SourceToken, accepted: AbstractSet[str], mend: str) -> UntranslatableError:
+def _refusal(token: SourceToken, accepted: AbstractSet[str], remedy: str) -> UntranslatableError:
     """Return the error for a token that the grammar does not accept."""
     if not accepted:
         return UntranslatableError(token, "terms are nested too deeply", limits=True)
     rows = ([name for kind, name in row.items() if kind in accepted] for row in _WANTED)
-    return unexpected(token, " or ".join(next(filter(None, rows), [])), mend)
+    return unexpected(token, " or ".join(next(filter(None, rows), [])), remedy)
 
 
-def unexpected(token: Place, wanted: str = "", mend: str = "") -> UntranslatableError:
+def unexpected(token: Place, wanted: str = "", remedy: str = "") -> UntranslatableError:
     """Return the error for an unexpected token, or the first token of an unexpected node."""
     token = token.first if isinstance(token, SyntaxNode) else token
     shown = token.shown() if isinstance(token, SourceToken) else f"'{token}'"
     message = f"unexpected {shown}" + (f", expected {wanted}" if wanted else "")
-    return UntranslatableError(token, message, mend)
+    return UntranslatableError(token, message, remedy)
 
 
 # ---- conditions that the grammar does not express ------------------------------------------------------------------
@@ -250,8 +250,8 @@ def _check_call(call: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
 
 
 def _check_script(script: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
-    mend = "write the results of the script as facts"
-    raise UntranslatableError(script, "scripts cannot be translated", mend, limits=True)
+    remedy = "write the results of the script as facts"
+    raise UntranslatableError(script, "scripts cannot be translated", remedy, limits=True)
 
 
 def _check_negated(negated: SyntaxNode, tokens: Sequence[SourceToken]) -> None:

@@ -221,5 +221,5 @@ class Element(NamedTuple):
 def check_single(place: SyntaxNode, term: Optional[SyntaxNode], what: str) -> None:
     """Raise :class:`UntranslatableError` if a term contains a pool."""
     if term is not None and has_pool(term):
-        mend = "write one rule for each bound" if what == "bound" else "write one literal for each option"
-        raise UntranslatableError(place, f"a pool as {what} is ambiguous", mend)
+        remedy = "write one rule for each bound" if what == "bound" else "write one literal for each option"
+        raise UntranslatableError(place, f"a pool as {what} is ambiguous", remedy)

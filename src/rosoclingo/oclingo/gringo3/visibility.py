@@ -143,8 +143,8 @@ class Visibility:
             return ""
         if self._hides_all or self._in_steps or more:
             message = "single atoms cannot be hidden in a program with steps or in one that hides all"
-            mend = "hide the predicate as a whole, or show the atoms that remain"
-            raise UntranslatableError(statement.node, message, mend)
+            remedy = "hide the predicate as a whole, or show the atoms that remain"
+            raise UntranslatableError(statement.node, message, remedy)
         name, arity = signature
         atom = name + ("({})".format(",".join(f"X{i}" for i in range(arity))) if arity else "")
         rules = [f"{HIDDEN}({hidden}) :- {body}." for hidden, body in self._singles(statement, element)]

@@ -45,8 +45,8 @@ def wrong_arities(parts: Sequence[Part]) -> List[Fault]:
         keyword = KEYWORDS.get(signature.name, signature)
         if signature.arity != keyword.arity:
             message = f"keyword {signature.name} with {signature.arity} arguments"
-            mend = f"write {signature.name}{_FORMS[signature.name]}"
-            found.append(place.fault("keyword-arity", message, mend))
+            remedy = f"write {signature.name}{_FORMS[signature.name]}"
+            found.append(place.fault("keyword-arity", message, remedy))
     return found
 
 
@@ -54,12 +54,12 @@ def missing_parts(parts: Sequence[Part]) -> List[Fault]:
     """Return a fault if the program has no cumulative part, and one if it has no volatile part."""
     present = {part.name for part in parts}
     first = parts[0].header.location.begin.filename
-    mends = {
+    remedies = {
         "cumulative": "write #program cumulative(t). before the rules for each step t",
         "volatile": "write #program volatile(t). before the constraints on a plan that ends at step t",
     }
-    missing = [name for name in mends if name not in present]
-    return [Fault(first, 0, 0, f"the program has no {name} part", mends[name], "missing-part") for name in missing]
+    missing = [name for name in remedies if name not in present]
+    return [Fault(first, 0, 0, f"the program has no {name} part", remedies[name], "missing-part") for name in missing]
 
 
 def late_externals(

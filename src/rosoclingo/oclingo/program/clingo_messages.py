@@ -90,7 +90,7 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no
         message = form.sub(written, message)
     if "#Inc0" in message:
         message = message.replace("#Inc0", parameter_at(match.group("file"), int(match.group("line"))))
-    mend, kind = "", _kind_of(match.group("kind"))
+    remedy, kind = "", _kind_of(match.group("kind"))
     variables = sorted({note.group("variable") for note in _NOTE.finditer(message)})
     if variables:
         kind = "unsafe"
@@ -98,21 +98,21 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no
         place = match.group("file"), int(match.group("line")), int(match.group("column"))
         rule = statement_at(*place) or rule.replace(":- 0=0;", ":- ")
         message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
-        mend = "bind each variable by a positive body literal, for instance a domain like office(X)"
+        remedy = "bind each variable by a positive body literal, for instance a domain like office(X)"
         if rule.startswith("#external"):
-            mend = "bind each variable by a condition, for instance #external e(X) : office(X)."
+            remedy = "bind each variable by a condition, for instance #external e(X) : office(X)."
     elif message.startswith("operation undefined:"):
         kind = "undefined-operation"
         message = (
             "undefined operation " + message.split("\n", 1)[-1].strip() + ": clingo omits the instances that need it"
         )
-        mend = "make sure that both sides are numbers and no divisor is 0"
+        remedy = "make sure that both sides are numbers and no divisor is 0"
     elif _SCRIPT.match(message):
-        message, mend = "scripts are not executed", "write the results of the script as facts"
+        message, remedy = "scripts are not executed", "write the results of the script as facts"
     elif message.startswith("no definition found for theory atom:"):
         message = f"no #theory defines the theory atom &{message.split()[-1]}, and none is interpreted"
-        mend = "write rules about atoms with the step, or an aggregate like #sum"
-    return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, mend, kind)
+        remedy = "write rules about atoms with the step, or an aggregate like #sum"
+    return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, remedy, kind)
 
 
 def _kind_of(word: str) -> str:

@@ -50,8 +50,8 @@ class DirectiveTerm:
             return 1
         value = evaluate(term, {**constants, **({self.parameter: clingo.Number(step)} if self.parameter else {})})
         if value is None or value.type != clingo.SymbolType.Number:
-            mend = "write a number, or a constant that a #const defines as one"
-            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is not a number", mend))
+            remedy = "write a number, or a constant that a #const defines as one"
+            faults.append(Fault(self.file, self.line, 1, f"{self.value!r} is not a number", remedy))
             return 1
         return value.number
 
@@ -93,8 +93,8 @@ def take_directives(text: str, file: str, found: Directives) -> str:
                 _NON_ASCII.match(text, one.start) if one.kind is TokenKind.UNKNOWN and one.start >= copied else None
             )
             if strange:
-                message, mend = f"unexpected characters {strange[0]!r}", "only strings and comments can contain them"
-                found.faults.append(Fault(file, one.line, one.column, message, mend))
+                message, remedy = f"unexpected characters {strange[0]!r}", "only strings and comments can contain them"
+                found.faults.append(Fault(file, one.line, one.column, message, remedy))
                 pieces.append(text[copied : strange.start()])
                 copied = strange.end()
     return "".join([*pieces, text[copied:]])
@@ -110,10 +110,10 @@ def _replacement(statement: Sequence[SourceToken], file: str, found: Directives)
         return ""  # the collector has added the file to the program's sources
     if word not in _FORMS:
         return None
-    form, mend = _FORMS[word]
+    form, remedy = _FORMS[word]
     match = re.fullmatch(form, "".join(words[1:]))
     if match is None:
-        found.faults.append(Fault(file, line, 1, f"directive {word} is malformed", mend))
+        found.faults.append(Fault(file, line, 1, f"directive {word} is malformed", remedy))
         return None
     parts = {"name": "", "term": "1", **{name: part for name, part in match.groupdict().items() if part}}
     placed = DirectiveTerm(parts["term"], parts["name"], file, line)

@@ -36,7 +36,7 @@ def locate_missing_dot(fault: Fault, text: str) -> Fault:
             end = f"{found[at].line}:{found[at].column}"
             message = f"{problem} where a statement ends: the text up to {end} belongs to the next statement"
             column = mark.column + (0 if is_comma else len(mark.text))
-            return replace(fault, line=mark.line, column=column, message=message, mend="write a dot")
+            return replace(fault, line=mark.line, column=column, message=message, remedy="write a dot")
     return fault
 
 

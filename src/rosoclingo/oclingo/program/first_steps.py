@@ -112,9 +112,9 @@ class TrialGrounding:
 def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
     """Return a fault for each rule of a step whose head is of ``signatures``; ``name`` is the redefined atom."""
     message = f"redefinition: {name} is defined by the rules of two steps"
-    mend = "give the head the step, like p(t), or move the rule to base"
+    remedy = "give the head the step, like p(t), or move the rule to base"
     return [
-        place.fault("redefinition", message, mend)
+        place.fault("redefinition", message, remedy)
         for place in places(parts)
         if place.defines and place.part.parameter and place.signature in signatures
     ]

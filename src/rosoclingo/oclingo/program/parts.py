@@ -83,9 +83,9 @@ def _open_part(header: Node, directives: Directives, faults: List[Fault]) -> Par
     if name not in PARTS or len(parameters) != (0 if name == "base" else 1):
         begin = header.location.begin
         text = "{}({})".format(name, ",".join(parameters)) if parameters else name
-        mend = _OTHER_SYSTEMS.get(name, "a reactive program has the parts base, cumulative(t) and volatile(t)")
+        remedy = _OTHER_SYSTEMS.get(name, "a reactive program has the parts base, cumulative(t) and volatile(t)")
         message = f"unknown program part {text}"
-        faults.append(Fault(begin.filename, begin.line, begin.column, message, mend, "unknown-part"))
+        faults.append(Fault(begin.filename, begin.line, begin.column, message, remedy, "unknown-part"))
         window = ""  # a guard needs the parameter
     parameter = parameters[0] if parameters else ""
     # for clingo, volatile parts of all windows have the same name; their parameters can have different names

@@ -134,9 +134,9 @@ class Collector:
         folders = [folder for folder in (source.folder, Path()) if folder is not None]
         path = next((folder / wanted.name for folder in folders if (folder / wanted.name).is_file()), None)
         if path is None:
-            mend = f"looked in {' and '.join(dict.fromkeys(str(folder.resolve()) for folder in folders))}"
+            remedy = f"looked in {' and '.join(dict.fromkeys(str(folder.resolve()) for folder in folders))}"
             message = f"included file {wanted.name!r} does not exist"
-            self.faults.append(Fault(source.name, wanted.line, wanted.column, message, mend))
+            self.faults.append(Fault(source.name, wanted.line, wanted.column, message, remedy))
         elif path.resolve() not in self._unreadable:
             try:
                 return Source.from_file(path)

@@ -50,15 +50,15 @@ class Place(NamedTuple):
         """Whether a rule has the atom in its head."""
         return self.occurrence.head and self.statement.ast_type == ASTType.Rule
 
-    def fault(self, kind: str, message: str, mend: str) -> Fault:
+    def fault(self, kind: str, message: str, remedy: str) -> Fault:
         """Return a fault at the atom."""
-        return fault_at(self.occurrence.term, kind, message, mend)
+        return fault_at(self.occurrence.term, kind, message, remedy)
 
 
-def fault_at(node: Node, kind: str, message: str, mend: str) -> Fault:
+def fault_at(node: Node, kind: str, message: str, remedy: str) -> Fault:
     """Return a fault at a statement or a term."""
     begin = node.location.begin
-    return Fault(begin.filename, begin.line, begin.column, message, mend, kind)
+    return Fault(begin.filename, begin.line, begin.column, message, remedy, kind)
 
 
 def written(term: Node) -> str:

@@ -23,12 +23,12 @@ def undefined(survey: Survey) -> List[Fault]:
             continue
         node = survey.using[signature][0].occurrence.term if signature in survey.using else survey.shown[signature]
         message = f"no rule and no #external defines {signature}: it is never true"
-        found.append(fault_at(node, "undefined", message, _mend(signature, defined)))
+        found.append(fault_at(node, "undefined", message, _remedy(signature, defined)))
     return found
 
 
-def _mend(signature: Signature, known: Set[Signature]) -> str:
-    other = primed_mend(signature, known) or query_mend(signature)
+def _remedy(signature: Signature, known: Set[Signature]) -> str:
+    other = primed_remedy(signature, known) or query_remedy(signature)
     if other:
         return other
     near = most_similar(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
@@ -37,7 +37,7 @@ def _mend(signature: Signature, known: Set[Signature]) -> str:
     return f"write a rule or an #external for it, or #defined {signature}."
 
 
-def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
+def primed_remedy(signature: Signature, known: Collection[Signature]) -> str:
     """Return a fix for a primed predicate of telingo, which refers to another step; "" for any other predicate."""
     name = signature.name
     plain = name.strip(_PRIME)
@@ -46,11 +46,11 @@ def primed_mend(signature: Signature, known: Collection[Signature]) -> str:
     before = len(name) - len(name.lstrip(_PRIME))
     step = f"t-{before}" if before else "t"
     where = f"{before} step{'s' * (before > 1)} before" if before else "at the next step"
-    mend = f"{plain}(...,{step})" if before else f"{plain}(...,t) for the head, t-1 for the body"
-    return f"in telingo {name} is {plain} {where}; write {mend}"
+    remedy = f"{plain}(...,{step})" if before else f"{plain}(...,t) for the head, t-1 for the body"
+    return f"in telingo {name} is {plain} {where}; write {remedy}"
 
 
-def query_mend(signature: Signature) -> str:
+def query_remedy(signature: Signature) -> str:
     """Return a fix for incmode's ``query(t)``, "" for any other predicate."""
     last = "in clingo's incmode it is true at a plan's last step; omit it in volatile(t), which holds only there"
     return last if signature == QUERY else ""

@@ -203,7 +203,7 @@ def test_robot_files_seeded_fault_is_found(name, file, old, new, kind, words, tm
     files = texts(name)
     files[file], (line, _) = lint_programs.seeded(files[file], old, new)
     found = told(tmp_path, files, capsys)
-    mine = [one for one in found if one["kind"] == kind and words in f"{one['message']} ({one['mend']})"]
+    mine = [one for one in found if one["kind"] == kind and words in f"{one['message']} ({one['remedy']})"]
     assert mine, found
     if "@" in new:
         assert (str(tmp_path / file), line) in [(one["file"], one["line"]) for one in mine], found

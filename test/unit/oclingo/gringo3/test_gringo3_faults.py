@@ -83,8 +83,8 @@ def test_translate_reports_line_and_reason_of_faults(text, column, words):
 
 
 def test_translate_suggests_a_fix_for_faults():
-    assert faults("#hide. minimize [ a ].")[0].mend == "write '#minimize' for the directive"
-    assert faults("p(n).\n#const n = 1. #hide.")[0].mend == "put the #const before its use in old.lp:1"
+    assert faults("#hide. minimize [ a ].")[0].remedy == "write '#minimize' for the directive"
+    assert faults("p(n).\n#const n = 1. #hide.")[0].remedy == "put the #const before its use in old.lp:1"
 
 
 def test_arithmetic_accepts_constants_that_are_defined_later():

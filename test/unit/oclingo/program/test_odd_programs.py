@@ -96,7 +96,7 @@ def test_unsafe_gringo_3_variables_have_original_text():
         "unsafe variable X in #external e(X,t).",
         "unsafe variable Y in #external f(X;Y,t) : d(X) : d(X).",
     ]
-    assert "condition" in caught.value.faults[0].mend
+    assert "condition" in caught.value.faults[0].remedy
 
 
 def test_program_warns_about_unknown_constants():
