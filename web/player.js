@@ -5,7 +5,7 @@ class Player {
   constructor(model) {
     this.model = model;
     this.time = model.seconds;
-    this.following = true; // the end, as it comes
+    this.following = true; // follows the end of the run
     const seek = (time) => this.seek(time);
     const part = (name) => document.getElementById(name);
     this.goals = new GoalsView(part("goals"), model);

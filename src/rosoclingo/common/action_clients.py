@@ -14,7 +14,7 @@ def goal_id(handle: ClientGoalHandle) -> str:
 def cancel_goal(client: ActionClient, handle: ClientGoalHandle) -> None:
     """Ask the server to cancel a goal; the goal ends when the server ends it.
 
-    actionlib's ``cancel`` counts a goal as lost that the server has not acknowledged yet. This function bypasses the
+    actionlib's ``cancel`` treats a goal that the server has not acknowledged yet as lost. This function bypasses the
     client instead. A server also accepts a cancel that arrives before its goal.
     """
     client.pub_cancel.publish(GoalID(id=goal_id(handle)))

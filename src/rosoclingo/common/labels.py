@@ -105,7 +105,7 @@ def bare_frame(frame: str) -> str:
 def _label(key: str, reader: Reader, frame: str) -> Label:
     name = re.sub(r"\s*([(),])\s*", r"\1", key.strip())
     if not _NAME.match(name):
-        reader.fault("the name is no ASP term: write it in lower case without spaces, as in the program")
+        reader.fault("the name is not an ASP term: write it in lower case without spaces, as in the program")
     if isinstance(reader.value, (list, tuple)):
         x, y, yaw = (*reader.numbers((2, 3), wanted="[x, y] or [x, y, yaw] in finite numbers"), 0.0)[:3]
         return Label(name, x, y, yaw, frame)

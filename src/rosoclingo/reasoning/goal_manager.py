@@ -108,7 +108,7 @@ class GoalManager:
             self._feeder.add_cancellation(goal.identifier)
         else:
             self._feeder.withdraw(goal)
-            goal.end(Outcome.CANCELED, f"{goal} is cancelled before it was planned for")
+            goal.end(Outcome.CANCELED, f"{goal} was cancelled before it was planned for")
 
     def tick(self, now: float) -> None:
         """Advance the time, and admit goals that have rested; if time jumps back, rests begin again."""
@@ -171,7 +171,7 @@ class GoalManager:
         """End cancelled goals that were withdrawn from the program; ``published`` is the last reported cycle."""
         self._withdraw(goals, published)
         for goal in goals:
-            goal.end(Outcome.CANCELED, f"{goal} is cancelled before anything was done for it")
+            goal.end(Outcome.CANCELED, f"{goal} was cancelled before any action was executed for it")
         self.queue.reset_patience()
 
     def defer(self, goals: Sequence[Goal], why: str, published: int) -> None:

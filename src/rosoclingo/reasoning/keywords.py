@@ -42,7 +42,7 @@ PREEMPTED = Function("preempted")
 #: Maximum number of characters of a goal or a fact.
 LONGEST = 65536
 
-#: Maximum number of characters of a text quoted in a message; longer texts lose their middle.
+#: Maximum number of characters of a text quoted in a message; longer texts are shortened in the middle.
 SHOWN = 200
 
 
@@ -163,7 +163,7 @@ def name_of(term: Symbol) -> str:
 
 
 def shortened(text: str, shown: int = SHOWN) -> str:
-    """Return a text of at most ``shown`` characters and its length: long texts lose their middle."""
+    """Return a text, shortened in the middle to ``shown`` characters if it is longer, with its length."""
     if len(text) <= shown:
         return text
     return f"{text[: shown // 2]} ... {text[-(shown // 2) :]} ({len(text)} characters)"

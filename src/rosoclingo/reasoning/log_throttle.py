@@ -19,7 +19,7 @@ MANY = 10
 #: Maximum number of interfaces that are distinguished in a period.
 MOST_ORIGINS = 100
 
-#: Maximum number of characters of a logged problem; longer texts lose their middle.
+#: Maximum number of characters of a logged problem; longer texts are shortened in the middle.
 LONGEST_LINE = 900
 
 _NUMBERS = re.compile("[0-9]+")

@@ -48,7 +48,7 @@ def test_desk_order_is_a_goal_that_its_key_cancels(counter):
     assert counter.order() == {"ordered": "id 1", "text": "goal(office2,office1,1)"}
     assert counter.sent == ["goal(office2,office1,1)"]
     for key in ("another key", "a key of a pagE", "ö" * 9):
-        assert counter.take(cancel="id 1", key=key) == {"fault": "this was not ordered here"}
+        assert counter.take(cancel="id 1", key=key) == {"fault": "this page did not send that order"}
     assert counter.take(cancel="id 1", key=KEY) == {"canceled": "id 1"}
     assert counter.canceled == ["id 1"]
 
@@ -56,7 +56,7 @@ def test_desk_order_is_a_goal_that_its_key_cancels(counter):
 def test_desk_does_not_cancel_goals_of_others(counter):
     counter.view.goal(1.0, "of others", "g(1)")
     for what in ("of others", "", None, 3, ["id 1"], {}):
-        assert counter.take(cancel=what, key=KEY) == {"fault": "this was not ordered here"}
+        assert counter.take(cancel=what, key=KEY) == {"fault": "this page did not send that order"}
     assert counter.canceled == []
 
 
@@ -92,7 +92,7 @@ def test_desk_answers_half_a_surrogate_pair_anywhere(counter, half):
 
 
 def test_desk_answers_a_message_without_order_or_cancel(counter):
-    assert counter.take(key=KEY) == {"fault": "give 'order' or 'cancel'"}
+    assert counter.take(key=KEY) == {"fault": "the message needs 'order' or 'cancel'"}
 
 
 def test_desk_sends_no_goal_that_is_not_offered(counter):

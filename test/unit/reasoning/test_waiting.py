@@ -326,5 +326,5 @@ def test_endless_goal_is_cancelled():
     driver.core.cancel_goal("g9")
     driver.turns(4)
     assert driver.states("g9")[-1] == "recalled"
-    assert driver.message("g9") == "do(walk,9) is cancelled before anything was done for it"
+    assert driver.message("g9") == "do(walk,9) was cancelled before any action was executed for it"
     assert ask(driver, 1).turns(6).ended() == {"g1"}

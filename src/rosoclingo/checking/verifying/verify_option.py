@@ -75,7 +75,7 @@ def run(program: ReactiveProgram, options: argparse.Namespace, extension: CheckE
     facts = tuple(options.fact)
     unknown = [one for one in facts if one != "none" and one not in {s.name for s in program.external_signatures}]
     if unknown:
-        raise ProgramError([_fault(f"{unknown[0]} is not an external of the program", "give a name such as _blocked")])
+        raise ProgramError([_fault(f"{unknown[0]} is not an external of the program", "write a name such as _blocked")])
     reasons, kinds = extension.reasons(), extension.requests(program)
     selection = EventSelection(tuple(map(_goal, options.goal)), facts, reasons, options.each, kinds)
     plans = not options.one_plan

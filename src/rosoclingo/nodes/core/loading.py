@@ -164,5 +164,5 @@ def _term(reader: Reader, text: str) -> str:
     try:
         parse_term(text)
     except ProgressionError as error:
-        reader.fault(f"'{text}' is no ASP term: {error}")
+        reader.fault(f"'{text}' is not an ASP term: {error}")
     return text

@@ -43,7 +43,7 @@ class OrderDesk:
                 return self._order(message, key, view)
             if "cancel" in message:
                 return self._withdraw(message["cancel"], key)
-            raise OrderError("give 'order' or 'cancel'")
+            raise OrderError("the message needs 'order' or 'cancel'")
         except OrderError as error:
             return {"fault": str(error)}
 
@@ -64,7 +64,7 @@ class OrderDesk:
     def _withdraw(self, found: Any, key: str) -> Answer:
         known = self._keys.get(found) if isinstance(found, str) else None
         if known is None or not hmac.compare_digest(known.encode("utf-8"), key.encode("utf-8")):
-            raise OrderError("this was not ordered here")
+            raise OrderError("this page did not send that order")
         self._cancel(found)
         return {"canceled": found}
 

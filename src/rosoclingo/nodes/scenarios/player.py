@@ -121,7 +121,7 @@ class ScenarioPlayer:
             if min(quiet.lasts((idle, self._plans, len(waiting)))) > QUIET and idle:
                 raise PlayError(
                     f"never happened: {self._open(waiting)}; all goals have ended in cycle {self._reached} of the "
-                    f"scenario, and no other began within {QUIET:g} s"
+                    f"scenario, and no further cycle began within {QUIET:g} s"
                 )
             self._turn()
 

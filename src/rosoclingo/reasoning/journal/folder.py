@@ -1,4 +1,4 @@
-"""The folder of a journal: it is locked, written and tidied up here."""
+"""The folder of a journal: locking, writing and tidying."""
 
 import contextlib
 import errno

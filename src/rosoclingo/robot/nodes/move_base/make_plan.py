@@ -23,8 +23,9 @@ class PlanService:
 
     ``place`` returns the costmap and the pose of the robot, None if unknown.
 
-    Services:     ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): a path from a start to a goal. If the frame of the
-    start is empty, the path starts at the robot.
+    Services:
+        ~make_plan, ~PLANNER/make_plan (nav_msgs/GetPlan): a path from a start to a goal. If the frame of the start is
+            empty, the path starts at the robot.
     """
 
     def __init__(
