@@ -209,13 +209,13 @@ def _lint(
 ) -> Tuple[_Report, Optional[ReactiveProgram]]:
     """Return the findings with their files, and the program if it is readable."""
     program, faults = lint_sources(sources, constants)
-    grave = faults if program is None else program.faults
+    errors = faults if program is None else program.faults
     files = [(one.name, one.text) for one in (*(sources if program is None else program.texts), *stream)]
     if program is not None:
         faults = [*faults, *(fault for one in stream for fault in lint_stream(program, one.text, one.name))]
     checked = extension.check(program)
     files += checked.files
-    return _Report(findings([*faults, *checked.faults], files, grave), dict(files)), program
+    return _Report(findings([*faults, *checked.faults], files, errors), dict(files)), program
 
 
 def _read(file: str, unreadable: List[Fault]) -> List[Source]:

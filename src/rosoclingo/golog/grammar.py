@@ -6,7 +6,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import Grammar, MisfitError, SyntaxNode, Token
-from rosoclingo.oclingo.program.likeness import is_slip
+from rosoclingo.oclingo.program.likeness import is_misspelling
 
 GREATEST = 2**31 - 1
 """The largest number in clingo, which would silently truncate larger ones."""
@@ -271,5 +271,5 @@ def _open(tokens: Sequence[Token]) -> List[Token]:
 def _slip(tokens: Sequence[Token], at: int) -> Optional[Tuple[Token, str]]:
     """Return the first name of the statement at a place with the keyword that it misspells, if it does."""
     begin = next((n for n in range(at - 1, 0, -1) if tokens[n - 1] in ("{", "}", ";")), 0)
-    meant = next((word for word in sorted(_WORDS) if is_slip(tokens[begin], word)), None)
+    meant = next((word for word in sorted(_WORDS) if is_misspelling(tokens[begin], word)), None)
     return (tokens[begin], meant) if meant and tokens[begin].type == "NAME" else None

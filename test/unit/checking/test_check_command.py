@@ -16,7 +16,9 @@ open(F,t) :- cal(F,t).
 #program volatile(t).
 :- open(F,t), not up(t).
 """
-UNDEFINED = "no rule and no #external defines cal/2: it is never true (did you mean call/2? otherwise write #defined cal/2.)"
+UNDEFINED = (
+    "no rule and no #external defines cal/2: it is never true (did you mean call/2? otherwise write #defined cal/2.)"
+)
 
 
 @pytest.fixture

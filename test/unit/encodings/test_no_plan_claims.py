@@ -52,7 +52,7 @@ def news(draw):
     return draw(REASONS), draw(st.lists(st.sampled_from(kinds), max_size=2, unique=True))
 
 
-def written(step, action, reason, facts):
+def term_text(step, action, reason, facts):
     """Return the update of a step, with the return of the action before it."""
     lines = [f"#step {step} : {BOUND}. #closed {step - 1}."]
     if action is not None:
@@ -78,7 +78,7 @@ def check(floor, updates, note=lambda text: None):
     claiming, other = (PlanSolver(program(floor, claims)) for claims in (True, False))
     action, outcomes = None, []
     for step, (reason, facts) in enumerate(updates, 1):
-        update = written(step, action, reason, facts)
+        update = term_text(step, action, reason, facts)
         ours, theirs = claiming.update(update), other.update(update)
         assert ours.outcome is theirs.outcome, str(update)
         action = None

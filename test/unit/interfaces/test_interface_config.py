@@ -98,7 +98,7 @@ def test_interface_config_with_all_keys_is_read():
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {}}}, "arm.done.when: names no field"),
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {"x": "$status"}}}, "arm.done.when.x: no .status"),
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "wen": {}}}, "arm.done: unknown key 'wen' .did you mean when"),
-        ({**TYPE, "returns": [{"stratus": "aborted"}]}, r"arm.returns\[0\]: unknown key 'stratus' \(did you mean status"),
+        ({**TYPE, "returns": [{"stratus": "aborted"}]}, r"arm.returns\[0\]: unknown key 'stratus' \(did you mean"),
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(did you mean \$parameter\?\); known are"),
         ({**TYPE, "sever": "x"}, r"arm: unknown key 'sever' \(did you mean server\?\); keys are type, server"),
         ({**TYPE, "server": ""}, "arm.server: must be the name of an actionlib server"),

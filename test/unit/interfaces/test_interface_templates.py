@@ -82,7 +82,7 @@ def test_template_reports_fields_that_an_action_lacks(template, parameter, error
 @pytest.mark.parametrize(
     ("template", "fault"),
     [
-        ("$paramter", r"goal.a: no \$paramter \(did you mean \$parameter\?\); known are \$parameter, \$cycle, \$now, \$1"),
+        ("$paramter", r"no \$paramter \(did you mean \$parameter\?\); known are \$parameter, \$cycle, \$now, \$1"),
         ("$0", r"argument numbers from 1 on"),
         ("$1.0", r"argument numbers from 1 on"),
         ("$parameter.colour", r"at last one of pose, x, y, yaw, frame"),

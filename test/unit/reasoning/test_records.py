@@ -45,7 +45,7 @@ def names_of(log):
     return found[::-1]
 
 
-def written(record):
+def term_text(record):
     return json.loads(json.dumps(record))
 
 
@@ -68,12 +68,12 @@ def written(record):
 def test_records_begin_at_checkpoint_before_last_update(entries, passed):
     """Without an earlier update they begin at the last one or the start, from where it can be left out as well."""
     log = log_with(*entries)
-    kept = log_of(written(LogRecorder().record(log)))
+    kept = log_of(term_text(LogRecorder().record(log)))
     assert names_of(kept) == entries[passed:]
     assert (kept.step, kept.horizon, kept.keep_from) == (log.step, log.horizon, log.keep_from)
     assert (kept.update is None) == (log.update is None)
     log.cut()
-    assert names_of(log_of(written(LogRecorder().record(log)))) == entries[passed:]
+    assert names_of(log_of(term_text(LogRecorder().record(log)))) == entries[passed:]
 
 
 def test_records_name_each_entry_uniquely_while_kept():
@@ -95,11 +95,11 @@ def test_records_name_each_entry_uniquely_while_kept():
 @pytest.mark.parametrize("entries", [["plan 1", "update 1", "plan 2"], ["plan 1", "update 1"], ["update 1"]])
 def test_records_of_log_keep_plan_of_both_histories(entries):
     log = log_with(*entries)
-    kept = log_of(written(LogRecorder().record(log)))
+    kept = log_of(term_text(LogRecorder().record(log)))
     assert (kept.before_update.plan, kept.plan) == (log.before_update.plan, log.plan)
 
 
 def test_records_of_task_plans():
     actions = tuple(action_of(parse_atom(f'_action_lib(say,"{word}",1)')) for word in ("a, b", "c"))
     for plan in (TaskPlan(), TaskPlan(actions), TaskPlan(actions, ("no cycle", "no cycle, either"))):
-        assert plan_of(written(plan_to_value(plan))) == plan
+        assert plan_of(term_text(plan_to_value(plan))) == plan

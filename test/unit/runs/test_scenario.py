@@ -82,7 +82,7 @@ def test_scenario_events_have_due_times():
             "events: []\nexpect: {goals: [preempted]}",
             "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'preempted'",
         ),
-        ("events: []\nexpect: {goal: []}", "expect: unknown key 'goal' (did you mean goals?); keys are goals, packages"),
+        ("events: []\nexpect: {goal: []}", "expect: unknown key 'goal' (did you mean goals?); keys are goals"),
         ("events: []\ntimeout: long", "timeout: must be a number of seconds from 0 on, not 'long'"),
     ],
 )

@@ -18,7 +18,7 @@ STATUS = Signature("_status", 3)
 _MOST = 2000  # greatest number of atoms of a predicate whose values are compared
 _TRANSITION = "_g_"  # prefix of the predicates of encodings/golog/transitions.lp: many atoms, none written by users
 
-Misfit = Tuple[int, List[clingo.Symbol]]
+ImpossibleArgument = Tuple[int, List[clingo.Symbol]]
 """The position of an impossible argument, and the values that are possible there."""
 
 
@@ -65,16 +65,16 @@ class ArgumentValues:
         """Return the actions or statuses that a rule derives, given by its number."""
         return [] if self._reach is None else self._reach.derived_by(number)
 
-    def misfit(self, atom: clingo.Symbol) -> Optional[Misfit]:
+    def impossible_value(self, atom: clingo.Symbol) -> Optional[ImpossibleArgument]:
         """Return the first impossible argument of a ground atom."""
-        return self._misfit(signature_of(atom), [(one,) for one in atom.arguments])
+        return self._impossible(signature_of(atom), [(one,) for one in atom.arguments])
 
-    def misfitting(self, term: Node, step: str) -> Optional[Misfit]:
+    def impossible_argument(self, term: Node, step: str) -> Optional[ImpossibleArgument]:
         """Return the first impossible argument of an atom in a rule whose step parameter is ``step``."""
         if self._reach is None or self._is_free(term_signature(term)):
             return None
         patterns = self._reach.patterns(term, step)
-        return self._misfit(term_signature(term), [*zip(*(one.arguments for one in patterns))])
+        return self._impossible(term_signature(term), [*zip(*(one.arguments for one in patterns))])
 
     def disjoint(self, number: int) -> Optional[Disjoint]:
         """Return two atoms of a rule, given by its number, that share a variable without a common value."""
@@ -96,7 +96,7 @@ class ArgumentValues:
     def _atoms(self, signature: Signature) -> Sequence[clingo.Symbol]:
         return () if self._reach is None else self._reach.atoms(signature, _MOST + 1)
 
-    def _misfit(self, signature: Signature, arguments: Sequence[Patterns]) -> Optional[Misfit]:
+    def _impossible(self, signature: Signature, arguments: Sequence[Patterns]) -> Optional[ImpossibleArgument]:
         if self._is_free(signature) or not self._atoms(signature):
             return None
         first = _first(arguments[0]) if arguments and len(arguments[0]) == 1 else None

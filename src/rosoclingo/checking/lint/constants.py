@@ -12,7 +12,7 @@ from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import Survey, fault_at
 
 
-def words_for_numbers(survey: Survey) -> List[Fault]:
+def names_used_as_numbers(survey: Survey) -> List[Fault]:
     """Return the names in rules that are used as numbers although no ``#const`` defines them."""
     own = own_constants(survey)
     found: Dict[str, Fault] = {}

@@ -3,30 +3,30 @@
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
-from rosoclingo.checking.lint.constants import words_for_numbers
-from rosoclingo.checking.lint.exchanged import swapped_arguments, swapped_keyword_arguments
-from rosoclingo.checking.lint.kinds import ERROR, KINDS, LintFinding
-from rosoclingo.checking.lint.lone_names import misspelt_names
-from rosoclingo.checking.lint.other_systems import foreign_statements, included_libraries
-from rosoclingo.checking.lint.predicates import (
-    disjoint_bodies,
-    mismatched_atoms,
-    odd_rules,
-    unfounded_predicates,
-    unused_predicates,
-)
-from rosoclingo.checking.lint.punctuation import odd_marks
-from rosoclingo.checking.lint.silence import Silences
-from rosoclingo.checking.lint.steps import histories, other_steps, wrong_steps
-from rosoclingo.checking.lint.talk import (
-    demanded_actions,
+from rosoclingo.checking.lint.constants import names_used_as_numbers
+from rosoclingo.checking.lint.core_keywords import (
     hidden_predicates,
     idle_words,
+    mandatory_actions,
     missing_keywords,
     misspelt_cancels,
     status_faults,
     volatile_keywords,
 )
+from rosoclingo.checking.lint.kinds import ERROR, KINDS, LintFinding
+from rosoclingo.checking.lint.misspellings import misspelt_names
+from rosoclingo.checking.lint.other_systems import foreign_statements, included_libraries
+from rosoclingo.checking.lint.predicates import (
+    disjoint_bodies,
+    mismatched_atoms,
+    rules_without_effect,
+    unfounded_predicates,
+    unused_predicates,
+)
+from rosoclingo.checking.lint.punctuation import suspicious_marks
+from rosoclingo.checking.lint.silence import Silences
+from rosoclingo.checking.lint.steps import mismatched_steps, unbounded_look_backs, wrong_steps
+from rosoclingo.checking.lint.swapped_arguments import swapped_arguments, swapped_keyword_arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program import checks
 from rosoclingo.oclingo.program.languages import language_of
@@ -63,20 +63,20 @@ def lint_program(program: ReactiveProgram, core: Optional[bool] = None) -> List[
         *disjoint_bodies(values),
         *unfounded_predicates(survey, values),
     ]
-    found += [*odd_rules(survey), *wrong_steps(survey, program.first_step)]
-    found += [*words_for_numbers(survey), *swapped_arguments(survey)]
+    found += [*rules_without_effect(survey), *wrong_steps(survey, program.first_step)]
+    found += [*names_used_as_numbers(survey), *swapped_arguments(survey)]
     texts = [(one.name, one.text) for one in program.texts if language_of(one.name) is None]
-    found += [*odd_marks(texts), *foreign_statements(survey, texts), *included_libraries(texts)]
+    found += [*suspicious_marks(texts), *foreign_statements(survey, texts), *included_libraries(texts)]
     if checks.uses_keywords(program.parts) if core is None else core:
         trial = None if program.faults else program.trial
-        found += [*missing_keywords(survey), *demanded_actions(survey, trial), *status_faults(survey, values)]
+        found += [*missing_keywords(survey), *mandatory_actions(survey, trial), *status_faults(survey, values)]
         found += [
             *volatile_keywords(survey),
             *hidden_predicates(survey),
             *misspelt_cancels(survey),
             *idle_words(program),
         ]
-        found += [*histories(survey), *other_steps(survey), *swapped_keyword_arguments(survey)]
+        found += [*unbounded_look_backs(survey), *mismatched_steps(survey), *swapped_keyword_arguments(survey)]
     known = set(map(_place, found))
     found += [one for one in misspelt_names(survey) if _place(one) not in known]
     kinds: Dict[Tuple[str, int, int], Set[str]] = {}
@@ -98,14 +98,14 @@ def _place(fault: Fault) -> Tuple[str, int, int]:
     return fault.file, fault.line, fault.column
 
 
-def findings(faults: Iterable[Fault], texts: Texts, grave: Iterable[Fault] = ()) -> List[LintFinding]:
+def findings(faults: Iterable[Fault], texts: Texts, program_faults: Iterable[Fault] = ()) -> List[LintFinding]:
     """Return the faults that no comment in ``texts`` silences, without duplicates, sorted by file and line.
 
-    ``grave`` faults, those of the program itself, are errors of any kind, and comments cannot silence them.
+    ``program_faults`` are always errors, and comments cannot silence them.
     """
     listed = list(texts)
     order = {name: number for number, (name, _) in enumerate(listed)}
-    silences, errors = Silences(listed), set(grave)
+    silences, errors = Silences(listed), set(program_faults)
     reported = dict.fromkeys([*faults, *silences.faults])
     found = [
         LintFinding(one, ERROR if one in errors else KINDS[one.kind])

@@ -9,7 +9,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 from rosoclingo.oclingo.program.literals import mentions
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.survey import Survey, fault_at, written
+from rosoclingo.oclingo.program.survey import Survey, fault_at, term_text
 from rosoclingo.oclingo.program.undefined import QUERY
 
 _INCMODE, _PASSIVE = "incmode", "not-interpreted"
@@ -65,7 +65,7 @@ def _queries(survey: Survey) -> Iterator[Fault]:
         for places in (survey.declaring.get(QUERY, ()), survey.using.get(QUERY, ()))
     )
     for place in declared[:1] if asked else ():
-        atom = written(place.occurrence.term)
+        atom = term_text(place.occurrence.term)
         message = f"{atom} is never true: only clingo's incmode sets it at a plan's last step"
         yield place.fault(_INCMODE, message, f"write the rules into volatile({place.part.parameter}) without {atom}")
 

@@ -8,11 +8,11 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.likeness import did_you_mean, likely_value, slip_of
+from rosoclingo.oclingo.program.likeness import did_you_mean, likely_spelling, likely_value
 from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences, signature_and_arguments
-from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, term_text
 from rosoclingo.oclingo.program.undefined import primed_remedy
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import format_pattern
@@ -37,7 +37,7 @@ def unused_predicates(survey: Survey) -> List[Fault]:
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
         if signature in looked_at:
             continue
-        meant = None if signature in _KEYWORDS else slip_of(signature, looked_at | _KEYWORDS, survey.shows)
+        meant = None if signature in _KEYWORDS else likely_spelling(signature, looked_at | _KEYWORDS, survey.shows)
         places = survey.defining.get(signature, survey.declaring.get(signature))
         primed = primed_remedy(signature, survey.known)
         if primed or meant is not None:
@@ -84,12 +84,12 @@ def mismatched_atoms(survey: Survey, values: ArgumentValues) -> List[Fault]:
 
 def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
     term = place.occurrence.term
-    misfit = values.misfitting(term, place.part.parameter)
-    if misfit is not None:
-        position, possible = misfit
+    impossible = values.impossible_argument(term, place.part.parameter)
+    if impossible is not None:
+        position, possible = impossible
         argument = signature_and_arguments(term)[1][position]
         known = sorted(format_pattern(one) for one in possible)
-        message = f"{place.signature} is never true with {written(argument)} as argument {position + 1}"
+        message = f"{place.signature} is never true with {term_text(argument)} as argument {position + 1}"
         yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
 
 
@@ -98,7 +98,7 @@ def disjoint_bodies(values: ArgumentValues) -> Iterator[Fault]:
     for number, rule in enumerate(values.rules):
         found = values.disjoint(number)
         if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
-            name, atom, other = found.variable, written(found.atom.term), written(found.other.term)
+            name, atom, other = found.variable, term_text(found.atom.term), term_text(found.other.term)
             message = f"the rule never applies: no {name} fits both {other} and {atom}"
             remedy = f"it is {_listed(found.others)} in the first, {_listed(found.its)} in the second"
             yield fault_at(found.atom.term, "no-match", message, remedy)
@@ -137,21 +137,21 @@ def unfounded_predicates(survey: Survey, values: ArgumentValues) -> List[Fault]:
 # ---- rules that derive nothing --------------------------------------------------------------------------------------
 
 
-def odd_rules(survey: Survey) -> Iterator[Fault]:
+def rules_without_effect(survey: Survey) -> Iterator[Fault]:
     """Yield contradictory bodies, rules with their head in the body, and equations of two bound variables."""
     for _, statement, _ in survey.statements:
         body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
         literals = [one for one in body if one.ast_type == ASTType.Literal]
         plain = {str(one.atom): one for one in literals if _is_plain(one)}
         for one in literals:
-            atom = written(one.atom)
+            atom = term_text(one.atom)
             if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
                 message = f"the body never holds: it contains {atom} and not {atom}"
                 yield fault_at(one, "contradiction", message, "remove one of them")
             elif one.sign == Sign.NoSign and one.atom.ast_type == ASTType.Comparison and len(one.atom.guards) == 1:
                 yield from _odd_comparison(one, plain.values())
         if statement.ast_type == ASTType.Rule and _is_plain(statement.head) and str(statement.head.atom) in plain:
-            message = f"the rule derives nothing: it requires its own head {written(statement.head.atom)}"
+            message = f"the rule derives nothing: it requires its own head {term_text(statement.head.atom)}"
             yield fault_at(statement.head, "tautology", message, "did you mean another step in the body?")
 
 
@@ -165,7 +165,7 @@ def _odd_comparison(literal: Node, atoms: Iterable[Node]) -> Iterator[Fault]:
     left, guard = literal.atom.term, literal.atom.guards[0]
     if guard.comparison in _STRICT and str(left) == str(guard.term) != "_":
         yield fault_at(
-            literal, "contradiction", f"{written(literal.atom)} never holds", "compare it with something else"
+            literal, "contradiction", f"{term_text(literal.atom)} never holds", "compare it with something else"
         )
     names = [one.name for one in (left, guard.term) if one.ast_type == ASTType.Variable]
     equation = guard.comparison == ComparisonOperator.Equal and len(names) == 2

@@ -17,7 +17,7 @@ class _Marks(NamedTuple):
     has_body: bool
 
 
-def odd_marks(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
+def suspicious_marks(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
     """Yield the statements that a wrong mark probably changes; ``texts`` are names and texts of clingo files."""
     for name, text in texts:
         found = tokens(text)

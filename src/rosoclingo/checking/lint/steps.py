@@ -10,7 +10,7 @@ from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.literals import mentions
 from rosoclingo.oclingo.program.look_back import longest_look_back
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.survey import OWN, Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.survey import OWN, Place, Survey, fault_at, term_text
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -59,9 +59,9 @@ def _comparisons_with_step(place: Place) -> List[Node]:
 
 
 def _without_step(place: Place) -> Fault:
-    head, step = written(place.occurrence.term), place.part.parameter
+    head, step = term_text(place.occurrence.term), place.part.parameter
     message = f"the head {head} has no step: clingo stops (redefinition) when the rules of two steps define it"
-    example = "{}({})".format(place.signature.name, ",".join([*map(written, place.occurrence.arguments), step]))
+    example = "{}({})".format(place.signature.name, ",".join([*map(term_text, place.occurrence.arguments), step]))
     return place.fault("no-step", message, f"add the step, as in {example}, or move the rule to base")
 
 
@@ -85,7 +85,9 @@ def _misplaced_steps(atoms: Sequence[_Atom]) -> Iterator[Fault]:
         others = set.intersection(*(other for one, other in positioned if one is not place))
         if others and not others & positions:
             number = min(others) + 1
-            message = f"{written(place.occurrence.term)} misplaces its step: in all other atoms it is argument {number}"
+            message = (
+                f"{term_text(place.occurrence.term)} misplaces its step: in all other atoms it is argument {number}"
+            )
             yield place.fault("exchanged", message, f"write the step as argument {number}")
 
 
@@ -96,7 +98,7 @@ def _first_steps(heads: Sequence[_Atom], timed: Sequence[_Atom], survey: Survey,
         for place in (one.place for one in heads):
             step = None if place.part.parameter else survey.number(place.occurrence.arguments[position])
             if step is not None and own and step >= min(own):
-                text, before = written(place.occurrence.term), first - 1
+                text, before = term_text(place.occurrence.term), first - 1
                 message = (
                     f"{text} is a fact of step {step}, whose own rules define it: initial facts have step {before}"
                 )
@@ -109,7 +111,7 @@ def _first_steps(heads: Sequence[_Atom], timed: Sequence[_Atom], survey: Survey,
 def _looks_ahead(heads: Sequence[_Atom], timed: Sequence[_Atom], uses: Sequence[_Atom]) -> Iterator[Fault]:
     """Yield the atoms of a later step, whose rules are not grounded yet."""
     for place, steps in uses:
-        term, step = written(place.occurrence.term), place.part.parameter
+        term, step = term_text(place.occurrence.term), place.part.parameter
         if not step and len(timed) == len(heads):
             message = f"a rule of base uses {term}, but only rules of steps define it: it is never true"
             yield place.fault("look-ahead", message, "move the statement to #program cumulative(t).")
@@ -129,13 +131,13 @@ def _volatile_look_backs(heads: Sequence[_Atom], uses: Sequence[_Atom]) -> Itera
         least = min(one.steps[position] for one in heads)
         for place, steps in uses:
             if steps.get(position, least) < least and place.statement.ast_type != ASTType.External:
-                term = written(place.occurrence.term)
+                term = term_text(place.occurrence.term)
                 message = f"{term} looks back at the volatile part, whose atoms are removed after their step"
                 remedy = f"move the rules of {place.signature} to #program cumulative({place.part.parameter})."
                 yield place.fault("past-volatile", message, remedy)
 
 
-def histories(survey: Survey) -> List[Fault]:
+def unbounded_look_backs(survey: Survey) -> List[Fault]:
     """Return the atoms by which rules refer to all earlier steps, so that no step can be compacted."""
     positions = time_positions(survey.parts, survey.constants)
     found: Dict[Tuple[str, int, int], Fault] = {}
@@ -165,7 +167,7 @@ def _endless(place: Place, position: int, survey: Survey) -> Optional[Fault]:
     arguments, step = place.occurrence.arguments, place.part.parameter
     if position >= len(arguments) or arguments[position].ast_type != ASTType.Variable:
         return None
-    atom, shown = written(place.occurrence.term), written(arguments[position])
+    atom, shown = term_text(place.occurrence.term), term_text(arguments[position])
     if step and arguments[position].name not in longest_look_back(place.statement, step, survey.constants):
         message = f"{atom} looks back at all steps: none can be compacted, and a long run grows without bound"
         bound = f"{step}-T < 60" if shown == "_" else f"{step}-{shown} < 60"
@@ -179,7 +181,7 @@ def _endless(place: Place, position: int, survey: Survey) -> Optional[Fault]:
 # ---- actions, returns and constraints on the last step --------------------------------------------------------------
 
 
-def other_steps(survey: Survey) -> Iterator[Fault]:
+def mismatched_steps(survey: Survey) -> Iterator[Fault]:
     """Yield actions with another step than their rule or return, and constraints that ignore the last step."""
     for part, statement, found in survey.statements:
         if not part.parameter or statement.ast_type != ASTType.Rule:
@@ -188,9 +190,7 @@ def other_steps(survey: Survey) -> Iterator[Fault]:
         returns = [one for one in places if one.signature == RETURN and not one.occurrence.head]
         for act in (one for one in places if one.signature == ACTION):
             if act.occurrence.head and survey.steps(act).get(2):
-                message = (
-                    f"{written(act.occurrence.term)} has another cycle than {part.parameter}, the step it is planned at"
-                )
+                message = f"{term_text(act.occurrence.term)} has another cycle than {part.parameter}, the step it is planned at"
                 yield act.fault("other-step", message, f"write {part.parameter} for its cycle")
             yield from _mismatched_returns(act, returns, survey)
         ends = part.name == "volatile" and _is_constraint(statement)
@@ -206,7 +206,7 @@ def _mismatched_returns(act: Place, returns: Sequence[Place], survey: Survey) ->
     same = [one for one in returns if str(one.occurrence.arguments[0]) == name]
     steps = [survey.steps(one).get(2) for one in same]
     if mine is not None and same and None not in steps and mine not in steps:
-        atoms = [written(one.occurrence.term) for one in (same[0], act)]
+        atoms = [term_text(one.occurrence.term) for one in (same[0], act)]
         message = f"{atoms[0]} is not the return of {atoms[1]}, which has another cycle"
         yield same[0].fault("other-step", message, "an action and its return have the same cycle")
 

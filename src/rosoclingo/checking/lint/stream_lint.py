@@ -9,7 +9,7 @@ from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_external, likely_value, most_similar
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.survey import written
+from rosoclingo.oclingo.program.survey import term_text
 from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
@@ -62,7 +62,7 @@ class _StatementLint:
         if signature in program.open_signatures:
             if not self._hearing.hears(atom):
                 uses = program.survey.using.get(signature, ())
-                terms = list(dict.fromkeys(written(one.occurrence.term) for one in uses))[:_MANY]
+                terms = list(dict.fromkeys(term_text(one.occurrence.term) for one in uses))[:_MANY]
                 remedy = f"rules match {', '.join(terms)}" if terms else "write a rule for it"
                 yield f"no rule can ever see {atom}", remedy
         elif signature in program.external_signatures:
@@ -85,9 +85,9 @@ class _StatementLint:
 
     def _impossible_value(self, atom: clingo.Symbol, signature: Signature, what: str) -> Iterator[Tuple[str, str]]:
         """Yield the first argument of an atom that the program never gives its predicate."""
-        misfit = self._values.misfit(atom)
-        if misfit is not None:
-            position, known = misfit
+        impossible = self._values.impossible_value(atom)
+        if impossible is not None:
+            position, known = impossible
             value = atom.arguments[position]
             message = f"{signature} is never {what} with {value} as argument {position + 1}"
             yield message, likely_value(str(value), list(map(format_pattern, known)))

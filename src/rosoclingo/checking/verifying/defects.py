@@ -3,7 +3,7 @@
 from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional, Set, Tuple
 
 from rosoclingo.checking.verifying.scope import DefectKind
-from rosoclingo.checking.verifying.ways import Step
+from rosoclingo.checking.verifying.state_graph import Step
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import WhyNot
 
@@ -66,7 +66,7 @@ class Defect(NamedTuple):
         updates = 0
         for step in self.way:
             place = f"before update {updates + 1}"
-            found += [f"{place}: {one.kind} {one.text}" for one in step.move.happenings]
+            found += [f"{place}: {one.kind} {one.text}" for one in step.move.arrivals]
             found += [f"{place}: {one.action.atom} fails: {one.text}" for one in step.move.failures]
             updates += len(step.updates)
             found += [f"with update {updates}: {end}" for end in step.ends]

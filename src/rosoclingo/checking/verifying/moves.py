@@ -13,10 +13,10 @@ from rosoclingo.reasoning.input_feeder import Clock
 from rosoclingo.reasoning.keywords import FAILED, FAILURE, Action, Return, failure_value, name_of
 
 GOAL, CANCEL, FACT = "goal", "cancel of", "fact"
-"""The kinds of happenings, in words."""
+"""The kinds of arrivals, in words."""
 
 
-class Happening(NamedTuple):
+class Arrival(NamedTuple):
     """An event from outside: a ``kind``, and the goal, the goal to cancel, or the fact."""
 
     kind: str
@@ -46,15 +46,15 @@ class ActionEnd(NamedTuple):
 
 
 class Move(NamedTuple):
-    """The events before the next update: happenings in order, then the returns of all running actions."""
+    """The events before the next update: arrivals in order, then the returns of all running actions."""
 
-    happenings: Tuple[Happening, ...] = ()
+    arrivals: Tuple[Arrival, ...] = ()
     answers: Tuple[ActionEnd, ...] = ()
 
     @property
     def cost(self) -> int:
         """The number of events, without successes."""
-        return len(self.happenings) + len(self.failures)
+        return len(self.arrivals) + len(self.failures)
 
     @property
     def failures(self) -> Tuple[ActionEnd, ...]:
@@ -92,10 +92,10 @@ class Moves:
 
         ``step`` is that of the next update. Without running actions, an event is required unless the core is ``due``.
         """
-        happenings = self._happenings(goals, step) if left else []
+        arrivals = self._arrivals(goals, step) if left else []
         for count in range(min(left, self._limits.together) + 1):
             for failing in range(min(count, len(awaited)) + 1):
-                for some in combinations(happenings, count - failing):
+                for some in combinations(arrivals, count - failing):
                     for answers in self._answers(awaited, failing):
                         if awaited or due or some:
                             yield Move(some, answers)
@@ -126,11 +126,11 @@ class Moves:
         reasons = (failure_value(one, action.parameter, same.__contains__) for one in self._reasons(action.interface))
         return [*reasons, *others[:1]]
 
-    def _happenings(self, goals: Sequence[Goal], step: int) -> List[Happening]:
+    def _arrivals(self, goals: Sequence[Goal], step: int) -> List[Arrival]:
         taken = {one.identifier for one in goals}
-        found = [Happening(GOAL, one) for one in self._repertory.goals if one.arguments[-1] not in taken]
-        found += [Happening(CANCEL, one.term) for one in goals if not one.cancelling]
-        return found + [Happening(FACT, one) for fact in self._repertory.facts for one in self._dated(fact, step)]
+        found = [Arrival(GOAL, one) for one in self._repertory.goals if one.arguments[-1] not in taken]
+        found += [Arrival(CANCEL, one.term) for one in goals if not one.cancelling]
+        return found + [Arrival(FACT, one) for fact in self._repertory.facts for one in self._dated(fact, step)]
 
     def _dated(self, fact: Symbol, step: int) -> Iterator[Symbol]:
         """Yield a fact of the present cycle, then of earlier and later ones."""
@@ -168,9 +168,9 @@ def achievements_after(done: Achievements, move: Move, things: Container[Symbol]
     Any fact, any action of the same interface and any action on the same thing can undo an achievement, even if the
     action fails.
     """
-    if any(one.kind == FACT for one in move.happenings):
+    if any(one.kind == FACT for one in move.arrivals):
         done = frozenset()
-    sent = [one.term.arguments[-1] for one in move.happenings if one.kind == GOAL]
+    sent = [one.term.arguments[-1] for one in move.arrivals if one.kind == GOAL]
     done = frozenset(one._replace(resent=True) if one.thing in sent else one for one in done)
     for action, value in move.answers:
         new = Achievement(action.interface, thing_of(action.parameter, things))

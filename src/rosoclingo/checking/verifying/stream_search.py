@@ -15,8 +15,8 @@ from rosoclingo.checking.verifying.defects import Defect, Defects
 from rosoclingo.checking.verifying.moves import GOAL, Achievement, Move, Moves, Repertory, achievements_after, thing_of
 from rosoclingo.checking.verifying.scope import DefectKind, VerifyLimits
 from rosoclingo.checking.verifying.shared_solver import Choices, SharedSolver, Streams
+from rosoclingo.checking.verifying.state_graph import StateNode, Step, circles
 from rosoclingo.checking.verifying.trial_core import BrokenError, TrialCore
-from rosoclingo.checking.verifying.ways import StateNode, Step, circles
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.question import Stop, StoppedError
 from rosoclingo.reasoning.events import GoalChanged
@@ -132,7 +132,7 @@ class StreamSearch:
             for after in self._successors(node, move):
                 if move.cost == 0:
                     successes.append(after)
-                elif not move.happenings and len(move.failures) == 1:
+                elif not move.arrivals and len(move.failures) == 1:
                     self._twins += [_Twins(one, after, move) for one in successes]
         node.snapshot = None  # no longer needed
 
@@ -175,7 +175,7 @@ class StreamSearch:
         if node.before is not None and node.step is not None:
             move = node.step.move
             node.done = achievements_after(node.before.done, move, self._things)
-            sent = all(one.kind == GOAL for one in move.happenings)
+            sent = all(one.kind == GOAL for one in move.arrivals)
             node.calm = node.before.calm and sent and not move.failures
         belief = self._belief(core, 0)
         node.answers, node.now = belief.has_answers, (belief.without_answers(), _goals_of(core))

@@ -145,7 +145,7 @@ class TrialCore(ResumableCore):
     def make(self, move: Move) -> None:
         """Apply a move, up to the next answer."""
         self.events.clear()
-        for one in move.happenings:
+        for one in move.arrivals:
             if one.kind == GOAL:
                 self.add_goal(one.text, one.text)
             elif one.kind == CANCEL:

@@ -8,7 +8,7 @@ from rosoclingo.checking.sample_requests import names_in_facts
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.survey import written
+from rosoclingo.oclingo.program.survey import term_text
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
 from rosoclingo.reasoning.keywords import request
 from rosoclingo.runs.orders import OrderForm
@@ -39,5 +39,5 @@ def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]
 
 def _asked_for(program: ReactiveProgram) -> str:
     uses = program.survey.using.get(Signature("_request", 2), ())
-    terms: List[str] = list(dict.fromkeys(written(one.occurrence.term) for one in uses))
+    terms: List[str] = list(dict.fromkeys(term_text(one.occurrence.term) for one in uses))
     return f"rules match {', '.join(terms[:_LISTED])}" if terms else "no rule uses _request/2"

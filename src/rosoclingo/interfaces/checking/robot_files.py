@@ -12,14 +12,14 @@ from rosoclingo.checking.lint.actions import Actions, LabelQuery, PlacedName
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import REASONS, SUCCEEDED
-from rosoclingo.interfaces.checking.odd_values import (
+from rosoclingo.interfaces.checking.order_file import Orders, order_requests, unheard_orders
+from rosoclingo.interfaces.checking.suspicious_values import (
     frame_values,
     idle_drawings,
     label_values,
     labels_like_reasons,
     reasons_of,
 )
-from rosoclingo.interfaces.checking.order_file import Orders, order_requests, unheard_orders
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
 from rosoclingo.interfaces.templates import ActionScope, FillError, evaluate, labelled, term_with

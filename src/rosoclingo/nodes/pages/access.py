@@ -42,7 +42,7 @@ class Access:
 
     @staticmethod
     def own(origin: Optional[str], host: str) -> bool:
-        """Return whether the request comes from a page of this host; requests without ``Origin`` do not come from browsers."""
+        """Return whether the request comes from a page of this host; browsers always send ``Origin``."""
         try:
             return origin is not None and urlsplit(origin).netloc.lower() == host.lower()
         except ValueError:  # not a URL

@@ -126,7 +126,7 @@ def _write(run: RecordedRun, options: argparse.Namespace, say: Say) -> None:
 def _program_of(run: RecordedRun) -> RunProgram:
     if run.program is None:
         raise RecordingError(
-            "the recording lacks the program (topic rosoclingo/program): give the program's files with --program FILE ..."
+            "the recording lacks the program (topic rosoclingo/program): name its files with --program FILE ..."
         )
     return run.program
 

@@ -12,7 +12,7 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.survey import Place, places, written
+from rosoclingo.oclingo.program.survey import Place, places, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 
 _FORMS = {
@@ -83,7 +83,7 @@ def late_externals(
 
 
 def _late(use: Place, declaration: Place) -> Tuple[str, str]:
-    term, known = written(use.occurrence.term), written(declaration.occurrence.term)
+    term, known = term_text(use.occurrence.term), term_text(declaration.occurrence.term)
     if not use.part.parameter:
         return (
             f"external {term} is used in base but declared in steps, so the rule never sees it",

@@ -34,7 +34,7 @@ def likely_external(signature: Signature, externals: AbstractSet[Signature]) -> 
     return did_you_mean(most_similar(signature, externals)) or f"write #external {signature}."
 
 
-def slip_of(signature: Signature, used: Collection[Signature], shows: bool) -> Optional[Signature]:
+def likely_spelling(signature: Signature, used: Collection[Signature], shows: bool) -> Optional[Signature]:
     """Return the used predicate that an unused one probably misspells, None if none is similar enough."""
     same = [one for one in used if one.name == signature.name and one.positive == signature.positive]
     if same and shows:
@@ -56,7 +56,7 @@ def likeness(one: str, other: str) -> float:
 # ---- slips of one letter -----------------------------------------------------------------------------------------
 
 
-def is_slip(text: str, other: str, shortest: int = _SHORTEST) -> bool:
+def is_misspelling(text: str, other: str, shortest: int = _SHORTEST) -> bool:
     """Return whether two words differ by one letter that is omitted, doubled, added, changed or swapped.
 
     Differences between names of a series do not count: a digit, a final ``s``, the last letter, a one-letter word.

@@ -18,7 +18,7 @@ from rosoclingo.oclingo.progression.terms import Signature
 OWN = "__oclingo"
 """Prefix of the names of rosoclingo's internal predicates."""
 
-MADE = ("<program>", "<string>")
+GENERATED = ("<program>", "<string>")
 """File names of statements that rosoclingo adds to a program."""
 
 _BRACKETS = re.compile(r"\(([^(),]*[-+*/][^(),]*)\)(?=[,)])")
@@ -61,7 +61,7 @@ def fault_at(node: Node, kind: str, message: str, remedy: str) -> Fault:
     return Fault(begin.filename, begin.line, begin.column, message, remedy, kind)
 
 
-def written(term: Node) -> str:
+def term_text(term: Node) -> str:
     """Return the term as text, without clingo's brackets around sums and with ``_`` for anonymous variables."""
     return _ANONYMOUS.sub("_", _BRACKETS.sub(r"\1", str(term)))
 
@@ -116,7 +116,7 @@ class Survey:
         self.shows = False
         for part in parts:
             for statement, found in part.found:
-                if statement.location.begin.filename not in MADE:
+                if statement.location.begin.filename not in GENERATED:
                     self._add_statement(part, statement, found)
 
     def _add_statement(self, part: Part, statement: Node, found: List[Occurrence]) -> None:

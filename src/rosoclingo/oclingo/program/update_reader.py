@@ -1,7 +1,8 @@
 """Preparation of stream updates for a program: failure facts, closed cycles, and updates that report only success.
 
-If a program declares ``_failed(A,V,C)``, each return that does not report success adds such a fact. A return is a success if its
-value is the parameter of a committed action; any other value is a reason. A program could define failures itself,
+If a program declares ``_failed(A,V,C)``, each return that does not report success adds such a fact. A return is a
+success if its value is the parameter of a committed action; any other value is a reason. A program could define
+failures itself,
 
     failed(A,V,t) :- _return(A,V,t), not _action_lib(A,V,t).
 

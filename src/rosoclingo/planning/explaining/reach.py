@@ -31,7 +31,7 @@ from clingo.backend import Observer
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, signature_and_arguments
-from rosoclingo.oclingo.program.survey import MADE, OWN
+from rosoclingo.oclingo.program.survey import GENERATED, OWN
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.planning.explaining.atom_patterns import (
     ANY,
@@ -147,7 +147,7 @@ class Reach:
             rule
             for part in program.parts
             for statement in part.statements
-            if statement.ast_type in kinds and statement.location.begin.filename not in MADE
+            if statement.ast_type in kinds and statement.location.begin.filename not in GENERATED
             for rule in self._rules_of(statement, part.parameter)
         ]
         used = {one.signature for rule in self.rules for one in rule.body} | survey.using.keys()

@@ -80,7 +80,8 @@ def _begin_run(place: Journal, resume: str, fresh: Header) -> OpenedJournal:
     aside = place.set_aside("old")
     odd = open_goals and resume == "ask"
     back = f"to resume it, stop the core, move {aside} to {place.path} and start with ~resume: yes"
-    remarks = [f"beginning a new run; the journal of another launch ({described}) is now {aside}: {back}"] if odd else []
+    remark = f"beginning a new run; the journal of another launch ({described}) is now {aside}: {back}"
+    remarks = [remark] if odd else []
     return OpenedJournal(place, fresh.run, None, remarks, odd)
 
 

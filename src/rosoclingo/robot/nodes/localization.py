@@ -85,7 +85,7 @@ class FakeLocalizationNode:
     def _move_map(self, message: PoseWithCovarianceStamped) -> None:
         pose, frame = to_pose2d(message.pose.pose), message.header.frame_id.lstrip("/")
         if pose is None or not all(map(math.isfinite, pose)):
-            rospy.logwarn("initialpose ignored: its position is not finite, or its orientation is not a rotation about the z axis")
+            rospy.logwarn("initialpose ignored: its position is not finite, or its rotation is not about the z axis")
             return
         if self._truth is None:
             rospy.logwarn("initialpose ignored: there is no base_pose_ground_truth yet")

@@ -87,7 +87,7 @@ def check(found, atoms):
     for atom in atoms:
         signature = signature_of(atom)
         assert found.is_possible(signature), atom
-        assert found.misfit(atom) is None, atom
+        assert found.impossible_value(atom) is None, atom
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 import lint_programs
 import pytest
 
-from rosoclingo.oclingo.program.likeness import is_slip, likely_value
+from rosoclingo.oclingo.program.likeness import is_misspelling, likely_value
 from rosoclingo.oclingo.program.sources import Source
 
 END = "\n#program cumulative(t).\n#program volatile(t).\n"
@@ -20,10 +20,10 @@ END = "\n#program cumulative(t).\n#program volatile(t).\n"
         "livingroom living_room",
     ],
 )
-def test_is_slip_finds_misspelt_names(pair):
+def test_is_misspelling_finds_misspelt_names(pair):
     one, other = pair.split()
-    assert is_slip(one, other)
-    assert is_slip(other, one)
+    assert is_misspelling(one, other)
+    assert is_misspelling(other, one)
 
 
 @pytest.mark.parametrize(
@@ -33,10 +33,10 @@ def test_is_slip_finds_misspelt_names(pair):
         "bed red", "left lift", "table table", "north south", "arm_x_1 arm_y_1", "rooma roomb",
     ],
 )  # fmt: skip
-def test_is_slip_accepts_names_of_a_series(pair):
+def test_is_misspelling_accepts_names_of_a_series(pair):
     one, other = pair.split()
-    assert not is_slip(one, other)
-    assert not is_slip(other, one)
+    assert not is_misspelling(one, other)
+    assert not is_misspelling(other, one)
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,11 @@ from clingo import Function
 from core_driver import Driver
 from verified_programs import VISITS, edited, more
 
-from rosoclingo.checking.verifying.moves import GOAL, ActionEnd, Happening, Move
+from rosoclingo.checking.verifying.moves import GOAL, ActionEnd, Arrival, Move
 from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
+from rosoclingo.checking.verifying.state_graph import StateNode, Step, circles
 from rosoclingo.checking.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.checking.verifying.verification import verify
-from rosoclingo.checking.verifying.ways import StateNode, Step, circles
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.reasoning.keywords import Action
@@ -39,7 +39,7 @@ class DeferringSolver:
 def test_trial_core_reports_a_deferred_plan():
     core = TrialCore(ReactiveProgram.from_text(VISITS), DeferringSolver, CoreSettings(horizon_limit=5))
     core.start()
-    core.make(Move((Happening(GOAL, parse_atom("visit(hall)")),)))
+    core.make(Move((Arrival(GOAL, parse_atom("visit(hall)")),)))
     for _ in range(4):
         core.make(Move())
     with pytest.raises(BrokenError) as broken:

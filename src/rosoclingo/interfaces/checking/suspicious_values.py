@@ -12,7 +12,7 @@ from rosoclingo.interfaces.config import InterfaceSpec
 from rosoclingo.interfaces.templates import texts_in
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.likeness import likely_word
-from rosoclingo.oclingo.program.survey import Place, Survey, written
+from rosoclingo.oclingo.program.survey import Place, Survey, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.runs.drawing import DRAWS, drawing_fault
 from rosoclingo.runs.topic_atoms import atom_in
@@ -87,7 +87,7 @@ def idle_drawings(survey: Survey) -> Iterator[Fault]:
 
 
 def _idle_drawing(place: Place, names: AbstractSet[str]) -> Iterator[Fault]:
-    text = written(place.occurrence.term)
+    text = term_text(place.occurrence.term)
     atom = None if getattr(place.statement, "body", ()) else atom_in(str(place.occurrence.term))
     if atom is None:
         yield place.fault("idle-drawing", f"{text} draws nothing: {DRAWS} is read from ground facts", "write a fact")

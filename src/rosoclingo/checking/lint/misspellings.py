@@ -7,7 +7,7 @@ import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.likeness import did_you_mean, is_slip
+from rosoclingo.oclingo.program.likeness import did_you_mean, is_misspelling
 from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import occurrences
@@ -66,8 +66,8 @@ def _slips(constants: _Names, predicates: Set[str], values: List[str]) -> Iterat
     for name, places in constants.items():
         if len(places) > 1 or name not in known or name in values:
             continue
-        near = [one for one in values if is_slip(name, one)]
-        for one in (other for other in known - set(values) if is_slip(name, other)):
+        near = [one for one in values if is_misspelling(name, one)]
+        for one in (other for other in known - set(values) if is_misspelling(name, other)):
             longer = rows[one.rstrip(_DIGITS)] >= rows[name.rstrip(_DIGITS)] and _are_apart(places, constants[one])
             if len(constants[one]) > 1 or longer:
                 near.append(one)
@@ -102,4 +102,4 @@ def _slips_of_variables(variables: _Names) -> Iterator[Fault]:
 def _is_slip_of_variable(text: str, other: str) -> bool:
     if text.lower() == other.lower():
         return text != other and len(text) > 1
-    return is_slip(text, other, shortest=2)
+    return is_misspelling(text, other, shortest=2)

@@ -14,7 +14,7 @@ from rosoclingo.oclingo.program.first_steps import TrialGrounding
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_value, likeness
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, signature_and_arguments
-from rosoclingo.oclingo.program.survey import Survey, fault_at, written
+from rosoclingo.oclingo.program.survey import Survey, fault_at, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import ANY, is_variable
 from rosoclingo.planning.explaining.reach import HeadRule
@@ -58,7 +58,7 @@ def missing_keywords(survey: Survey) -> List[Fault]:
     return [Fault(survey.first_file, 1, 1, text, remedy, kind) for lacks, kind, text, remedy in rows if lacks]
 
 
-def demanded_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fault]:
+def mandatory_actions(survey: Survey, trial: Optional[TrialGrounding]) -> List[Fault]:
     """Return a fault if each of the first steps requires an action and the program has no statuses."""
     places = survey.defining.get(ACTION, ())
     if trial is None or not places or STATUS in survey.defining or not trial.demands(ACTION):
@@ -73,7 +73,7 @@ def volatile_keywords(survey: Survey) -> List[Fault]:
     found = []
     for place in (one for signature in KEYWORDS.values() for one in survey.defining.get(signature, ())):
         if place.part.name == "volatile":
-            message = f"{written(place.occurrence.term)} holds only at the last step of a plan: its rule is volatile"
+            message = f"{term_text(place.occurrence.term)} holds only at the last step of a plan: its rule is volatile"
             found.append(place.fault("at-the-end", message, "write #program cumulative(t). before the rule"))
     return found
 
@@ -90,7 +90,7 @@ def status_faults(survey: Survey, values: ArgumentValues) -> List[Fault]:
         given |= words
         fault = _unknown_status(rule, words)
         if fault is None and not derived:
-            word = written(signature_and_arguments(rule.head.term)[1][1])
+            word = term_text(signature_and_arguments(rule.head.term)[1][1])
             message = f"this rule never makes a goal {word}: nothing satisfies its body"
             fault = _status_fault(rule, "unreachable-status", message, "check its body")
         if fault is not None:
@@ -140,10 +140,10 @@ def misspelt_cancels(survey: Survey) -> Iterator[Fault]:
         size = len(term.arguments) if term.ast_type == ASTType.Function else 0
         name = term.name if size else ""
         if name == _CANCEL and size != 1:
-            message = f"{written(term)} has {size} arguments: clients cancel a goal by cancel(Id)"
+            message = f"{term_text(term)} has {size} arguments: clients cancel a goal by cancel(Id)"
             yield fault_at(term, "misspelt", message, f"write {_CANCEL}(Id)")
         elif size == 1 and name != _CANCEL and likeness(name, _CANCEL) >= _ALIKE:
-            message = f"no client sends {written(term)}: clients cancel a goal by cancel(Id)"
+            message = f"no client sends {term_text(term)}: clients cancel a goal by cancel(Id)"
             yield fault_at(term, "misspelt", message, did_you_mean(f"{_CANCEL}(...)"))
 
 

@@ -9,7 +9,7 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, written
+from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 
 _KIND = "exchanged"
@@ -33,7 +33,7 @@ def swapped_keyword_arguments(survey: Survey) -> Iterator[Fault]:
     first, second = (Counter(str(one.occurrence.arguments[n]) for one in acts) for n in (0, 1))
     for name, signature in KEYWORDS.items():
         for place in _places(signature, survey):
-            arguments, term = place.occurrence.arguments, written(place.occurrence.term)
+            arguments, term = place.occurrence.arguments, term_text(place.occurrence.term)
             steps = survey.steps(place)
             if name != _TIMELESS and steps and signature.arity - 1 not in steps:
                 message = f"the cycle of {term} is not its last argument"
@@ -59,7 +59,7 @@ def _swapped_variables(atoms: Sequence[Place]) -> Iterator[Fault]:
         pair = _pair(row, count)
         if pair is not None and not _mirrors(atom, row, pair):
             one, other = (row[position] for position in pair)
-            message = f"all other atoms have {one} and {other} of {written(atom.occurrence.term)} the other way round"
+            message = f"all other atoms have {one} and {other} of {term_text(atom.occurrence.term)} the other way round"
             yield atom.fault(
                 _KIND, message, f"write {other} as argument {pair[0] + 1}, {one} as argument {pair[1] + 1}"
             )
