@@ -190,7 +190,7 @@ def mismatched_steps(survey: Survey) -> Iterator[Fault]:
         returns = [one for one in places if one.signature == RETURN and not one.occurrence.head]
         for act in (one for one in places if one.signature == ACTION):
             if act.occurrence.head and survey.steps(act).get(2):
-                message = f"{term_text(act.occurrence.term)} has another cycle than {part.parameter}, the step it is planned at"
+                message = f"{term_text(act.occurrence.term)} has another cycle than {part.parameter}, its step"
                 yield act.fault("other-step", message, f"write {part.parameter} for its cycle")
             yield from _mismatched_returns(act, returns, survey)
         ends = part.name == "volatile" and _is_constraint(statement)
