@@ -14,12 +14,12 @@ from rosoclingo.checking.lint.kinds import LintFinding
 from rosoclingo.checking.lint.linting import findings, is_error, lint_sources
 from rosoclingo.checking.lint.stream_lint import lint_stream
 from rosoclingo.checking.verifying import verify_option
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source, parse_constants
 from rosoclingo.oclingo.progression.parser import parse_updates
 from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS, constants_of, positive, seconds
-from rosoclingo.oclingo.unread import ends_unread
 
 if TYPE_CHECKING:
     from rosoclingo.checking.trial_plans import TrialPlan
@@ -80,7 +80,7 @@ def add_trials(parser: argparse.ArgumentParser, extension: CheckExtension = NO_E
     verify_option.add_arguments(parser)
 
 
-@ends_unread
+@exits_on_broken_pipe
 def main(arguments: Optional[Sequence[str]] = None, extension: CheckExtension = NO_EXTENSION) -> int:
     """Run the command and return its exit code; ``arguments`` default to those of the process."""
     options = make_parser(extension).parse_args(arguments)

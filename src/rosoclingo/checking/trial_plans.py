@@ -24,7 +24,7 @@ from rosoclingo.planning.history import Plan
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Stop
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning.hearing import Hearing
+from rosoclingo.reasoning.relevance import RelevanceAnalysis
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Trials:
     def __init__(self, program: ReactiveProgram, steps: int = TRIAL_STEPS, seconds: float = TRIAL_SECONDS) -> None:
         self._program, self._steps, self._seconds = program, steps, seconds
         self._solver = PlanSolver(program)
-        self._hearing = Hearing.of(program)
+        self._relevance = RelevanceAnalysis.of(program)
         self._played = False
 
     def play(self, updates: Iterable[StreamUpdate]) -> List[TrialPlan]:
@@ -97,9 +97,10 @@ class Trials:
         step = log.step + 1 if self._played else log.step
         past: Tuple[Item, ...] = (CloseCycles(log.step, log.step),) if self._played else ()
         facts = self._facts(text, step)
-        unheard = next((one for one in facts if one.match("_request", 2) and not self._hearing.hears(one)), None)
-        if unheard is not None:
-            return TrialPlan(text, fault=f"no rule of the program can see it: {self._hearing.advice(unheard)}")
+        sent = [one for one in facts if one.match("_request", 2)]
+        invalid = next((one for one in sent if not self._relevance.is_relevant(one)), None)
+        if invalid is not None:
+            return TrialPlan(text, fault=f"no rule of the program can see it: {self._relevance.advice(invalid)}")
         try:
             return self._try(StreamUpdate(step, self._steps, (*past, *map(Statement, facts))), text)
         finally:

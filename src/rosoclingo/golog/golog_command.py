@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 from typing import Optional, Sequence
 
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.sources import Collector, Source
-from rosoclingo.oclingo.unread import ends_unread
 
 GOOD, FAULTY, UNREADABLE = 0, 1, 2
 """Exit codes: no errors, errors in programs, or a file cannot be read or the command line is wrong."""
@@ -19,7 +19,7 @@ the files that they include, with line and column. Loading a .golog file needs n
 _EPILOG = "Exit code: 0 no errors; 1 errors in programs; 2 a file can't be read, or the command line is wrong."
 
 
-@ends_unread
+@exits_on_broken_pipe
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command with ``arguments``, by default those of the command line; return the exit code."""
     parser = argparse.ArgumentParser(prog="golog", description=_DESCRIPTION, epilog=_EPILOG)

@@ -11,10 +11,10 @@ from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, Outcome, read_goal
-from rosoclingo.reasoning.hearing import Hearing
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import Record, group, symbol_of
+from rosoclingo.reasoning.relevance import RelevanceAnalysis
 from rosoclingo.reasoning.settings import CoreSettings
 
 #: Seconds that a goal rests after the solver has dropped it alone. The rest doubles each further time.
@@ -40,8 +40,8 @@ class GoalManager:
         cycle: Callable[[], int],
         settings: CoreSettings,
     ) -> None:
-        self._program, self._hearing = program, Hearing.of(program)
-        self._hearing.prepare(Signature(REQUEST, 2))
+        self._program, self._relevance = program, RelevanceAnalysis.of(program)
+        self._relevance.prepare(Signature(REQUEST, 2))
         self._feeder = feeder
         self._emit = emit
         self._cycle = cycle
@@ -70,7 +70,7 @@ class GoalManager:
             goal = Goal(key, read_goal(text), self._changed)
             if not self._program.declares_external(REQUEST, 2):
                 raise GoalError("the program takes no requests: it declares no external _request/2")
-            self._check_heard(goal)
+            self._check_relevant(goal)
             self._check_unique(goal)
         except GoalError as error:
             self._emit(GoalRefused(self._cycle(), key, text, str(error)))
@@ -83,11 +83,11 @@ class GoalManager:
             why = limit if before is None else f"{before} has priority"
             self.report_wait([goal], why)
 
-    def _check_heard(self, goal: Goal) -> None:
+    def _check_relevant(self, goal: Goal) -> None:
         """Raise GoalError for a goal that no rule can see; it would count as met without a plan."""
         requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # 1 before the first update
-        if not any(map(self._hearing.hears, requests)):
-            advice = shortened(self._hearing.advice(requests[0]), 2 * SHOWN)
+        if not any(map(self._relevance.is_relevant, requests)):
+            advice = shortened(self._relevance.advice(requests[0]), 2 * SHOWN)
             raise GoalError(f"no rule of the program can see {goal}: {advice}")
 
     def _check_unique(self, goal: Goal) -> None:

@@ -14,7 +14,7 @@ from rosoclingo.oclingo.progression.parser import PlacedUpdate, iterate_placed
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.planning.explaining.atom_patterns import format_pattern
-from rosoclingo.reasoning.hearing import Hearing
+from rosoclingo.reasoning.relevance import RelevanceAnalysis
 
 _MANY = 4  # atoms of rules that a message lists
 
@@ -43,7 +43,7 @@ class _StatementLint:
 
     def __init__(self, program: ReactiveProgram, updates: Sequence[PlacedUpdate]) -> None:
         self._program = program
-        self._values, self._hearing = ArgumentValues.of(program), Hearing.of(program)
+        self._values, self._relevance = ArgumentValues.of(program), RelevanceAnalysis.of(program)
         statements = [item for one in updates for item in one.update.items if isinstance(item, Statement)]
         self._stated = {signature_of(one.head) for one in statements if one.head is not None}
         self._asked = {signature_of(literal.atom) for one in statements for literal in one.body}
@@ -60,7 +60,7 @@ class _StatementLint:
         # a fact also matters to its classical negation, which it contradicts
         both = {signature, signature._replace(positive=not signature.positive)}
         if signature in program.open_signatures:
-            if not self._hearing.hears(atom):
+            if not self._relevance.is_relevant(atom):
                 uses = program.survey.using.get(signature, ())
                 terms = list(dict.fromkeys(term_text(one.occurrence.term) for one in uses))[:_MANY]
                 remedy = f"rules match {', '.join(terms)}" if terms else "write a rule for it"

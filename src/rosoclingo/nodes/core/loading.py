@@ -32,7 +32,7 @@ class CoreParameters:
 
     ``floor`` is text that is added to the program. ``places`` are the known poses of labels in the map (x, y, yaw; m,
     rad). ``recovery_timeout`` and ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or
-    NONE. :mod:`rosoclingo.common.launched` reads ``required`` itself, even if other parameters are invalid.
+    NONE. :mod:`rosoclingo.common.required_node` reads ``required`` itself, even if other parameters are invalid.
     """
 
     program_files: Tuple[str, ...]

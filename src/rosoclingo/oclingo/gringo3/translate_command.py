@@ -5,15 +5,15 @@ import sys
 from pathlib import Path
 from typing import List, Optional, Sequence, Tuple
 
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.gringo3.dialect import Dialect
 from rosoclingo.oclingo.gringo3.translate import TranslationResult, included_files, translate_program
-from rosoclingo.oclingo.unread import ends_unread
 
 _DESCRIPTION = "Translates programs for oClingo (2012) from gringo 3's language into clingo 5's language."
 
 
-@ends_unread
+@exits_on_broken_pipe
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command with ``arguments``, by default those of the command line; return the exit code."""
     parser = argparse.ArgumentParser(prog="gringo3to5", description=_DESCRIPTION)

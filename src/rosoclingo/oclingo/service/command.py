@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Callable, ContextManager, List, NoReturn, Optional, Sequence, Tuple
 
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -19,7 +20,6 @@ from rosoclingo.oclingo.service.output import JsonOutput, ProgressReport, TextOu
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
-from rosoclingo.oclingo.unread import ends_unread
 
 DEFAULT_HOST = "127.0.0.1"
 
@@ -132,7 +132,7 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
     )
 
 
-@ends_unread
+@exits_on_broken_pipe
 def main(arguments: Optional[Sequence[str]], make_solver: MakeSolver, add_check: Check) -> int:
     """Run the command with ``arguments`` (None: those of the process) and return its exit code."""
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if not _REMAPPING.match(word)]

@@ -10,9 +10,9 @@ from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
-from rosoclingo.common.kept_state import KeptState
 from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.persisted_state import PersistedState
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import (
@@ -124,7 +124,7 @@ class OfficeNode:
         given.check()
         self._jobs: Deque[_Job] = deque()
         self._servers: Tuple[ActionServer, ...] = ()
-        self._kept = KeptState("~kept", "the places of the packages are lost if this node crashes")
+        self._kept = PersistedState("~kept", "the places of the packages are lost if this node crashes")
         self._known: List[PackagePlace] = []  # places of the packages in the persisted state
         self._last_time = 0.0
         self._worker = Worker(settle=self._tick, period=0.02)
@@ -137,7 +137,7 @@ class OfficeNode:
 
     def _end(self) -> None:
         self._worker.stop(2.0)
-        self._kept.end()
+        self._kept.remove()
 
     def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
         server = ActionServer(name, action, functools.partial(self._on_goal, kind), self._on_cancel, auto_start=False)
@@ -206,7 +206,7 @@ class OfficeNode:
         """Persist the places of the packages before they are published."""
         if self._office.places != self._known:
             self._known = self._office.places
-            self._kept.keep({"lying": self._office.lying, "carried": self._office.carried}, PERSIST_TIMEOUT)
+            self._kept.store({"lying": self._office.lying, "carried": self._office.carried}, PERSIST_TIMEOUT)
 
     def _publish(self) -> None:
         self._keep()

@@ -11,8 +11,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Empty, EmptyResponse, SetBool, SetBoolResponse
 from tf2_msgs.msg import TFMessage
 
-from rosoclingo.common.kept_state import KeptState
 from rosoclingo.common.parameters import Parameters
+from rosoclingo.common.persisted_state import PersistedState
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.reading import Reader
 from rosoclingo.common.worker import Worker
@@ -99,7 +99,7 @@ class SimulatorNode:
         given.check()
         compile_once("simulation", rospy.loginfo)
         self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog, delay), kept)
-        self._kept = KeptState("~kept", "the world is reset if this node crashes")
+        self._kept = PersistedState("~kept", "the world is reset if this node crashes")
         self._unkept, self._keep_at = True, 0.0  # whether the state has to be persisted, and when next
         self._worker = Worker(self._advance)
         self._clock = prompt_publisher("/clock", Clock)
@@ -125,7 +125,7 @@ class SimulatorNode:
 
     def _end(self) -> None:
         self._worker.stop()
-        self._kept.end()
+        self._kept.remove()
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
 
@@ -199,7 +199,7 @@ class SimulatorNode:
         self._unkept |= moving
         if self._unkept and not (moving and time.monotonic() < self._keep_at):
             self._unkept, self._keep_at = moving, time.monotonic() + PERSIST_PERIOD
-            self._kept.keep(world_state(self._simulation))
+            self._kept.store(world_state(self._simulation))
 
     def _until_next(self) -> float:
         """Return the time (s of wall time) until the next step."""

@@ -1,10 +1,10 @@
-"""Relevance analysis: which external atoms can a program hear, that is, from which can a rule derive something?
+"""Relevance analysis: from which external atoms can a rule derive something?
 
-The analysis is conservative: an atom counts as heard unless the rules exclude it. It grounds the predicates of the base
-part that restrict a rule. For example, ``room`` restricts ``wanted(R,t) :- _request(visit(R),t+1), room(R).``
+The analysis is conservative: an atom counts as relevant unless the rules exclude it. It grounds the predicates of the
+base part that restrict a rule. For example, ``room`` restricts ``wanted(R,t) :- _request(visit(R),t+1), room(R).``
 
-Some rules only relay an atom, such as ``asked(R,t) :- _request(visit(R),t+1).`` They hear it if some rule hears the
-derived atom.
+Some rules only relay an atom, such as ``asked(R,t) :- _request(visit(R),t+1).`` The atom is relevant if the derived
+atom is relevant.
 """
 
 from functools import cached_property, lru_cache
@@ -23,10 +23,10 @@ from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.reasoning.likely_terms import Misfit, bindings, fitted, likeness, listed, name_of, replaced
 
-_STATED, _HEARD = "__oclingo_stated", "__oclingo_heard"
-_DEAF = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
+_STATED, _RELEVANT = "__oclingo_stated", "__oclingo_relevant"
+_IRRELEVANT = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
 _MOST = 10000  # maximum number of atoms of a restricting predicate; larger predicates count as no restriction
-_MOST_TRIED = 100  # maximum number of relayed atoms and of excluding rules; beyond it, an atom counts as heard
+_MOST_TRIED = 100  # maximum number of relayed atoms and of excluding rules; beyond it, an atom counts as relevant
 
 
 class _Occurrence(NamedTuple):
@@ -55,8 +55,8 @@ class _Occurrence(NamedTuple):
 _Trail = List[Tuple[_Occurrence, clingo.Symbol]]
 
 
-class Hearing:
-    """The external atoms that a program hears, computed on demand."""
+class RelevanceAnalysis:
+    """The relevant external atoms of a program, computed on demand."""
 
     def __init__(self, program: ReactiveProgram) -> None:
         self._program = program
@@ -64,7 +64,7 @@ class Hearing:
 
     @classmethod
     @lru_cache(maxsize=1)
-    def of(cls, program: ReactiveProgram) -> "Hearing":
+    def of(cls, program: ReactiveProgram) -> "RelevanceAnalysis":
         """Return the shared analysis of a program."""
         return cls(program)
 
@@ -76,12 +76,12 @@ class Hearing:
             if one not in self._occurrences:
                 waiting += [place.relay for place in self._occurrences_of(one) if place.relay is not None]
 
-    def hears(self, atom: clingo.Symbol) -> bool:
-        """Return whether the program hears an atom; False is certain."""
+    def is_relevant(self, atom: clingo.Symbol) -> bool:
+        """Return whether some rule can derive something from an atom; False is certain."""
         return self._excluding_rules(atom) is None
 
     def advice(self, atom: clingo.Symbol) -> str:
-        """Return advice about an ``atom`` that is not heard: a correction, else the reason, else the known forms."""
+        """Return advice about an irrelevant ``atom``: a correction, else the reason, else the known forms."""
         term = atom.arguments[0]
         forms = self._forms(signature_of(atom), term)
         alike = [one for one in (fitted(form, term) for form in forms) if one is not None]
@@ -100,14 +100,14 @@ class Hearing:
         return f"rules match {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
-        """Return the first argument of an atom, corrected to similar known values; None if that is not heard either."""
+        """Return the first argument of an atom, corrected to similar known values; None if that is irrelevant too."""
         failed = self._excluding_rules(atom)
         if failed is None:
             return atom.arguments[0]
         misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
         meant = replaced(atom.arguments[0], misfits)
-        heard = meant is not None and self.hears(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
-        return meant if heard else None
+        is_valid = meant is not None and self.is_relevant(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
+        return meant if is_valid else None
 
     def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
         """Return the first arguments that rules accept, ordered by the similarity of their names to ``term``."""
@@ -119,7 +119,7 @@ class Hearing:
     # -- rules that see an atom
 
     def _excluding_rules(self, atom: clingo.Symbol) -> Optional[_Trail]:
-        """Return the rules that match an atom but exclude it; None if the atom is heard."""
+        """Return the rules that match an atom but exclude it; None if the atom is relevant."""
         failed: _Trail = []
         waiting: List[Tuple[clingo.Symbol, FrozenSet[Signature]]] = [(atom, frozenset())]
         while waiting:
@@ -149,7 +149,7 @@ class Hearing:
                 for part in self._program.parts
                 for statement, atoms in part.found
                 if any(one.signature == signature and not one.head for one in atoms)
-                if statement.ast_type not in _DEAF
+                if statement.ast_type not in _IRRELEVANT
                 for place in self._look(part, statement, signature)
             ]
         return self._occurrences[signature]
@@ -178,8 +178,8 @@ class Hearing:
             for signature in {term_signature(one.atom.symbol) for one in kept if _is_atom(one)}
             for one, certain in self._table(signature) or ()
         ]
-        head = f"{_HEARD}({0 if relay is None else relay})"
-        return "\n".join([*facts, f"#program heard({pattern.parameter or 't'}).", f"{head} :- {'; '.join(body)}."])
+        head = f"{_RELEVANT}({0 if relay is None else relay})"
+        return "\n".join([*facts, f"#program relevant({pattern.parameter or 't'}).", f"{head} :- {'; '.join(body)}."])
 
     def _relay(self, statement: Node) -> Optional[Node]:
         """Return the head of a rule that only derives an atom for other rules; None for any other statement."""
@@ -193,7 +193,7 @@ class Hearing:
     @cached_property
     def _used(self) -> Set[Signature]:
         """The predicates that some statement uses without defining them."""
-        statements = [one for part in self._program.parts for one in part.found if one[0].ast_type not in _DEAF]
+        statements = [one for part in self._program.parts for one in part.found if one[0].ast_type not in _IRRELEVANT]
         heads = [{one.signature for one in atoms if one.head} for _, atoms in statements]
         pairs = zip(heads, (atoms for _, atoms in statements))
         return {one.signature for own, atoms in pairs for one in atoms if not one.head and one.signature not in own}
@@ -210,10 +210,10 @@ class Hearing:
         try:
             control = self._control()
             control.add("base", [], f"{_stated(atom.arguments)}.\n{place.rule}")
-            control.ground([("base", []), ("heard", [clingo.Number(step)])])
+            control.ground([("base", []), ("relevant", [clingo.Number(step)])])
         except RuntimeError:
             return None
-        return [one.symbol.arguments[0] for one in control.symbolic_atoms.by_signature(_HEARD, 1)]
+        return [one.symbol.arguments[0] for one in control.symbolic_atoms.by_signature(_RELEVANT, 1)]
 
     def _control(self) -> clingo.Control:
         constants = [f"-c{name}={value}" for name, value in self._program.values.items()]

@@ -8,7 +8,7 @@ from typing import Any, Callable, TypeVar, cast
 Main = TypeVar("Main", bound=Callable[..., int])
 
 
-def ends_unread(main: Main) -> Main:
+def exits_on_broken_pipe(main: Main) -> Main:
     """Decorate the ``main`` function of a command: it ends with exit code 1 and no message if its output is closed."""
 
     @wraps(main)

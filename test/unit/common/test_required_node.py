@@ -7,8 +7,8 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from rosoclingo.common import launched
-from rosoclingo.common.launched import Required
+from rosoclingo.common import required_node
+from rosoclingo.common.required_node import RequiredNode
 
 NODE = "/robot/core"
 
@@ -50,8 +50,8 @@ def serving():
 def ended(monkeypatch):
     """The processes that received a signal, with its number."""
     signals = []
-    monkeypatch.setattr(launched.os, "kill", lambda *signal: signals.append(signal))
-    monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core", "__log:=/tmp/core.log"])
+    monkeypatch.setattr(required_node.os, "kill", lambda *signal: signals.append(signal))
+    monkeypatch.setattr(required_node.sys, "argv", ["core", "__name:=core", "__log:=/tmp/core.log"])
     monkeypatch.setenv("ROS_NAMESPACE", "robot")
     return signals
 
@@ -83,59 +83,59 @@ THE_END = [(os.getppid(), signal.SIGINT)]
 
 
 @pytest.mark.parametrize("error", [StartError("a fault"), SystemExit(1), SystemExit("clingo is not installed")])
-def test_launched_node_with_failed_start_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
+def test_required_node_with_failed_start_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
     master(serving, monkeypatch, roslaunch(serving, process=1), roslaunch(serving, **own()))
-    with pytest.raises(type(error)), Required():
+    with pytest.raises(type(error)), RequiredNode():
         raise error
     assert ended == THE_END
     assert f"{NODE}: a restart cannot help: ending roslaunch" in capsys.readouterr().err
 
 
-def test_launched_node_finds_parent_of_remote_roslaunch(serving, ended, monkeypatch):
+def test_required_node_finds_parent_of_remote_roslaunch(serving, ended, monkeypatch):
     master(serving, monkeypatch, roslaunch(serving, process=1, children=[roslaunch(serving, **own())]))
-    with pytest.raises(StartError), Required():
+    with pytest.raises(StartError), RequiredNode():
         raise StartError
     assert ended == THE_END
 
 
 @pytest.mark.parametrize("error", [SystemExit(0), SystemExit(None), KeyboardInterrupt()])
-def test_launched_node_that_did_not_fail_ends_nothing(serving, ended, monkeypatch, error):
+def test_required_node_that_did_not_fail_ends_nothing(serving, ended, monkeypatch, error):
     master(serving, monkeypatch, roslaunch(serving, **own()))
-    with pytest.raises(type(error)), Required():
+    with pytest.raises(type(error)), RequiredNode():
         raise error
     assert ended == []
 
 
 @pytest.mark.parametrize("changes", [{"respawn": False}, {"pid": 1}], ids=["it would not", "of another"])
-def test_launched_node_without_respawn_leaves_roslaunch_alone(serving, ended, monkeypatch, changes):
+def test_required_node_without_respawn_leaves_roslaunch_alone(serving, ended, monkeypatch, changes):
     master(serving, monkeypatch, roslaunch(serving, **own(**changes)))
-    with pytest.raises(StartError), Required():
+    with pytest.raises(StartError), RequiredNode():
         raise StartError
     assert ended == []
 
 
 @pytest.mark.parametrize("value", [False, "yes", 0])
-def test_launched_node_that_is_optional_ends_nothing(serving, ended, monkeypatch, value):
+def test_required_node_that_is_optional_ends_nothing(serving, ended, monkeypatch, value):
     master(serving, monkeypatch, roslaunch(serving, **own()), **{f"{NODE}/required": value})
-    with pytest.raises(StartError), Required():
+    with pytest.raises(StartError), RequiredNode():
         raise StartError
     assert ended == []
 
 
-def test_launched_node_started_by_hand_asks_no_roslaunch(ended, monkeypatch, capsys):
-    monkeypatch.setattr(launched.sys, "argv", ["core", "__name:=core"])
+def test_required_node_started_by_hand_asks_no_roslaunch(ended, monkeypatch, capsys):
+    monkeypatch.setattr(required_node.sys, "argv", ["core", "__name:=core"])
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
-    with pytest.raises(StartError), Required():
+    with pytest.raises(StartError), RequiredNode():
         raise StartError
     assert (ended, capsys.readouterr().err) == ([], "")
 
 
 @pytest.mark.parametrize("uri", ["http://localhost:1", None])
-def test_launched_node_reports_a_missing_master(ended, monkeypatch, capsys, uri):
+def test_required_node_reports_a_missing_master(ended, monkeypatch, capsys, uri):
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
     if uri:
         monkeypatch.setenv("ROS_MASTER_URI", uri)
-    with pytest.raises(StartError), Required():
+    with pytest.raises(StartError), RequiredNode():
         raise StartError
     assert ended == []
     assert "cannot find out whether to end roslaunch" in capsys.readouterr().err
@@ -143,7 +143,7 @@ def test_launched_node_reports_a_missing_master(ended, monkeypatch, capsys, uri)
 
 def live(happens, code):
     """Start a node, let an event happen, and end the node."""
-    with Required() as required:
+    with RequiredNode() as required:
         required.is_up(None)
         happens()
         raise SystemExit(code)
@@ -152,9 +152,9 @@ def live(happens, code):
 @pytest.mark.parametrize(
     ("starts", "seconds", "ends"), [(1, 0.0, False), (2, 0.0, True), (2, 1000.0, False)], ids=["first", "again", "late"]
 )
-def test_launched_node_that_crashes_early_ends_roslaunch(serving, ended, monkeypatch, starts, seconds, ends):
+def test_required_node_that_crashes_early_ends_roslaunch(serving, ended, monkeypatch, starts, seconds, ends):
     now = [5.0]
-    monkeypatch.setattr(launched.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(required_node.time, "monotonic", lambda: now[0])
     master(serving, monkeypatch, roslaunch(serving, **own(spawn_count=starts)))
     with pytest.raises(SystemExit):
         live(lambda: now.insert(0, now[0] + seconds), 1)
@@ -162,7 +162,7 @@ def test_launched_node_that_crashes_early_ends_roslaunch(serving, ended, monkeyp
 
 
 @pytest.mark.parametrize(("reason", "ends"), [("[/c] Reason: new node registered with same name", True), ("x", False)])
-def test_launched_node_whose_name_is_taken_ends_roslaunch(serving, ended, monkeypatch, reason, ends):
+def test_required_node_whose_name_is_taken_ends_roslaunch(serving, ended, monkeypatch, reason, ends):
     rospy, hooks = pytest.importorskip("rospy"), []
     monkeypatch.setattr(rospy.core, "add_preshutdown_hook", hooks.append)
     master(serving, monkeypatch, roslaunch(serving, **own()))

@@ -11,13 +11,13 @@ import rospy
 from rosoclingo.common.worker import Worker
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
-__all__ = ["KeptState"]
+__all__ = ["PersistedState"]
 
 #: Seconds of wall time between two checks of the parameter: a master that was restarted has lost it.
 PERIOD = 2.0
 
 
-class KeptState:
+class PersistedState:
     """Stores a value in a private parameter of this node, and deletes it when the node shuts down.
 
     The class has its own worker, as a master can take seconds to respond. If the master does not respond, or has lost
@@ -35,7 +35,7 @@ class KeptState:
         self._worker = Worker(self._check)
         self._worker.start()
 
-    def keep(self, value: Any, patience: float = 0.0) -> None:
+    def store(self, value: Any, patience: float = 0.0) -> None:
         """Store a value of a type of XML-RPC in place of the previous value.
 
         Waits until this has succeeded or failed, at most ``patience`` seconds of wall time.
@@ -44,7 +44,7 @@ class KeptState:
         self._worker.put(partial(self._save, done))
         done.wait(patience)
 
-    def end(self) -> None:
+    def remove(self) -> None:
         """Delete the parameter: after a regular shutdown no successor resumes."""
         self._value = None
         self._worker.put(lambda: self._ask(lambda: self._master.deleteParam(self._node, self._parameter)))

@@ -16,13 +16,13 @@ from typing import Any, Dict, Iterator, Optional, Type
 
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
-__all__ = ["Required"]
+__all__ = ["RequiredNode"]
 
 #: Seconds of wall time within which a restarted node that fails most probably has the same fault as before.
 SOON = 60.0
 
 
-class Required:
+class RequiredNode:
     """A context manager for the whole of a script, including its imports.
 
     It ends the roslaunch that would respawn the node if the node has ``~required`` and one of these holds: it did not
@@ -43,7 +43,7 @@ class Required:
     def _ends(self, reason: str) -> None:
         self._replaced = "new node registered with same name" in reason
 
-    def __enter__(self) -> "Required":
+    def __enter__(self) -> "RequiredNode":
         return self
 
     def __exit__(

@@ -5,7 +5,7 @@ from shipped import shipped
 
 from rosoclingo.checking.lint.stream_lint import lint_stream
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.reasoning.hearing import Hearing
+from rosoclingo.reasoning.relevance import RelevanceAnalysis
 
 VISITS = """
 #const depth = 3.
@@ -46,11 +46,11 @@ _status(I,rejected,t) :- _request(text("abc",I),t).
 
 @pytest.fixture(scope="module")
 def visits():
-    return Hearing(ReactiveProgram.from_text(VISITS, "visits.lp"))
+    return RelevanceAnalysis(ReactiveProgram.from_text(VISITS, "visits.lp"))
 
 
-def heard(hearing, goal, cycle=2):
-    return hearing.hears(parse_atom(f"_request({goal},{cycle})"))
+def is_relevant(relevance, goal, cycle=2):
+    return relevance.is_relevant(parse_atom(f"_request({goal},{cycle})"))
 
 
 @pytest.mark.parametrize(
@@ -61,8 +61,8 @@ def heard(hearing, goal, cycle=2):
         *("cond(kitchen)", "halt(home)", 'text("abc",1)', "range(2)", "sum(3,2)"),
     ],
 )
-def test_hearing_accepts_requests_that_some_rule_sees(visits, goal):
-    assert heard(visits, goal)
+def test_relevance_accepts_requests_that_some_rule_sees(visits, goal):
+    assert is_relevant(visits, goal)
 
 
 @pytest.mark.parametrize(
@@ -95,21 +95,22 @@ def test_hearing_accepts_requests_that_some_rule_sees(visits, goal):
         ("17", None),
     ],
 )
-def test_hearing_rejects_requests_that_no_rule_sees(visits, goal, advice):
-    assert not heard(visits, goal)
+def test_relevance_rejects_requests_that_no_rule_sees(visits, goal, advice):
+    assert not is_relevant(visits, goal)
     reported = visits.advice(parse_atom(f"_request({goal},2)"))
     assert reported == advice if advice else reported
 
 
-def test_hearing_accepts_a_cycle_named_by_a_rule(visits):
-    assert heard(visits, "early(1)", 2)
-    assert not heard(visits, "early(1)", 3)
+def test_relevance_accepts_a_cycle_named_by_a_rule(visits):
+    assert is_relevant(visits, "early(1)", 2)
+    assert not is_relevant(visits, "early(1)", 3)
 
 
-def test_hearing_suggests_form_with_missing_argument():
-    hearing = Hearing(shipped("paper.lp"))
-    assert hearing.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules match goal(From,To,Id)"
-    assert hearing.advice(parse_atom("_request(gaol(office3,office2,1),2)")) == "did you mean goal(office3,office2,1)?"
+def test_relevance_suggests_form_with_missing_argument():
+    relevance = RelevanceAnalysis(shipped("paper.lp"))
+    assert relevance.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules match goal(From,To,Id)"
+    advice = relevance.advice(parse_atom("_request(gaol(office3,office2,1),2)"))
+    assert advice == "did you mean goal(office3,office2,1)?"
 
 
 @pytest.mark.parametrize(
@@ -126,10 +127,10 @@ def test_hearing_suggests_form_with_missing_argument():
     ],
     ids=lambda value: value[0] if isinstance(value, list) else None,
 )
-def test_hearing_of_the_shipped_programs(files, goals, others):
-    hearing = Hearing(shipped(*files))
-    assert [goal for goal in goals if not heard(hearing, goal)] == []
-    assert [goal for goal in others if heard(hearing, goal)] == []
+def test_relevance_of_the_shipped_programs(files, goals, others):
+    relevance = RelevanceAnalysis(shipped(*files))
+    assert [goal for goal in goals if not is_relevant(relevance, goal)] == []
+    assert [goal for goal in others if is_relevant(relevance, goal)] == []
 
 
 STEPS = "#external _request/2.\n#program cumulative(t).\n"
@@ -150,8 +151,8 @@ STEPS = "#external _request/2.\n#program cumulative(t).\n"
         ("p(t) :- _request(do(-1),t).", "do(-1)"),
     ],
 )
-def test_hearing_of_unusual_rules(rules, goal):
-    assert heard(Hearing(ReactiveProgram.from_text(STEPS + rules)), goal)
+def test_relevance_of_unusual_rules(rules, goal):
+    assert is_relevant(RelevanceAnalysis(ReactiveProgram.from_text(STEPS + rules)), goal)
 
 
 @pytest.mark.parametrize(
@@ -165,11 +166,11 @@ def test_hearing_of_unusual_rules(rules, goal):
         ("", "do(7)"),
     ],
 )
-def test_hearing_rejects_requests_whose_chain_ends_unused(rules, goal):
-    assert not heard(Hearing(ReactiveProgram.from_text(STEPS + rules)), goal)
+def test_relevance_rejects_requests_whose_chain_ends_unused(rules, goal):
+    assert not is_relevant(RelevanceAnalysis(ReactiveProgram.from_text(STEPS + rules)), goal)
 
 
-def test_hearing_checks_stream_for_excluded_base_facts():
+def test_relevance_checks_stream_for_excluded_base_facts():
     program = ReactiveProgram.from_text(VISITS, "visits.lp")
     stream = "#step 1.\n_request(visit(hall),2).\n_request(visit(attic),2).\n#end step.\n"
     found = [(one.line, one.message) for one in lint_stream(program, stream, "day.txt")]
