@@ -94,7 +94,7 @@ class Stage:
         """Play, then request each thing on the robot and one thing more; nothing fails any more."""
         self.run()
         for _ in range(20):
-            if not self.play.ask_for_all_that_is_aboard():
+            if not self.play.request_all_things_on_board():
                 break
             self.run()
         before = self.play.ends["succeeded"]

@@ -17,7 +17,7 @@ from actionlib.action_server import ActionServer
 from diagnostic_msgs.msg import DiagnosticArray
 from rosoclingo.msg import InterfaceIO
 
-from rosoclingo.common.connections import comes_to
+from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.registration import Registration
 
@@ -53,7 +53,7 @@ def wait_to_hear(*subscribers, nodes=()):
     """
     wanted, me = [rospy.resolve_name(node) for node in nodes], rospy.get_name()
     for topic in [one.resolved_name for one in subscribers]:
-        wait_until(lambda name=topic: comes_to(me, name, wanted), f"the publishers of {topic} to write to us")
+        wait_until(lambda name=topic: is_delivered_to(me, name, wanted), f"the publishers of {topic} to write to us")
 
 
 def wait_for_server(client):

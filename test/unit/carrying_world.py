@@ -387,7 +387,7 @@ class Play:
 
     # ---- the end ------------------------------------------------------------------------------------------------
 
-    def ask_for_all_that_is_aboard(self) -> bool:
+    def request_all_things_on_board(self) -> bool:
         """Stop all failures and ask for a thing on the robot; return False if none is left on it."""
         self.calm = True
         name = next((name for name, one in self.things.items() if one.place == ROBOT), None)

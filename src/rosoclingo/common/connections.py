@@ -12,18 +12,18 @@ import rospy
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
-__all__ = ["comes_to", "heard_nodes", "is_connected", "readers"]
+__all__ = ["connected_nodes", "is_connected", "is_delivered_to", "readers"]
 
 
-def comes_to(reader: str, topic: str, publishers: Iterable[str] = (), none_will_do: bool = False) -> bool:
+def is_delivered_to(reader: str, topic: str, publishers: Iterable[str] = (), allow_none: bool = False) -> bool:
     """Return whether all messages published on a topic from now on arrive at the node ``reader``; names are absolute.
 
     All responding publishers of the topic have to be connected to the reader, including ``publishers``. There has to be
-    at least one, unless ``none_will_do``.
+    at least one, unless ``allow_none``.
     """
     asked = {node: readers(node) for node in _publishers(topic)}
     answers = {node: found.get(topic, set()) for node, found in asked.items() if found is not None}
-    enough = (bool(answers) or none_will_do) and answers.keys() >= set(publishers)
+    enough = (bool(answers) or allow_none) and answers.keys() >= set(publishers)
     return enough and all(reader in found for found in answers.values())
 
 
@@ -42,7 +42,7 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
     return None
 
 
-def heard_nodes(topic: Any) -> Set[str]:
+def connected_nodes(topic: Any) -> Set[str]:
     """Return the nodes that a subscriber's ``impl`` is connected to at this end; none if it is closed."""
     return {connection.callerid_pub for connection in topic.connections} if topic is not None else set()
 

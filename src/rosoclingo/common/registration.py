@@ -15,7 +15,7 @@ import rosgraph
 import rospy
 from rospy.impl.registration import get_service_manager, get_topic_manager
 
-from rosoclingo.common.connections import heard_nodes
+from rosoclingo.common.connections import connected_nodes
 from rosoclingo.common.worker import ending
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
@@ -128,7 +128,7 @@ def _unheard(publishers: Dict[str, List[str]]) -> Entries:
     return {
         (topic, kind, node)
         for topic, kind in topics.get_subscriptions()
-        for node in set(publishers.get(topic, ())) - heard_nodes(topics.get_subscriber_impl(topic))
+        for node in set(publishers.get(topic, ())) - connected_nodes(topics.get_subscriber_impl(topic))
     }
 
 

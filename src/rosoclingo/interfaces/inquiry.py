@@ -41,7 +41,7 @@ class Inquiry:
         if report is ServerReport.HELD:
             return InquiryResult.HELD
         expired = wall >= self._end
-        waits = report is None or self._may_come(report, wall)
+        waits = report is None or self._can_arrive(report, wall)
         if waits and not expired:
             return InquiryResult.OPEN
         done = self._check() if self._check is not None else None
@@ -49,7 +49,7 @@ class Inquiry:
             return InquiryResult.DONE if done else InquiryResult.NOT_DONE
         return InquiryResult.UNKNOWN if expired or self._check is None else InquiryResult.OPEN
 
-    def _may_come(self, report: ServerReport, wall: float) -> bool:
+    def _can_arrive(self, report: ServerReport, wall: float) -> bool:
         """Return whether the result of an ended goal can still arrive."""
         self.used = report is ServerReport.ENDED
         if not self.used:

@@ -12,7 +12,7 @@ from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, C
 from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
-from rosoclingo.common.connections import heard_nodes, readers
+from rosoclingo.common.connections import connected_nodes, readers
 from rosoclingo.interfaces.action_runs import ActionEvent
 from rosoclingo.interfaces.inquiry import ServerReport
 from rosoclingo.interfaces.templates import GoalEnd
@@ -71,7 +71,7 @@ class ServerLink:
         The names are compared, because a recorder of these topics is connected as well.
         """
         client, now = self._client, time.monotonic()
-        servers = heard_nodes(client.status_sub.impl) & heard_nodes(client.result_sub.impl)
+        servers = connected_nodes(client.status_sub.impl) & connected_nodes(client.result_sub.impl)
         inlets = client.pub_goal.impl, client.pub_cancel.impl
         found = [server for server in servers if all(one.has_connection(server) for one in inlets)]
         self._met = {server: self._met.get(server, now + WRITING_GRACE) for server in found}

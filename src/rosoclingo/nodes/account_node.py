@@ -5,7 +5,7 @@ from typing import Any, Callable, Collection, List, Mapping, Optional
 
 import rospy
 
-from rosoclingo.common.connections import comes_to
+from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.nodes.run_topics import PATHS, RunTopics
 from rosoclingo.nodes.topic_types import TYPES
 from rosoclingo.runs.account import Account, Summary
@@ -97,7 +97,8 @@ class AccountNode(TopicAccount):
     def connected(self) -> bool:
         """Whether all messages of the core and of other publishers arrive at this node."""
         found = self._subscribers.items()
-        return all(comes_to(rospy.get_name(), one.name, none_will_do=topic not in CORE_TOPICS) for topic, one in found)
+        me = rospy.get_name()
+        return all(is_delivered_to(me, one.name, allow_none=topic not in CORE_TOPICS) for topic, one in found)
 
     def _on_message(self, message: Any, topic: str) -> None:
         self.take(topic, message, rospy.get_time())

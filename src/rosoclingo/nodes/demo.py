@@ -14,7 +14,7 @@ import rosgraph
 import rospy
 
 from rosoclingo.nodes.pages.report_command import write_report
-from rosoclingo.nodes.recording.bag_file import BagError, active, repair
+from rosoclingo.nodes.recording.bag_file import BagError, repair, unfinished_path
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import ScenarioOutcome, run_scenario
 from rosoclingo.runs.recorded_run import RecordingError
@@ -76,7 +76,7 @@ class DemoSystem:
 
     def _repair_bag(self) -> None:
         """Repair the bag of a killed recorder."""
-        if active(self.bag).exists():
+        if unfinished_path(self.bag).exists():
             with suppress(BagError):
                 repair(self.bag, self.bag, "/record/notes")
 

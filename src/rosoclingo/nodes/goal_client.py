@@ -9,7 +9,7 @@ from actionlib import ActionClient, ClientGoalHandle, CommState
 from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
-from rosoclingo.common.connections import comes_to
+from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
 from rosoclingo.nodes.server_watch import SILENCE, ServerWatch
 
@@ -121,7 +121,7 @@ class CoreClient:
 
     def _hears(self, server: str) -> bool:
         subscribers = (self._client.feedback_sub, self._client.result_sub)
-        return all(comes_to(rospy.get_name(), one.resolved_name, [server]) for one in subscribers)
+        return all(is_delivered_to(rospy.get_name(), one.resolved_name, [server]) for one in subscribers)
 
     @property
     def node(self) -> str:

@@ -30,14 +30,14 @@ def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Sy
             yield from bindings(one, value)
 
 
-def replaced(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.Symbol]:
+def replace_misfits(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.Symbol]:
     """Return a term with each misfit replaced by the most similar known value; None if no value is similar."""
     meant = {one.value: most_similar(one.value, one.known) for one in misfits}
     if term in meant:
         return meant[term]
     if term.type is not clingo.SymbolType.Function:
         return term
-    arguments = [replaced(one, misfits) for one in term.arguments]
+    arguments = [replace_misfits(one, misfits) for one in term.arguments]
     return None if None in arguments else clingo.Function(term.name, arguments, term.positive)  # type: ignore[arg-type]
 
 
@@ -51,7 +51,7 @@ def _word(value: clingo.Symbol) -> str:
     return (value.string if value.type is clingo.SymbolType.String else str(value)).casefold()[:_LONGEST]
 
 
-def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
+def fit_to_form(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
     """Return the name and constants of a rule's ``form`` with the arguments of ``term``; None if they differ a lot."""
     if form.ast_type == ASTType.Variable:
         return term
@@ -61,7 +61,7 @@ def fitted(form: Node, term: clingo.Symbol) -> Optional[clingo.Symbol]:
         return None
     if len(form.arguments) != len(term.arguments) or likeness(form.name, term.name) < _ALIKE:
         return None
-    arguments = [fitted(one, value) for one, value in zip(form.arguments, term.arguments)]
+    arguments = [fit_to_form(one, value) for one, value in zip(form.arguments, term.arguments)]
     return None if None in arguments else clingo.Function(form.name, arguments)  # type: ignore[arg-type]
 
 
@@ -76,7 +76,7 @@ def name_of(text: str) -> str:
     return text.partition("(")[0]
 
 
-def listed(texts: Iterable[str], in_order: bool = False) -> str:
+def join_texts(texts: Iterable[str], in_order: bool = False) -> str:
     """Return the first texts without duplicates, joined by commas; sorted unless they are ``in_order``."""
     found = list(dict.fromkeys(texts if in_order else sorted(texts)))
     return ", ".join(found[:_SHOWN]) + (" ..." if len(found) > _SHOWN else "")

@@ -88,7 +88,7 @@ def forget_history(
     return found
 
 
-class Settled(NamedTuple):
+class Settlement(NamedTuple):
     """The reaction to failures that the program cannot handle.
 
     Attributes:
@@ -111,7 +111,9 @@ class Settled(NamedTuple):
 UNHEARD, CONTRADICTS = "which no rule of the program uses", "which contradicts the program"
 
 
-def settle(planner: Planner, result: SolveResult, impasse: Impasse, unhandled: Sequence[UnhandledFailure]) -> Settled:
+def settle(
+    planner: Planner, result: SolveResult, impasse: Impasse, unhandled: Sequence[UnhandledFailure]
+) -> Settlement:
     """Find the goals that rest on actions whose failures the program cannot handle; these goals are not met.
 
     The actions count as not done if this leaves an answer. A goal rests on them if the program had the goal before, and
@@ -131,12 +133,12 @@ def settle(planner: Planner, result: SolveResult, impasse: Impasse, unhandled: S
     step, answers = impasse.step - 1, result.answers
     left = not answers or bool(extract_plan(answers[0]).remaining(step))
     if not resting or (undone and left and _goes_on(result, step, failed)):
-        return Settled(planner, result, problems)
+        return Settlement(planner, result, problems)
     found = _without_failed(planner, impasse, resting, failed, keeps=undone) if left else None
     gone = found[1] if found is not None else resting
     note = UNHEARD if unhandled[0].undone is None else CONTRADICTS
     unmet = tuple(UnmetGoal(goal, observations=failures, note=note) for goal in gone)
-    return Settled(planner, result, problems, unmet, None if found is None else found[0]._replace(unmet=unmet))
+    return Settlement(planner, result, problems, unmet, None if found is None else found[0]._replace(unmet=unmet))
 
 
 def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:

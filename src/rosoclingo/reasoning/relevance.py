@@ -21,7 +21,15 @@ from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.reasoning.likely_terms import Misfit, bindings, fitted, likeness, listed, name_of, replaced
+from rosoclingo.reasoning.likely_terms import (
+    Misfit,
+    bindings,
+    fit_to_form,
+    join_texts,
+    likeness,
+    name_of,
+    replace_misfits,
+)
 
 _STATED, _RELEVANT = "__oclingo_stated", "__oclingo_relevant"
 _IRRELEVANT = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
@@ -84,7 +92,7 @@ class RelevanceAnalysis:
         """Return advice about an irrelevant ``atom``: a correction, else the reason, else the known forms."""
         term = atom.arguments[0]
         forms = self._forms(signature_of(atom), term)
-        alike = [one for one in (fitted(form, term) for form in forms) if one is not None]
+        alike = [one for one in (fit_to_form(form, term) for form in forms) if one is not None]
         alike.sort(key=lambda one: likeness(str(one), str(term)), reverse=True)
         failed = self._excluding_rules(atom) or []
         misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
@@ -93,11 +101,13 @@ class RelevanceAnalysis:
             if meant is not None:
                 return f"did you mean {meant}?"
         if misfits:
-            return "; ".join(dict.fromkeys(f"{one.value} is none of {listed(map(str, one.known))}" for one in misfits))
+            return "; ".join(
+                dict.fromkeys(f"{one.value} is none of {join_texts(map(str, one.known))}" for one in misfits)
+            )
         if failed:
             places = (place.statement.location.begin for place, _ in failed)
-            return f"the conditions of {listed(f'{one.filename}:{one.line}' for one in places)} exclude it"
-        return f"rules match {listed(map(str, forms), in_order=True)}" if forms else "write a rule for it"
+            return f"the conditions of {join_texts(f'{one.filename}:{one.line}' for one in places)} exclude it"
+        return f"rules match {join_texts(map(str, forms), in_order=True)}" if forms else "write a rule for it"
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
         """Return the first argument of an atom, corrected to similar known values; None if that is irrelevant too."""
@@ -105,7 +115,7 @@ class RelevanceAnalysis:
         if failed is None:
             return atom.arguments[0]
         misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
-        meant = replaced(atom.arguments[0], misfits)
+        meant = replace_misfits(atom.arguments[0], misfits)
         is_valid = meant is not None and self.is_relevant(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
         return meant if is_valid else None
 

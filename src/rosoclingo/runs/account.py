@@ -6,7 +6,7 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.reasoning.keywords import name_of
 from rosoclingo.runs.believed_places import CARRIED, believed_places
-from rosoclingo.runs.events import because
+from rosoclingo.runs.events import reason_suffix
 from rosoclingo.runs.run_view import PENDING, WAITING, RunView
 from rosoclingo.runs.topic_atoms import action_in
 
@@ -59,7 +59,7 @@ class Summary:
 
     def lines(self) -> List[str]:
         """Return the summary as lines of text."""
-        goals = [f"{one.text}: {one.status}{because(one.status, one.message)}" for one in self.goals]
+        goals = [f"{one.text}: {one.status}{reason_suffix(one.status, one.message)}" for one in self.goals]
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
         robot = [f"robot: {self.robot}"] if self.robot else []

@@ -6,7 +6,7 @@ for pages and accounts; a run collector converts them to the cycles of a replay.
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ["ENDED", "STATUS_WORDS", "GoalReport", "RunEvents", "because", "reason_of"]
+__all__ = ["ENDED", "STATUS_WORDS", "GoalReport", "RunEvents", "reason_of", "reason_suffix"]
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus).
 STATUS_WORDS = (
@@ -96,7 +96,7 @@ class RunEvents:
         """Handle the passing of time without other events."""
 
 
-def because(status: str, reason: str) -> str:
+def reason_suffix(status: str, reason: str) -> str:
     """Return the reason of a failed goal in parentheses; empty for other goals."""
     return f" ({reason})" if reason and status in ("aborted", "rejected", "lost") else ""
 

@@ -23,7 +23,7 @@ from rosoclingo.reasoning.keywords import (
 )
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
-from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalReport, RunEvents, because, reason_of
+from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalReport, RunEvents, reason_of, reason_suffix
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplified
@@ -183,7 +183,7 @@ class RunView(RunEvents):
         word, before = STATUS_WORDS[number], self._word(key)
         if self._state(time, key, word, message) and word != before:
             goal = self.tables["goals"][self._goals[key]]
-            text = f"{goal['request']}: {word}{because(word, goal['states'][-1][2])}"
+            text = f"{goal['request']}: {word}{reason_suffix(word, goal['states'][-1][2])}"
             self._log.add(self._now(time), "goal", text, after)
 
     def feedback(self, time: float, key: str, status: str) -> None:

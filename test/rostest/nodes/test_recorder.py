@@ -18,7 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
-from rosoclingo.nodes.recording.bag_file import active
+from rosoclingo.nodes.recording.bag_file import unfinished_path
 from rosoclingo.nodes.recording.recorder import TOPICS, is_recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -68,7 +68,7 @@ class Recorder(unittest.TestCase):
         """As with roslaunch, all nodes are asked to end at once, and the recorder would be the first to do so."""
         with recorder(self.bag) as record, speaker() as speaking:
             wait_until(recording, "the recorder to be connected")
-            wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+            wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
             record.signal(signal.SIGINT)
             speaking.signal(signal.SIGINT)
             self.assertEqual(record.wait(), (0, ""))
@@ -82,7 +82,7 @@ class Recorder(unittest.TestCase):
         with Process(executable("record"), f"_bag:={self.bag}") as record:
             with Process(str(HERE / "last_words.py"), "_words:=2", "last_words:=/rosoclingo/updates") as speaking:
                 wait_until(lambda: is_recording(["/rosoclingo/updates"]), "the recorder to be connected")
-                wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+                wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
                 record.signal(signal.SIGINT)
                 speaking.signal(signal.SIGINT)
                 self.assertEqual(record.wait(), (0, ""))
@@ -97,7 +97,7 @@ class Recorder(unittest.TestCase):
     def test_recorder_names_node_that_does_not_end(self):
         with recorder(self.bag) as record, speaker():
             wait_until(recording, "the recorder to be connected")
-            wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+            wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
             record.signal(signal.SIGINT)
             wait_until(lambda: is_recording([]), "the recorder to wait")
             record.signal(signal.SIGINT)
@@ -107,7 +107,7 @@ class Recorder(unittest.TestCase):
     def test_rosnode_kill_completes_the_bag(self):
         with recorder(self.bag) as record, speaker():
             wait_until(recording, "the recorder to be connected")
-            wait_until(lambda: b"hello" in active(self.bag).read_bytes(), "the first word in the file")
+            wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
             rosnode.kill_nodes(["/record"])
             self.assertEqual(record.wait()[0], 0)
         self.assertEqual(self.holds()[0], ["hello"])
@@ -118,7 +118,7 @@ class Recorder(unittest.TestCase):
             wait_until(lambda: publisher.get_num_connections() > 0, "the recorder")
             for number in range(100):
                 publisher.publish(f"word {number}.")
-            wait_until(lambda: b"word 99." in active(self.bag).read_bytes(), "the last word in the file")
+            wait_until(lambda: b"word 99." in unfinished_path(self.bag).read_bytes(), "the last word in the file")
             record.signal(signal.SIGKILL)
         publisher.unregister()
         with recorder(self.bag, "[nothing]") as record:
@@ -136,8 +136,8 @@ class Recorder(unittest.TestCase):
         with recorder(self.bag) as record:
             wait_until(recording, "the recorder to be connected")
             publisher.publish("before")
-            wait_until(lambda: b"before" in active(self.bag).read_bytes(), "the first word in the file")
-            with full_disk(process_of("/record"), room=active(self.bag).stat().st_size):
+            wait_until(lambda: b"before" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
+            with full_disk(process_of("/record"), room=unfinished_path(self.bag).stat().st_size):
                 publisher.publish("lost")
                 is_full = re.compile(r"the bag .*/run\.bag cannot be written: .*File too large").match
                 wait_for_diagnosis("rosoclingo: recorder", lambda one: is_full(one.message), "the trouble")
@@ -167,7 +167,7 @@ class Recorder(unittest.TestCase):
                 wait_until(lambda wanted=moment: times[-1:] == [wanted], "the time to arrive")
                 publisher.publish(str(moment))
                 word = b"\x00" + str(moment).encode()
-                wait_until(lambda wanted=word: wanted in active(self.bag).read_bytes(), "the word in the file")
+                wait_until(lambda wanted=word: wanted in unfinished_path(self.bag).read_bytes(), "the word in the file")
             publisher.unregister()
             record.signal(signal.SIGINT)
             self.assertEqual(record.wait()[0], 0)

@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from rosoclingo.msg import PackageState, PackageStates
 from std_msgs.msg import String
 
-from rosoclingo.common.connections import comes_to
+from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.pages.web_node import WebNode
 
@@ -44,7 +44,7 @@ class WebPage(unittest.TestCase):
         cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
         cls.poses = rospy.Publisher("base_pose_ground_truth", Odometry, queue_size=1)
         for topic in TOPICS:
-            wait_until(lambda topic=topic: comes_to("/web", topic), f"{topic} to come to the page's node")
+            wait_until(lambda topic=topic: is_delivered_to("/web", topic), f"{topic} to come to the page's node")
         cls.address = rospy.wait_for_message("web/address", String).data
 
     def setUp(self):
@@ -95,7 +95,7 @@ class WebPage(unittest.TestCase):
         self.hands.at_once = True
         lying = [PackageState("7", "office3", False), PackageState("8", "office1", False), PackageState("9", "", True)]
         self.packages.publish(packages=lying)
-        wait_until(lambda: comes_to("/rosoclingo", "/rosoclingo/goal", ["/web"]), "orders to come to the core")
+        wait_until(lambda: is_delivered_to("/rosoclingo", "/rosoclingo/goal", ["/web"]), "orders to come to the core")
         self.page.wait_for("document.querySelectorAll('#orders select[name=package] option').length === 2")
         self.order("7", "office2")
         self.state_of("goal(office3,office2,7)", "succeeded")

@@ -22,7 +22,7 @@ import rostest
 from rosoclingo.srv import SetSpeed
 
 from rosoclingo.nodes.pages.report_command import write_report
-from rosoclingo.nodes.recording.bag_file import active
+from rosoclingo.nodes.recording.bag_file import unfinished_path
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import find_scenario, run_scenario
 from rosoclingo.oclingo import parse_atom, parse_update
@@ -76,10 +76,10 @@ class Growing:
 
     def count_results(self):
         """Return the number of results of goals in it."""
-        size = os.path.getsize(active(self.path))
+        size = os.path.getsize(unfinished_path(self.path))
         if size != self.size:
             with tempfile.TemporaryDirectory() as folder:
-                copy = shutil.copy(active(self.path), folder)
+                copy = shutil.copy(unfinished_path(self.path), folder)
                 with rosbag.Bag(copy, "a", allow_unindexed=True) as bag:
                     for _ in bag.reindex():
                         pass

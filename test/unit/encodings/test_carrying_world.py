@@ -77,7 +77,7 @@ def check(name, seed, goals):
     stage = Stage(name, seed, goals)
     stage.run()
     for _ in range(20):
-        if not stage.play.ask_for_all_that_is_aboard():
+        if not stage.play.request_all_things_on_board():
             break
         stage.run()
     assert ROBOT not in {one.place for one in stage.play.things.values()}, stage.play.story

@@ -75,7 +75,7 @@ def test_golog_endless_program_keeps_a_bounded_past():
     assert not any("_g_ended(3," in str(fact) for fact in solver.snapshot.past.facts), "it is forgotten how it ended"
 
 
-def test_golog_search_beside_free_actions_keeps_bounded_past():
+def test_golog_search_with_free_actions_keeps_bounded_past():
     solver = shortest(program(length=10))
     (answer,) = solver.update(parse_update("#step 1 : 40. _set(shared,1). _request(run(row,1),2). #endstep.")).answers
     left = Counter(atom.arguments[2].number for atom in answer if atom.name == "_g_reach")

@@ -280,7 +280,7 @@ def mailbot():
 
 
 @pytest.mark.slow
-def test_golog_domain_requests_are_served_beside_programs():
+def test_golog_domain_requests_are_served_with_programs():
     driver = run(mailbot(), """
         goal round run(morning_round); goal mail goal(office2,office4,1); finish; is round succeeded; is mail succeeded
         """)  # fmt: skip

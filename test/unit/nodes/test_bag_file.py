@@ -9,7 +9,7 @@ import rosbag
 from std_msgs.msg import String
 
 from rosoclingo.nodes.recording import bag_file
-from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, repair
+from rosoclingo.nodes.recording.bag_file import BagError, BagFile, repair, unfinished_path
 
 HEADER = {"type": String._type, "md5sum": String._md5sum, "message_definition": String._full_text, "latching": "1"}
 
@@ -33,7 +33,7 @@ def test_bag_index_is_complete_after_intermediate_flushes(tmp_path, monkeypatch)
         bag.flush()
     bag.close()
     assert read(bag.path) == [str(number) for number in range(18)]
-    assert not active(bag.path).exists()
+    assert not unfinished_path(bag.path).exists()
 
 
 def test_bag_time_before_first_stamp_is_its_start(tmp_path):
@@ -61,7 +61,7 @@ def test_bag_is_repaired_up_to_last_flush(tmp_path, lost):
 def test_bag_repair_refuses_other_files(tmp_path):
     path = tmp_path / "run.bag"
     for content in (b"", b"#ROSBAG V2.0\n", b"something else"):
-        active(path).write_bytes(content)
+        unfinished_path(path).write_bytes(content)
         with pytest.raises(BagError, match=r"run\.bag\.active cannot be repaired"):
             repair(path, path, "/notes")
     assert not path.exists()
@@ -98,13 +98,13 @@ def test_bag_recording_continues_once_full_disk_has_room(tmp_path, monkeypatch, 
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "1", "2")
     bag.flush()
-    with room_for(active(bag.path).stat().st_size + room):
+    with room_for(unfinished_path(bag.path).stat().st_size + room):
         with pytest.raises(BagError, match=r"run\.bag cannot be written: .*File too large"):
             fill(bag)
         for _ in range(2):
             with pytest.raises(BagError, match=r"run\.bag cannot be written: .*File too large"):
                 bag.resume("lacks a lot", genpy.Time(100))
-        left = active(bag.path).read_bytes()
+        left = unfinished_path(bag.path).read_bytes()
     bag.resume("lacks a lot", genpy.Time(100))
     write(bag, "101")
     bag.flush()
@@ -123,7 +123,9 @@ def test_bag_that_ends_on_full_disk_is_repairable(tmp_path):
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "1", "2")
     bag.flush()
-    with room_for(active(bag.path).stat().st_size), pytest.raises(BagError, match=r"run\.bag cannot be closed"):
+    with room_for(unfinished_path(bag.path).stat().st_size), pytest.raises(
+        BagError, match=r"run\.bag cannot be closed"
+    ):
         bag.close()
     repair(bag.path, bag.path, "/notes")
     assert read(bag.path) == ["1", "2"]

@@ -290,7 +290,7 @@ def test_core_history_has_each_return_whatever_update_is_accepted(fates, steps):
     assert arm.heads.issuperset(set(facts) - set(dropped)), "other facts come later, or are reported as dropped"
 
 
-def test_core_reports_failure_beside_a_too_costly_fact():
+def test_core_reports_failure_with_a_too_costly_fact():
     driver = play(FaultyDriver(program=PROGRAM), "goal a fetch(cup,1); fault dropped _loud(400")
     arm = Arm(driver)
     arm.answer(True, "_seen(dog)", "_loud(400,now)", "_seen(cat)")

@@ -243,12 +243,12 @@ class CoreNode:
         self._arrivals.add(key)
         self._handles.add(key, handle)
         self._keeper.add(key, ClientGoal(text, stamp_of(handle)))
-        self._worker.put(lambda: self._goal_came(key, text))
+        self._worker.put(lambda: self._goal_arrived(key, text))
 
-    def _goal_came(self, key: str, text: str) -> None:
+    def _goal_arrived(self, key: str, text: str) -> None:
         if key in self._arrivals:
             self._arrivals.discard(key)
-            self._facts.gathering.goal_came(time.monotonic())
+            self._facts.gathering.goal_arrived(time.monotonic())
             self._core.add_goal(key, text)
 
     def _cancel_arrived(self, handle: ServerGoalHandle) -> None:
@@ -271,7 +271,7 @@ class CoreNode:
         self._tick()
         improvable = self._go_on()
         self._send()
-        self._keeper.forget(self._results.over())
+        self._keeper.forget(self._results.expired())
         self._look_after_journal()
         self._tick()
         if improvable or self._facts.waiting:

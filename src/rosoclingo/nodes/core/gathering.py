@@ -11,15 +11,15 @@ class Gathering:
     """Decides whether the next update waits; times are in seconds of a monotonic clock."""
 
     def __init__(self, now: float) -> None:
-        self._since, self._goal_came = now, float("-inf")
+        self._since, self._goal_arrived = now, float("-inf")
 
-    def goal_came(self, now: float) -> None:
+    def goal_arrived(self, now: float) -> None:
         """Record the arrival of a goal, which others can follow."""
-        self._goal_came = now
+        self._goal_arrived = now
 
     def expects(self, now: float) -> bool:
         """Return whether further goals are expected, because a goal has just arrived."""
-        return now - self._goal_came < TOGETHER
+        return now - self._goal_arrived < TOGETHER
 
     def waits(self, now: float, queued: bool) -> bool:
         """Return whether the update waits, at most for GATHERING; ``queued`` is True if arrivals are queued."""

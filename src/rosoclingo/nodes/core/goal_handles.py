@@ -137,7 +137,7 @@ class Results:
         """Add a result before it is published, so that a client that connects meanwhile gets it twice, not never."""
         self._messages.append(ROSoClingoActionResult(status=status, result=result))
 
-    def over(self) -> List[str]:
+    def expired(self) -> List[str]:
         """Return and forget the keys of goals whose results need not be sent any more."""
         if not self._messages or self.awaited:
             return []

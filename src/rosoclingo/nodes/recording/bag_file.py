@@ -9,7 +9,7 @@ import genpy
 import rosbag
 from std_msgs.msg import String
 
-__all__ = ["BagError", "BagFile", "active", "repair"]
+__all__ = ["BagError", "BagFile", "repair", "unfinished_path"]
 
 #: Bytes of one chunk; an unfinished chunk is lost with the process, so each flush finishes one.
 CHUNK = 768 * 1024
@@ -28,7 +28,7 @@ class BagError(RuntimeError):
     """A bag that cannot be written or repaired; the text has the file and the reason."""
 
 
-def active(path: Path) -> Path:
+def unfinished_path(path: Path) -> Path:
     """Return the path of an unfinished bag, as in rosbag."""
     return path.with_name(path.name + ".active")
 
@@ -59,7 +59,7 @@ class BagFile:
             raise BagError(f"the bag {self.path} cannot be {what}: {error}") from error
 
     def _open(self, mode: str) -> None:
-        self._file = active(self.path).open("w+b" if mode == "w" else "r+b")
+        self._file = unfinished_path(self.path).open("w+b" if mode == "w" else "r+b")
         self._bag = rosbag.Bag(self._file, mode, chunk_threshold=CHUNK, skip_index=mode == "a")
 
     def write(self, topic: str, data: bytes, header: Any, time: genpy.Time) -> None:
@@ -93,11 +93,11 @@ class BagFile:
         with suppress(OSError):  # from buffered data
             self._file.close()
         with self._disk():
-            with active(self.path).open("r+b") as file:
+            with unfinished_path(self.path).open("r+b") as file:
                 file.truncate(self._size)
                 os.posix_fallocate(file.fileno(), self._size, ROOM)
                 file.truncate(self._size)
-            self._file = active(self.path).open("r+b")
+            self._file = unfinished_path(self.path).open("r+b")
             self._bag = _reindexed(self._file)
             self.note(text, time)
             self._flush()
@@ -106,7 +106,7 @@ class BagFile:
         """Index the bag and give it its final name."""
         with self._disk("closed"):
             self._bag.close()
-            os.replace(active(self.path), self.path)
+            os.replace(unfinished_path(self.path), self.path)
 
 
 def _reindexed(file: Any) -> rosbag.Bag:
@@ -122,7 +122,7 @@ def repair(path: Path, to: Path, notes: str) -> None:
 
     Raises BagError if nothing can be repaired.
     """
-    left = active(path)
+    left = unfinished_path(path)
     try:
         _reindexed(str(left)).close()
         with rosbag.Bag(str(left)) as bag:

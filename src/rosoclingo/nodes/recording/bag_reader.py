@@ -11,7 +11,7 @@ from rosoclingo.nodes.run_topics import PATHS, RunTopics
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
 
-__all__ = ["bag_runs", "core_in", "opened", "read_bag"]
+__all__ = ["bag_runs", "core_in", "open_bag", "read_bag"]
 
 #: The topics of a replay, with names for :func:`full_name`.
 REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
@@ -42,7 +42,7 @@ def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[
     ``core`` is required if the bag has several cores. ``only`` limits the topics; by default all topics of a run are
     read.
     """
-    with opened(path) as bag:
+    with open_bag(path) as bag:
         topics = set(bag.get_type_and_topic_info().topics)
         reader = RunTopics(events, core_in(topics, core))
         names = {_found(name, reader.full(name), topics): name for name in (reader.takes if only is None else only)}
@@ -65,7 +65,7 @@ def _found(name: str, topic: str, topics: Set[str]) -> str:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[rosbag.Bag]:
+def open_bag(path: Path) -> Iterator[rosbag.Bag]:
     """Open a bag for reading; its faults, also during reading, raise RecordingError."""
     try:
         with rosbag.Bag(str(path)) as bag:

@@ -14,10 +14,10 @@ import genpy
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from rosoclingo.common.connections import comes_to, readers
+from rosoclingo.common.connections import is_delivered_to, readers
 from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.parameters import Parameters
-from rosoclingo.nodes.recording.bag_file import BagError, BagFile, active, repair
+from rosoclingo.nodes.recording.bag_file import BagError, BagFile, repair, unfinished_path
 
 __all__ = ["RECORDED", "TOPICS", "RecorderNode", "is_recording"]
 
@@ -206,7 +206,7 @@ class _OnwardClock:
 
 def is_recording(topics: Iterable[str]) -> bool:
     """Return whether the node ``/record`` is up, and all messages on some topics (absolute names) arrive at it."""
-    return readers("/record") is not None and all(comes_to("/record", topic) for topic in topics)
+    return readers("/record") is not None and all(is_delivered_to("/record", topic) for topic in topics)
 
 
 def _bytes(message: Any) -> bytes:
@@ -224,7 +224,7 @@ def _path(name: str) -> Path:
 
 def _open_bag(path: Path, notes: str) -> BagFile:
     """Create a bag; an unfinished bag of a killed recorder at the same path is repaired under another name."""
-    if active(path).exists():
+    if unfinished_path(path).exists():
         other = _free_name(path)
         try:
             repair(path, other, notes)

@@ -27,7 +27,7 @@ class UpdateAssembler:
     def __init__(self) -> None:
         self._pending = ""
         self._before = 0  # lines of earlier updates
-        self._may_end = False
+        self._can_end = False
 
     @property
     def pending(self) -> bool:
@@ -41,8 +41,8 @@ class UpdateAssembler:
         whole input; the rest of the text is dropped.
         """
         self._pending += line
-        self._may_end = self._may_end or "#end" in line or "#stop" in line
-        if not is_last and not (self._may_end and "." in line):
+        self._can_end = self._can_end or "#end" in line or "#stop" in line
+        if not is_last and not (self._can_end and "." in line):
             return []
         text, found = self._pending, []  # type: str, List[Request]
         try:
@@ -58,7 +58,7 @@ class UpdateAssembler:
     def clear(self) -> None:
         """Drop the incomplete update."""
         self._before += self._pending.count("\n")
-        self._pending, self._may_end = "", False
+        self._pending, self._can_end = "", False
 
 
 class Session:

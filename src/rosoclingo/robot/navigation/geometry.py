@@ -34,7 +34,7 @@ class Pose2D(NamedTuple):
         """Return the distance (m) between the positions of two poses."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
-    def towards(self, other: "Pose2D", part: float) -> "Pose2D":
+    def interpolate(self, other: "Pose2D", part: float) -> "Pose2D":
         """Interpolate towards another pose: ``part`` 0 is this pose, 1 the other."""
         turn = normalize_angle(other.yaw - self.yaw)
         return Pose2D(

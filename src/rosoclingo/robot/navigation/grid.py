@@ -55,7 +55,7 @@ class OccupancyGrid(NamedTuple):
         row, column = self.cell(x, y)
         return 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
 
-    def beyond(self, x: float, y: float) -> str:
+    def off_map(self, x: float, y: float) -> str:
         """Return a message if a point (m) is off the grid, else an empty text. Edges belong to the grid."""
         right = self.origin_x + self.shape[1] * self.resolution
         top = self.origin_y + self.shape[0] * self.resolution

@@ -121,7 +121,7 @@ class Navigator:
         slow = brake(tick.velocity, pose, self.costmap.unmarked, follower.radius, follower.footprint)
         return tick._replace(velocity=slow)
 
-    def blind(self, now: float, outcome: NavigationOutcome, reason: str) -> Tick:
+    def stop_blind(self, now: float, outcome: NavigationOutcome, reason: str) -> Tick:
         """Stop for a control period without a pose or a scan. After controller_patience, end the goal."""
         if now < self._now:
             self._start(now)

@@ -81,7 +81,7 @@ class Robot:
             return self.pose
         path = [self.pose, *self._before]
         newer, older = (path[min(int(late) + i, len(path) - 1)] for i in (0, 1))
-        return newer.towards(older, late % 1.0)
+        return newer.interpolate(older, late % 1.0)
 
     def accelerate(self, now: float, dt: float, watchdog: float) -> None:
         """Accelerate towards the command, within the limits; stop if the command is too old.

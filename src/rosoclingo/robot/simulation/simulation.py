@@ -189,15 +189,15 @@ class Simulation:
         if not all(map(math.isfinite, pose)):
             raise WorldError(f"robot {robot!r}: the pose must be finite, not {tuple(pose)}")
         self._robot(robot)
-        beyond = self.spec.grid.beyond(pose.x, pose.y)
-        if beyond:
-            raise WorldError(f"robot {robot!r}: {beyond}")
+        outside = self.spec.grid.off_map(pose.x, pose.y)
+        if outside:
+            raise WorldError(f"robot {robot!r}: {outside}")
         hit = self._hits(robot, pose)
         if hit != CLEAR:
             raise WorldError(f"robot {robot!r} would collide with {HITS[hit]} at ({pose.x:.2f}, {pose.y:.2f})")
 
     def _check_obstacle(self, obstacle: ObstacleSpec) -> None:
-        problem = obstacle.problem() or self.spec.grid.beyond(*obstacle.at)
+        problem = obstacle.problem() or self.spec.grid.off_map(*obstacle.at)
         if problem:
             raise WorldError(f"the obstacle {obstacle.name!r}: {problem}")
 

@@ -79,9 +79,9 @@ def _check_points(reader: Reader, spec: WorldSpec) -> None:
     points += [(f"obstacles[{i}].at", obstacle.at) for i, obstacle in enumerate(spec.obstacles)]
     points += [(f"packages[{i}].at", p.at) for i, p in enumerate(spec.packages) if not isinstance(p.at, str)]
     for key, (x, y) in points:
-        beyond = spec.grid.beyond(x, y)
-        if beyond:
-            reader.at(key).fault(beyond)
+        outside = spec.grid.off_map(x, y)
+        if outside:
+            reader.at(key).fault(outside)
     for i, door in enumerate(spec.doors):
         if door.start == door.end:
             reader.at(f"doors[{i}]").fault("has the length 0: from and to must differ")

@@ -331,7 +331,7 @@ class Fixed:
         return self.navigator.tick(now, START, Velocity(), 0.1)
 
     def blind(self, now):
-        return self.navigator.blind(now, NavigationOutcome.LASER_LOST, "no scan")
+        return self.navigator.stop_blind(now, NavigationOutcome.LASER_LOST, "no scan")
 
 
 def test_navigator_tick_without_goal_is_an_error():

@@ -157,8 +157,8 @@ def test_grid_refuses_a_name_that_is_no_file(name):
 
 def test_grid_points_beyond_it_are_outside():
     grid = OccupancyGrid(np.zeros((4, 6), dtype=np.int8), 0.5, -1.0, 1.0)
-    assert grid.beyond(-1.0, 3.0) == ""
-    assert grid.beyond(-1.1, 3.0) == "(-1.1, 3) is off the map, which covers x -1 .. 2, y 1 .. 3"
+    assert grid.off_map(-1.0, 3.0) == ""
+    assert grid.off_map(-1.1, 3.0) == "(-1.1, 3) is off the map, which covers x -1 .. 2, y 1 .. 3"
 
 
 def test_grid_converts_between_cells_and_points():

@@ -51,7 +51,7 @@ def test_grid_planner_enters_corridor_centred_between_two_cells(y):
 @pytest.mark.parametrize(
     ("end", "outcome"), [(3.45, PlanOutcome.FOUND), (3.55, PlanOutcome.BLOCKED)], ids=["4 cells", "3 cells"]
 )
-def test_grid_planner_uses_narrow_gap_beside_unmapped_obstacle(end, outcome):
+def test_grid_planner_uses_narrow_gap_next_to_unmapped_obstacle(end, outcome):
     """Marks of the laser are treated like the map: a row of cells that ends before the wall."""
     costmap = floor()
     sensor = Pose2D(2.0, 0.5, np.pi / 2)

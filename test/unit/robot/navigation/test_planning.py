@@ -104,8 +104,8 @@ def test_late_plan_that_is_obsolete_is_dropped(end):
     elif end == "map":
         navigator.take_map(Costmap(room(walls=WALLS)))
     else:
-        navigator.blind(1.0, None, "")
-        navigator.blind(100.0, None, "")
+        navigator.stop_blind(1.0, None, "")
+        navigator.stop_blind(100.0, None, "")
         assert not navigator.active
         navigator.set_goal(101.0, GOAL)
     assert planning.dropped == 1

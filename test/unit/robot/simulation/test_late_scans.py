@@ -23,7 +23,7 @@ def test_late_scan_is_taken_from_an_earlier_position(delay, back, part):
         world.command("robot_0", 0.4, 1.1)
         world.step()
         poses.append(world.robots["robot_0"].pose)
-    plain.place("robot_0", poses[-1 - back].towards(poses[-2 - back], part))
+    plain.place("robot_0", poses[-1 - back].interpolate(poses[-2 - back], part))
     # each scan of a world has different noise
     assert np.abs(world.scan("robot_0") - plain.scan("robot_0")).max() < 0.08
 

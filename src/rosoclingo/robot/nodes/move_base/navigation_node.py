@@ -266,12 +266,12 @@ class MoveBaseNode:
         period, patience = self._settings.controller_period, self._patience.now
         laser_age = self._sensing.laser_age(now)
         if located.pose is None or located.fault:
-            tick = navigator.blind(
+            tick = navigator.stop_blind(
                 patience, NavigationOutcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault
             )
         elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
             text = f"The laser is lost: no scan on {self._settings.frames.scan_topic} for {laser_age:.1f} s"
-            tick = navigator.blind(patience, NavigationOutcome.LASER_LOST, text)
+            tick = navigator.stop_blind(patience, NavigationOutcome.LASER_LOST, text)
         else:
             tick = navigator.tick(patience, located.pose, self._sensing.velocity, max(period, 0.05))
         self._drive(tick.velocity)

@@ -87,7 +87,7 @@ def test_golog_programs_are_sent_again(row):
 
 
 @pytest.mark.slow
-def test_golog_second_program_of_id_runs_beside_undo_of_first():
+def test_golog_second_program_of_id_runs_with_undo_of_first():
     driver, done = run(program(), f"{GIVEN_UP}; goal new run(tidied,1); succeed"), []
     while driver.doing not in (["b"], []):
         done += driver.doing
