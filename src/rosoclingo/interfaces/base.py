@@ -159,7 +159,7 @@ class Interface(abc.ABC):
             rospy.loginfo("%s: %s is already running", self.name, command.action.atom)
         elif attempt is None:
             rospy.logwarn("%s: cannot cancel %s: it is not running", self.name, command.action.atom)
-        elif not sender.may_cancel(attempt.sender):
+        elif not sender.can_cancel(attempt.sender):
             text = "%s: ignored the cancel of %s: its sender is a core that has been replaced"
             rospy.logwarn(text, self.name, command.action.atom)
         else:

@@ -58,7 +58,7 @@ class Sender(NamedTuple):
     node: str
     run: Optional[str]
 
-    def may_cancel(self, owner: "Sender") -> bool:
+    def can_cancel(self, owner: "Sender") -> bool:
         """Return whether this sender can cancel actions of ``owner``: a core that the owner has replaced cannot.
 
         A replaced core has another run, or the owner's name and another connection.

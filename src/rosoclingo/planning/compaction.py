@@ -85,7 +85,7 @@ def _without_fixed_steps(
         """Return whether base, later steps or a remaining statement can mention an atom."""
         if atom in mentioned or atom in fixed.base:
             return True
-        return program.may_mention(atom, first) or program.may_declare(atom, first)
+        return program.can_mention(atom, first) or program.can_declare(atom, first)
 
     shown = {atom: step for step, atom in old.shown}
     for atom in (grounding.shown or frozenset()) & (fixed.steps.keys() - fixed.base | facts):
@@ -94,7 +94,7 @@ def _without_fixed_steps(
     opened = set(filter(program.is_open_signature, kept & facts))  # base has to declare these
     false = frozenset(filter(matters, grounding.closed_externals))
     # The last cycle can still get returns. Actions of earlier cycles are needed while later steps can define more.
-    closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.may_act(c, first)}
+    closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.can_act(c, first)}
     recent = tuple((step, atom) for atom, step in shown.items() if step >= first - SHOWN_STEPS)
     items: List[StateItem] = [*(TimedStatement(Statement(atom), FOREVER, 0) for atom in sorted(opened)), *left]
     items += [ClosedHeads(false)] if false else []

@@ -269,7 +269,7 @@ class Grounding:
             return
         elif self.snapshot.is_too_late(self.program, head):
             self._warn(entry, _TOO_LATE.format(head, self.past.first))
-        elif not known.is_closed(head) and not known.knows(head) and self.program.may_declare(head, self.horizon + 1):
+        elif not known.is_closed(head) and not known.knows(head) and self.program.can_declare(head, self.horizon + 1):
             self.deferred.append(entry)
         else:
             self._warn(entry, NOT_EXTERNAL.format(head))

@@ -52,7 +52,7 @@ def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo
     candidates = list(atoms)
     return any(
         atom.match(one.signature.name, one.signature.arity)
-        and Pattern(one.term, part.parameter, statement, dict(constants)).may_match(atom, -FAR, FAR)
+        and Pattern(one.term, part.parameter, statement, dict(constants)).can_match(atom, -FAR, FAR)
         for part in parts
         for statement, one in part.atoms
         if not one.head

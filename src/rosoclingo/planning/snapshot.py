@@ -72,15 +72,15 @@ class Snapshot(StreamState):
         if self.past is None:
             return False
         last = self.past.first - 1
-        if program.may_declare(atom, program.first_step, last):
-            return not program.may_declare(atom, last + 1)
-        was_visible = program.is_open_signature(atom) and program.may_see([atom], program.first_step, last)
-        return was_visible and not program.may_mention(atom, last + 1)
+        if program.can_declare(atom, program.first_step, last):
+            return not program.can_declare(atom, last + 1)
+        was_visible = program.is_open_signature(atom) and program.can_see([atom], program.first_step, last)
+        return was_visible and not program.can_mention(atom, last + 1)
 
     def mentions_later_steps(self, program: ReactiveProgram) -> bool:
         """Return whether a statement with a head can concern steps after the present one."""
         rules = (one for one in self.statements if one.head is not None)
-        return any(program.may_mention(atom, self.step + 1) for one in rules for atom in one.atoms)
+        return any(program.can_mention(atom, self.step + 1) for one in rules for atom in one.atoms)
 
     # ---- Changes -----------------------------------------------------------------------------------------------------
 

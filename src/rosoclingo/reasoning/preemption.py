@@ -76,7 +76,7 @@ class Preemption:
             return tuple(
                 action
                 for action, atom in again.items()
-                if atom not in result.answers[0] and not trial.may_begin_with(atom, steps)
+                if atom not in result.answers[0] and not trial.can_begin_with(atom, steps)
             )
         except SolverError:
             return ()

@@ -148,7 +148,7 @@ class RelevanceAnalysis:
         """Return the occurrences that match an atom; only those that count, if there are any."""
         first = self._program.first_step
         occurrences = self._occurrences_of(signature_of(atom))
-        seen = [one for one in occurrences if one.pattern.may_match(atom, first, FAR)]
+        seen = [one for one in occurrences if one.pattern.can_match(atom, first, FAR)]
         return [one for one in seen if one.counts] or seen
 
     def _occurrences_of(self, signature: Signature) -> List[_Occurrence]:

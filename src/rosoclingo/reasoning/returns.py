@@ -340,7 +340,7 @@ class ExecutionMonitor:
         A rule that depends on the success return also detects failures, by the absence of that return.
         """
         atoms = [failure.atom, return_of(failure.atom).failure, *map(success_of, failure.actions)]
-        declared = self._program.may_define(failure.atom, self._program.first_step)
+        declared = self._program.can_define(failure.atom, self._program.first_step)
         return declared and may_heed(self._program.parts, self._program.values, atoms)
 
     def _is_known(self, atom: Symbol) -> bool:

@@ -189,7 +189,7 @@ class Planner:
         self._note(halt if verdict.satisfiable is None else None)
         return verdict
 
-    def may_begin_with(self, action: Symbol, steps: int) -> bool:
+    def can_begin_with(self, action: Symbol, steps: int) -> bool:
         """Return whether a plan of ``steps`` steps after this one can contain ``action``; True if undecided."""
         update = StreamUpdate(self._solver.step, steps, (Volatile(), commitment(action)))
         return self._search(update).outcome is not SolveOutcome.UNSATISFIABLE

@@ -106,7 +106,7 @@ def test_facts_keep_return_and_extra_facts_apart(reason, succeeded, value):
     ],
 )
 def test_facts_of_a_replaced_core_cancel_nothing(sender, owner, may):
-    assert Sender(*sender).may_cancel(Sender(*owner)) is may
+    assert Sender(*sender).can_cancel(Sender(*owner)) is may
 
 
 def test_facts_run_is_read():

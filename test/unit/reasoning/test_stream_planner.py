@@ -86,8 +86,8 @@ def test_planner_closes_the_past():
     for planner in (bench.planner, trial):
         result = planner.update(parse_update("#step 3. _request(do(run,2),3). #endstep."))
         assert plan(result) == ["_action_lib(run,2,3)", "_action_lib(walk,1,1)"]
-        assert planner.may_begin_with(parse_atom("_action_lib(run,2,3)"), 1)
-        assert not planner.may_begin_with(parse_atom("_action_lib(run,2,2)"), 1), "cycle 2 is over"
+        assert planner.can_begin_with(parse_atom("_action_lib(run,2,3)"), 1)
+        assert not planner.can_begin_with(parse_atom("_action_lib(run,2,2)"), 1), "cycle 2 is over"
 
 
 def test_planner_without_lookahead_reports_no_answer_found():
@@ -346,7 +346,7 @@ def test_planner_asks_first_actions_without_side_effects(outcome, may):
     solver = LoggingSolver()
     planner = fed(Planner(lambda: solver, 8), "#step 4.")
     solver.outcome = outcome
-    assert planner.may_begin_with(parse_atom("_action_lib(go,1,4)"), 3) is may
+    assert planner.can_begin_with(parse_atom("_action_lib(go,1,4)"), 3) is may
     assert entries_of(planner)[-1] == "#step 4 : 3. #volatile. :- not _action_lib(go,1,4)."
 
 

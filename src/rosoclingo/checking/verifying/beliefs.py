@@ -103,7 +103,7 @@ class Beliefs:
     def _is_visible(self, atom: clingo.Symbol) -> bool:
         """Return whether rules of step 0 or later can see an earlier atom."""
         if atom not in self._visible:
-            self._visible[atom] = self._program.may_mention(atom, 0)
+            self._visible[atom] = self._program.can_mention(atom, 0)
         return self._visible[atom]
 
 

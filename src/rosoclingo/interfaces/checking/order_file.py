@@ -32,7 +32,7 @@ def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]
     for index, goals in enumerate(order_requests(file, program, labels)):
         tried = list(islice(goals, _CHECKED))
         requests = (request(parse_term(one), first + 1) for one in tried)
-        if tried and not any(program.may_see([one], first, first + 1) for one in requests):
+        if tried and not any(program.can_see([one], first, first + 1) for one in requests):
             text = f"[{index}].goal: no rule of the program asks for {tried[0]} ({_asked_for(program)})"
             yield file.fault(text, "unheard-order")
 

@@ -47,7 +47,7 @@ class Pattern:
     def _arguments(self) -> Sequence[Node]:
         return self._term.arguments if self._term.ast_type == ASTType.Function else ()
 
-    def may_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
+    def can_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
         """Return whether an instance at some step first..last, or of base, could be ``atom``.
 
         False is always correct; variables, intervals and terms without a known value count as a match.
@@ -88,9 +88,9 @@ class Pattern:
         return value is None or value == symbol
 
 
-def may_match(patterns: Iterable[Pattern], atom: clingo.Symbol, first: int, last: int, base: bool = True) -> bool:
+def can_match(patterns: Iterable[Pattern], atom: clingo.Symbol, first: int, last: int, base: bool = True) -> bool:
     """Return whether an instance of a pattern at some step first..last, or of ``base``, could be ``atom``."""
-    return any(one.may_match(atom, first, last) for one in patterns if one.parameter or base)
+    return any(one.can_match(atom, first, last) for one in patterns if one.parameter or base)
 
 
 def are_apart(patterns: Iterable[Pattern]) -> bool:
@@ -99,7 +99,7 @@ def are_apart(patterns: Iterable[Pattern]) -> bool:
     return not steps or any(len({one.get(position) for one in steps}) == 1 for position in steps[0])
 
 
-def may_see_later(seen: Mapping[Signature, Iterable[Pattern]], defined: Mapping[Signature, Iterable[Pattern]]) -> bool:
+def can_see_later(seen: Mapping[Signature, Iterable[Pattern]], defined: Mapping[Signature, Iterable[Pattern]]) -> bool:
     """Return whether a rule of some step could contain an atom that a later step defines or declares.
 
     False is always correct. In that case steps can be grounded together instead of one by one.

@@ -16,7 +16,7 @@ from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by, suspicious_heads
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, may_match, may_see_later
+from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, can_match, can_see_later
 from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import Survey, places
@@ -104,34 +104,34 @@ class ReactiveProgram(LoadedProgram):
     def _time_positions(self) -> Dict[Signature, int]:
         return time_positions(self.parts, self.values)
 
-    def may_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
+    def can_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
         """Return whether a rule of base or of steps ``first`` to ``last`` could have an instance with one of ``atoms``.
 
         Heads count only if the predicate is an open external.
         """
         return any(self._may("seen", atom, first, last) for atom in atoms)
 
-    def may_mention(self, atom: clingo.Symbol, first: int) -> bool:
+    def can_mention(self, atom: clingo.Symbol, first: int) -> bool:
         """Return whether an instance from step ``first`` on could contain ``atom``; base counts for open externals."""
         return self._may("seen", atom, first, base=self.is_open_signature(atom))
 
-    def may_declare(self, atom: clingo.Symbol, first: int, last: int = FAR) -> bool:
+    def can_declare(self, atom: clingo.Symbol, first: int, last: int = FAR) -> bool:
         """Return whether some step ``first`` to ``last`` could declare ``atom`` external."""
         return self._may("declared", atom, first, last, base=False)
 
     def is_declared_after(self, atom: clingo.Symbol, step: int) -> bool:
         """Return whether only steps after ``step`` could declare ``atom`` external."""
         known = self._may("declared", atom, self.first_step, step)
-        return not known and self.may_declare(atom, step + 1)
+        return not known and self.can_declare(atom, step + 1)
 
-    def may_define(self, atom: clingo.Symbol, first: int) -> bool:
+    def can_define(self, atom: clingo.Symbol, first: int) -> bool:
         """Return whether base or some step from ``first`` on could define ``atom`` or declare it external."""
         return self.is_open_signature(atom) or any(self._may(one, atom, first) for one in ("defined", "declared"))
 
-    def may_act(self, cycle: int, first: int) -> bool:
+    def can_act(self, cycle: int, first: int) -> bool:
         """Return whether base or a step from ``first`` on could have an action of ``cycle``; never wrongly False."""
         atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])
-        return ACTION in self.open_signatures or may_match(self._action_cycles, atom, first, FAR)
+        return ACTION in self.open_signatures or can_match(self._action_cycles, atom, first, FAR)
 
     @cached_property
     def _action_cycles(self) -> List[Pattern]:
@@ -142,7 +142,7 @@ class ReactiveProgram(LoadedProgram):
     @cached_property
     def steps_apart(self) -> bool:
         """Whether no step uses atoms of later steps, so that steps can be grounded together."""
-        return not any(may_see_later(self._patterns["seen"], self._patterns[one]) for one in ("defined", "declared"))
+        return not any(can_see_later(self._patterns["seen"], self._patterns[one]) for one in ("defined", "declared"))
 
     @cached_property
     def heads_apart(self) -> bool:
@@ -211,7 +211,7 @@ class ReactiveProgram(LoadedProgram):
         return found
 
     def _may(self, role: str, atom: clingo.Symbol, first: int, last: int = FAR, base: bool = True) -> bool:
-        return may_match(self._patterns[role].get(signature_of(atom), ()), atom, first, last, base)
+        return can_match(self._patterns[role].get(signature_of(atom), ()), atom, first, last, base)
 
     def _check(self) -> List[Fault]:
         """Return all faults that show in the program or in its first steps; add warnings to the remarks."""

@@ -79,7 +79,7 @@ class ReactiveGrounding:
             self.horizon <= state.horizon
             and all(isinstance(one, TimedStatement) and one.lifetime != FOREVER for one in self._removed(state))
             and self._closed.items() <= state.closed.items()
-            and not self.program.may_see(self._new_open(state), self.program.first_step, self.horizon)
+            and not self.program.can_see(self._new_open(state), self.program.first_step, self.horizon)
             and not (self._was_searched and state.closes_loops(self.program))
         )
 
@@ -155,7 +155,7 @@ class ReactiveGrounding:
             return True
         # clingo stops grounding once the program is permanently unsatisfiable: the next grounding decides
         is_undecided = self.is_conflicting and signature_of(head) in self.program.external_signatures
-        can_be_declared = is_undecided or self.program.may_declare(head, self.horizon + 1)
+        can_be_declared = is_undecided or self.program.can_declare(head, self.horizon + 1)
         if can_be_declared and not definitions.is_closed(head) and not definitions.knows(head):
             self._deferred.append(entry)
             return True

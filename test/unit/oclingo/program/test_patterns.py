@@ -36,12 +36,12 @@ def could_see(comparison):
     text = f"#program cumulative(t).\n#external d/1.\nhit(T,t) :- d(T), {comparison}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text, constants={"n": "3"})
     atoms = [parse_atom(f"d({value})") for value in VALUES]
-    pairs = [(atom, step) for atom in atoms for step in STEPS if program.may_see([atom], step, step)]
+    pairs = [(atom, step) for atom in atoms for step in STEPS if program.can_see([atom], step, step)]
     return {(atom.arguments[0], clingo.Number(step)) for atom, step in pairs}
 
 
 @given(st.tuples(TERMS, OPERATORS, TERMS))
-def test_may_see_includes_all_atoms_that_clingo_grounds(sides):
+def test_can_see_includes_all_atoms_that_clingo_grounds(sides):
     text = " ".join(sides)
     assert seen(text) <= could_see(text)
 
@@ -59,7 +59,7 @@ def test_may_see_includes_all_atoms_that_clingo_grounds(sides):
         ("t < T+5, t < T+2", 1),
     ],
 )
-def test_may_see_is_limited_by_comparisons(comparison, age):
+def test_can_see_is_limited_by_comparisons(comparison, age):
     numbers = {pair for pair in could_see(comparison) if pair[0].type is clingo.SymbolType.Number}
     assert numbers == {
         (clingo.Number(value), clingo.Number(step)) for value in range(-3, 12) for step in STEPS if step - value <= age
@@ -89,14 +89,14 @@ def test_may_see_is_limited_by_comparisons(comparison, age):
         ("d(n)", "d(n)", set()),
     ],
 )
-def test_may_see_matches_atoms_with_body_patterns(written, atom, steps):
+def test_can_see_matches_atoms_with_body_patterns(written, atom, steps):
     text = f"#program cumulative(t).\n#external d/1. #external d/2.\nhit(t) :- {written}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text.replace("T", "_"), constants={"n": "3"})
-    assert {step for step in STEPS if program.may_see([parse_atom(atom)], step, step)} == steps
+    assert {step for step in STEPS if program.can_see([parse_atom(atom)], step, step)} == steps
 
 
 @pytest.mark.parametrize("comparison", ["not t-T >= n", "t-T != n", "t-T > n", "t*T < n", "t-2*T < n", "(t-T)/2 < n"])
-def test_may_see_is_unlimited_without_usable_comparisons(comparison):
+def test_can_see_is_unlimited_without_usable_comparisons(comparison):
     assert len(could_see(comparison)) == len(VALUES) * len(STEPS)
 
 
@@ -111,12 +111,12 @@ def with_bodies(*bodies):
 
 
 @pytest.mark.parametrize("bodies", list(combinations(BODIES, 2)))
-def test_may_see_joins_the_rules_of_a_program(bodies):
+def test_can_see_joins_the_rules_of_a_program(bodies):
     atoms = [parse_atom(text) for text in ("d(3,4)", "d(x,4)", "d(5,a)", "d(5,6)")]
     asked = [(atom, first, last) for atom in atoms for first in STEPS for last in (first, first + 2)]
 
     def seen_by(*some):
         program = with_bodies(*some)
-        return {one for one in asked if program.may_see([one[0]], *one[1:])}
+        return {one for one in asked if program.can_see([one[0]], *one[1:])}
 
     assert seen_by(*bodies) == seen_by(bodies[0]) | seen_by(bodies[1])
