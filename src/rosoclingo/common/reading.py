@@ -128,7 +128,7 @@ class Reader:
     def whole(self, default: Any = MISSING, low: float = -INF, high: float = INF) -> int:
         """Return the value as an integer from ``low`` to ``high``."""
         fit = partial(_number, low=low, high=high, kind=int)
-        return self.read(_range("whole number", low, high), fit, default, 0)
+        return self.read(_range("integer", low, high), fit, default, 0)
 
     def numbers(self, sizes: Sequence[int], default: Any = MISSING, wanted: str = "") -> Tuple[float, ...]:
         """Return the value as a tuple of finite numbers, whose length is in ``sizes``."""
@@ -207,11 +207,12 @@ def _as(value: Any, *kinds: type) -> Any:
 
 
 def _range(kind: str, low: float, high: float, above: float = -INF) -> str:
+    name = "an integer" if kind == "integer" else "a number"
     if low > -INF:
-        return f"a {kind} from {low:g} {'on' if high == INF else f'to {high:g}'}"
+        return f"{name} of at least {low:g}" if high == INF else f"{name} from {low:g} to {high:g}"
     if above > -INF:
-        return f"a {kind} above {above:g}"
-    return f"a {kind}" if kind != "number" else "a finite number"
+        return f"{name} above {above:g}"
+    return name if kind == "integer" else "a finite number"
 
 
 def _shown(value: Any) -> str:

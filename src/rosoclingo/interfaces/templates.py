@@ -144,7 +144,7 @@ def _reference_fault(reference: str, names: Tuple[str, ...]) -> str:
         wrong += [step for step in steps[-1:] if not step.isdigit() and step not in LABEL_FIELDS]
         if wrong or head == "0" or "0" in steps:
             fields = ", ".join(LABEL_FIELDS)
-            return f"${reference}: after a term come argument numbers from 1 on and at last one of {fields}"
+            return f"${reference}: after a term, write argument numbers of at least 1 and then one of {fields}"
     return ""
 
 

@@ -162,4 +162,4 @@ def _places(reader: Reader) -> Dict[str, str]:
 
 
 def _seconds(reader: Reader, default: float) -> float:
-    return reader.number(default, low=0.0, wanted="a number of seconds from 0 on")
+    return reader.number(default, low=0.0, wanted="a number of seconds, at least 0")

@@ -123,7 +123,7 @@ class CoreLaunch(unittest.TestCase):
 
     def test_bad_parameters_end_roslaunch(self):
         with core_launch(core_params="{horizon_limit: 0}") as launched:
-            self.ends_at_once(launched, "~horizon_limit: must be a whole number from 1 on, not 0")
+            self.ends_at_once(launched, "~horizon_limit: must be an integer of at least 1, not 0")
 
     def test_missing_module_ends_roslaunch(self):
         with tempfile.TemporaryDirectory() as folder:

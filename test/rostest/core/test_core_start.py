@@ -42,7 +42,7 @@ class CoreStart(unittest.TestCase):
         self.fails_with("~program_files", "none")
         self.fails_with("there is no file '/no/such/file.lp'", "missing", program_files="[/no/such/file.lp]")
         self.fails_with(
-            "~horizon_limit: must be a whole number from 1 on, not 0",
+            "~horizon_limit: must be an integer of at least 1, not 0",
             "zero",
             program_files=f"[{ERRANDS}]",
             horizon_limit=0,

@@ -184,7 +184,7 @@ class WrongParameters(unittest.TestCase):
         wrong = {
             "map_server": (["/no/such/map.yaml"], "map /no/such/map.yaml: cannot be read"),
             "simulator": (["_world:=/no/such/world.yaml"], "world /no/such/world.yaml: cannot be read"),
-            "move_base": (["_planner_patience:=long"], "~planner_patience: must be a number from 0 on, not 'long'"),
+            "move_base": (["_planner_patience:=long"], "~planner_patience: must be a number of at least 0, not 'long'"),
             "fake_localization": (["_delta_x:=far"], "~delta_x: must be a finite number, not 'far'"),
         }
         with contextlib.ExitStack() as stack:

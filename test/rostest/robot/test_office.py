@@ -174,11 +174,11 @@ class Office(unittest.TestCase):
             ("~labels: is missing: give a mapping of names to {x, y, yaw} in the launch file, or", {}),
             ("~labels/b: must be {x, y, yaw} or [x, y, yaw], not 1", {"labels": {"b": 1}}),
             ("~packages/a[0]: package 1: no label a", {"packages": {"a": [1]}}),
-            ("~capacity: must be a whole number from 1 on, not 0", {"capacity": 0}),
-            ("~capacity: must be a whole number from 1 on, not 'many'", {"capacity": "many"}),
+            ("~capacity: must be an integer of at least 1, not 0", {"capacity": 0}),
+            ("~capacity: must be an integer of at least 1, not 'many'", {"capacity": "many"}),
             ("~appear: must be true or false, not 1", {"appear": 1}),
-            ("~duration: must be a number from 0 on, not 'long'", {"duration": "long"}),
-            ("~tolerance: must be a number from 0 on, not -1", {"tolerance": -1}),
+            ("~duration: must be a number of at least 0, not 'long'", {"duration": "long"}),
+            ("~tolerance: must be a number of at least 0, not -1", {"tolerance": -1}),
             ("~base_frame: must be a text, not 3", {"base_frame": 3}),
         ):
             values = {"labels": {"b": [1, 2]}, **parameters} if parameters else {}

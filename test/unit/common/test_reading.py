@@ -27,20 +27,20 @@ READ = {
     "mapping": lambda one: one.mapping(),
     "items": lambda one: one.items(),
     "entries": lambda one: one.entries(),
-    "like a whole number": lambda one: one.like(3, least=1),
+    "like an integer": lambda one: one.like(3, least=1),
 }
 
 
 @pytest.mark.parametrize(
     ("kind", "value", "wanted"),
     [
-        ("number", -1, "a number from 0 on"),
-        ("number", math.inf, "a number from 0 on"),
-        ("number", True, "a number from 0 on"),
-        ("number", "1", "a number from 0 on"),
-        ("number", 10**400, "a number from 0 on"),
-        ("whole", 1.5, "a whole number from 1 to 9"),
-        ("whole", 10, "a whole number from 1 to 9"),
+        ("number", -1, "a number of at least 0"),
+        ("number", math.inf, "a number of at least 0"),
+        ("number", True, "a number of at least 0"),
+        ("number", "1", "a number of at least 0"),
+        ("number", 10**400, "a number of at least 0"),
+        ("whole", 1.5, "an integer from 1 to 9"),
+        ("whole", 10, "an integer from 1 to 9"),
         ("numbers", [1], "2 or 3 finite numbers"),
         ("numbers", [1, math.nan], "2 or 3 finite numbers"),
         ("text", "", "a text"),

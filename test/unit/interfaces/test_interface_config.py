@@ -102,10 +102,10 @@ def test_interface_config_with_all_keys_is_read():
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(did you mean \$parameter\?\); known are"),
         ({**TYPE, "sever": "x"}, r"arm: unknown key 'sever' \(did you mean server\?\); keys are type, server"),
         ({**TYPE, "server": ""}, "arm.server: must be the name of an actionlib server"),
-        ({**TYPE, "timeout": -1}, "arm.timeout: must be a number from 0 on"),
+        ({**TYPE, "timeout": -1}, "arm.timeout: must be a number of at least 0"),
         ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be a number above 0"),
-        ({**TYPE, "pause": -1}, "arm.pause: must be a number from 0 on"),
-        ({**TYPE, "retries": 1.5}, "arm.retries: must be a whole number"),
+        ({**TYPE, "pause": -1}, "arm.pause: must be a number of at least 0"),
+        ({**TYPE, "retries": 1.5}, "arm.retries: must be an integer"),
         ({**TYPE, "retry_on": "failed"}, "arm.retry_on: must be a list"),
         (
             {**TYPE, "returns": [{"status": "lost"}]},
@@ -162,7 +162,7 @@ def test_interface_config_faulty_entry_is_checked_further():
     assert reader.faults == [
         "~interfaces: arm.goal.x: no $y; known are $parameter, $cycle, $now, $1, $2 ...",
         "~interfaces: arm.goal.z: '$': write $name alone, ${name} inside a text, $$ for a dollar sign",
-        "~interfaces: arm.timeout: must be a number from 0 on, not -1",
+        "~interfaces: arm.timeout: must be a number of at least 0, not -1",
         "~interfaces: leg.type: must be an action type like move_base_msgs/MoveBaseAction, not 3",
     ]
     assert specs["arm"].type == "actionlib/TestAction"
@@ -173,7 +173,7 @@ def test_interface_config_limits_are_read_alone():
     assert read_limits(Reader({"timeout": 7}), ActionLimits(1.0, 2.0, 3)) == ActionLimits(7.0, 2.0, 3)
     reader = Reader({"retries": -1}, "~")
     assert read_limits(reader) == ActionLimits()
-    assert reader.faults == ["~retries: must be a whole number from 0 on, not -1"]
+    assert reader.faults == ["~retries: must be an integer of at least 0, not -1"]
 
 
 SCALARS = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("$parameter"))

@@ -83,8 +83,8 @@ def test_template_reports_fields_that_an_action_lacks(template, parameter, error
     ("template", "fault"),
     [
         ("$paramter", r"no \$paramter \(did you mean \$parameter\?\); known are \$parameter, \$cycle, \$now, \$1"),
-        ("$0", r"argument numbers from 1 on"),
-        ("$1.0", r"argument numbers from 1 on"),
+        ("$0", r"argument numbers of at least 1"),
+        ("$1.0", r"argument numbers of at least 1"),
         ("$parameter.colour", r"at last one of pose, x, y, yaw, frame"),
         ("$parameter.pose.x", r"at last one of"),
         ("$cycle.x", r"\$cycle has no .x"),

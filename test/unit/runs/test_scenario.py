@@ -71,8 +71,8 @@ def test_scenario_events_have_due_times():
         ("events: [3]", "events[0]: must be a mapping with the keys request, cancel"),
         ("events: [{time: 1}]", "events[0]: give one of request, cancel, facts, call"),
         ("events: [{request: g(1)}]", "either 'time' or 'cycle'"),
-        ("events: [{time: -1, request: g(1)}]", "events[0].time: must be a number of seconds from 0 on, not -1"),
-        ("events: [{cycle: 0, request: g(1)}]", "events[0].cycle: must be a whole number from 1 on, not 0"),
+        ("events: [{time: -1, request: g(1)}]", "events[0].time: must be a number of seconds, at least 0, not -1"),
+        ("events: [{cycle: 0, request: g(1)}]", "events[0].cycle: must be an integer of at least 1, not 0"),
         ("events: [{time: 1, request: 3}]", "events[0].request: must be a goal as text, not 3"),
         ("events: [{time: 1, facts: a}]", "events[0].facts: must be a list of atoms, not 'a'"),
         ("events: [{time: 1, call: 3}]", "events[0].call: must be the name of a service, not 3"),
@@ -83,7 +83,7 @@ def test_scenario_events_have_due_times():
             "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'preempted'",
         ),
         ("events: []\nexpect: {goal: []}", "expect: unknown key 'goal' (did you mean goals?); keys are goals"),
-        ("events: []\ntimeout: long", "timeout: must be a number of seconds from 0 on, not 'long'"),
+        ("events: []\ntimeout: long", "timeout: must be a number of seconds, at least 0, not 'long'"),
     ],
 )
 def test_scenario_faults_name_their_place(text, fault):
@@ -114,7 +114,7 @@ def test_scenario_reports_all_faults_at_once(tmp_path):
         "events[0]: unknown key 'requst' (did you mean request?); "
         "keys are request, cancel, facts, call, time, cycle, delay, with, client, origin",
         "events[0]: give one of request, cancel, facts, call",
-        "events[1].cycle: must be a whole number from 1 on, not 0",
+        "events[1].cycle: must be an integer of at least 1, not 0",
         "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'won'",
         "unknown key 'lunch' (did you mean launch?); keys are title, events, packages, expect, timeout, launch",
     ]

@@ -84,7 +84,7 @@ def floor_program(
     """
     for measure in ("robot_radius", "inflation_radius", "cost_scaling_factor"):
         if not 0.0 <= getattr(limits, measure) < np.inf:
-            raise FloorError(f"{measure} is {getattr(limits, measure):g}, but must be a number from 0 on")
+            raise FloorError(f"{measure} is {getattr(limits, measure):g}, but must be a number of at least 0")
     labels = read_yaml(labels_file, "labels", LabelError)
     table = LabelTable.read(labels)
     labels.check(LabelError)

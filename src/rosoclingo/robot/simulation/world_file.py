@@ -179,7 +179,7 @@ def _obstacle(reader: Reader) -> ObstacleSpec:
 def _package(reader: Reader) -> PackageSpec:
     at = reader.at("at")
     place = at.text() if isinstance(at.value, str) else _point(at.numbers((2,), wanted="a label or [x, y]"))
-    spec = PackageSpec(reader.at("id").read("a whole number or a text", _name, empty=""), place)
+    spec = PackageSpec(reader.at("id").read("an integer or a text", _name, empty=""), place)
     reader.close()
     return spec
 

@@ -71,7 +71,7 @@ def test_floor_distance_goes_round_walls(hall):
 @pytest.mark.parametrize("measure", ["robot_radius", "inflation_radius", "cost_scaling_factor"])
 @pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
 def test_floor_numbers_distances_from_0(measure, value):
-    with pytest.raises(FloorError, match=f"{measure} is .*must be a number from 0 on"):
+    with pytest.raises(FloorError, match=f"{measure} is .*must be a number of at least 0"):
         floor_program(*map(str, OFFICE), CostmapLimits()._replace(**{measure: value}))
 
 

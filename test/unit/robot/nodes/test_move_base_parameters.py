@@ -282,7 +282,7 @@ def test_move_base_parameters_reach_the_usual_turning(given):
     assert turn is again
     assert turn.parameters == {"patience": 1.5}
     given(rotate_recovery={"patience": "long"})
-    with pytest.raises(ParameterError, match="~rotate_recovery/patience: must be a number from 0 on"):
+    with pytest.raises(ParameterError, match="~rotate_recovery/patience: must be a number of at least 0"):
         made(plugins.recoveries)
 
 
@@ -316,10 +316,14 @@ REFUSED = [
         "Broken cannot be created with the parameters ~Broken",
     ),
     (planner_made, {"GridPlanner": {"speed": 1}}, "~GridPlanner: unknown key 'speed'; keys are comfort_weight, "),
-    (planner_made, {"GridPlanner": {"spacing": -0.1}}, "~GridPlanner/spacing: must be a number from 0 on, not -0.1"),
+    (
+        planner_made,
+        {"GridPlanner": {"spacing": -0.1}},
+        "~GridPlanner/spacing: must be a number of at least 0, not -0.1",
+    ),
     (planner_made, {"GridPlanner": 5}, "~GridPlanner: must be a mapping"),
     (follower_made, {"base_local_planner": f"{__name__}.OwnGlobalPlanner"}, "is not a subclass of .*LocalPlanner"),
-    (follower_made, {"RolloutFollower": {"vx_samples": 0}}, "/vx_samples: must be a whole number from 1 on, not 0"),
+    (follower_made, {"RolloutFollower": {"vx_samples": 0}}, "/vx_samples: must be an integer of at least 1, not 0"),
     (follower_made, {"RolloutFollower": {"max_vel_x": True}}, "~RolloutFollower/max_vel_x: must be a number"),
     (recoveries_made, {"recovery_behaviors": "reset"}, "~recovery_behaviors: must be a list"),
     (recoveries_made, {"recovery_behaviors": [{"name": "reset"}]}, r"~recovery_behaviors\[0\]/type: is missing"),
@@ -331,7 +335,7 @@ REFUSED = [
         "~reset/reset_distance: must",
     ),
     (recoveries_made, {"recovery_behaviors": [{"name": "a", "type": f"{__name__}.Broken"}]}, "is not a subclass of"),
-    (recoveries_made, {"conservative_reset_dist": -1.0}, "~conservative_reset_dist: must be a number from 0 on"),
+    (recoveries_made, {"conservative_reset_dist": -1.0}, "~conservative_reset_dist: must be a number of at least 0"),
     (recoveries_made, {"clearing_rotation_allowed": 1}, "~clearing_rotation_allowed: must be true or false"),
 ]
 

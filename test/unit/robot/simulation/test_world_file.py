@@ -105,10 +105,10 @@ def test_world_file_with_several_lasers_and_textual_numbers(world):
         ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
         ({"obstacles": [{"name": "o", "at": [1, 1], "radius": 1, "box": [1, 1]}]}, r"obstacles\[0\]"),
         ({"packages": [{"id": 1, "at": 5}]}, r"packages\[0\].at"),
-        ({"packages": [{"id": None, "at": "office1"}]}, r"packages\[0\].id: is missing: give a whole number or a text"),
+        ({"packages": [{"id": None, "at": "office1"}]}, r"packages\[0\].id: is missing: give an integer or a text"),
         ({"packages": [{"id": [1], "at": "office1"}]}, r"packages\[0\].id"),
         ({"interval": 0}, "interval: must be a number from 0.001 to 10, not 0"),
-        ({"seed": 10**400}, "seed: must be a whole number from 0 on, not 1000"),
+        ({"seed": 10**400}, "seed: must be an integer of at least 0, not 1000"),
         (
             {"robots": [{"pose": [1, 1], "max_speed": 1e9}]},
             r"robots\[0\].max_speed: must be a number from 0 to 1000, not 1000000000.0",
@@ -126,7 +126,7 @@ def test_world_file_with_several_lasers_and_textual_numbers(world):
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [1e9, 2]]}]}, r"robots\[0\].footprint: a corner"),
         (
             {"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]},
-            r"robots\[0\].laser.beams: must be a whole number from 2 to 100000, not 1000000000",
+            r"robots\[0\].laser.beams: must be an integer from 2 to 100000, not 1000000000",
         ),
         (
             {"robots": [{"pose": [1, 1], "laser": {"range": 1e39}}]},
