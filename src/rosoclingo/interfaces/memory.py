@@ -54,7 +54,7 @@ class ActionMemory:
         """The problem with the database, for people; empty if there is none."""
         if self._db is None or not self._db.fault:
             return self._damage
-        consequence = "continues, but after a crash actions begun now will be unknown"
+        consequence = "continuing, but after a crash, actions begun now will be unknown"
         return f"cannot write {self.path}: {self._db.fault}: {consequence}"
 
     def begin_run(self, run: str) -> bool:

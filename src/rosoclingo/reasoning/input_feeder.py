@@ -294,7 +294,7 @@ class InputFeeder:
         self._executed = ()
 
     def add_failure(self, answer: Symbol, actions: Tuple[Action, ...]) -> None:
-        """Record the actions that a return of failure can refer to, if the return waits."""
+        """Record the actions that a failure return can refer to, if the return waits."""
         if answer in self._facts:
             self._facts[answer] = self._facts[answer]._replace(actions=actions)
 

@@ -92,7 +92,7 @@ class Return(NamedTuple):
 
     @property
     def failure(self) -> Symbol:
-        """The atom that the solver adds to a return of failure: ``_failed(A,V,C)``."""
+        """The atom that the solver adds to a failure return: ``_failed(A,V,C)``."""
         return Function(FAILED, self.atom.arguments)
 
 

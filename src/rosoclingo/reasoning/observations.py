@@ -17,7 +17,7 @@ class Observation(NamedTuple):
     Attributes:
         atom: the fact as it was fed.
         cycle: the cycle in which it arrived.
-        actions: for a return of failure, the failed action, or all actions that the return can refer to.
+        actions: for a failure return, the failed action, or all actions that the return can refer to.
         origin: the interface that sent the fact.
         original: the fact as it was sent, None if it was not changed.
         outdated: whether the fact was late and was redated to the present.

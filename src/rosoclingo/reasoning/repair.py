@@ -79,7 +79,7 @@ class _Finder:
     def pools(self) -> Iterator[Tuple[Observation, ...]]:
         """Yield growing sets of candidates, each newest first: late facts, new facts, earlier facts, returns.
 
-        Returns of failure are first withheld together with their actions, then alone. The last set adds the
+        Failure returns are first withheld together with their actions, then alone. The last set adds the
         cancellations of the update.
         """
         new = tuple(reversed(self._impasse.facts))

@@ -86,7 +86,7 @@ class Dispatch:
 
     @property
     def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
-        """The returns of failure, each with the actions that it can refer to; those that name an action come first."""
+        """The failure returns, each with the actions that it can refer to; those that name an action come first."""
         about = [(one, self._about(one)) for one in self.returns]
         named = [(one, (action,)) for one, action in about if action is not None and one.value != action.parameter]
         unnamed = [one for one, action in about if action is None]

@@ -375,7 +375,7 @@ class RunView(RunEvents):
     # ---- records ----------------------------------------------------------------------------------------------------
 
     def _now(self, time: float, begins: bool = False) -> float:
-        """Return the time since the beginning of the run, 0 before; a request, fact or action ``begins`` it."""
+        """Return the time since the beginning of the run, 0 before; ``begins``: this event starts the run."""
         if self._start is None and not begins:
             return 0.0
         if self._start is None:

@@ -332,8 +332,8 @@ class SubclassedInterface(unittest.TestCase):
         handle.set_succeeded(TwoIntsResult(7))
         self.assertEqual(core.receive(), ["calculated", "_return(trade,7,1)"])
         wait_until(lambda: any("odd: internal error: TypeError" in line for line in lines), "the log")
-        told = [line for line in lines if "odd: internal error: TypeError" in line and "Traceback" in line]
-        self.assertEqual(len(told), 1)
+        reported = [line for line in lines if "odd: internal error: TypeError" in line and "Traceback" in line]
+        self.assertEqual(len(reported), 1)
         worker.stop()
 
 

@@ -210,7 +210,7 @@ class ExactlyOnce(unittest.TestCase):
             _, answer, number, goal = self.begin("arm")
             goal.set_succeeded()
             self.assertEqual(self.core.receive(), [answer.format(number)])
-            trouble = "cannot write .*: continues, but after a crash actions begun now will be unknown"
+            trouble = "cannot write .*: continuing, but after a crash, actions begun now will be unknown"
             wait_for_diagnosis("rosoclingo: interface arm", lambda one: re.match(trouble, one.message), "the trouble")
         wait_for_diagnosis("rosoclingo: interface arm", lambda one: one.message == "idle", "its end")
         self.kill_node()

@@ -82,7 +82,7 @@ class Actions:
         names = [one.name for one in interfaces]
         for action, node in self._nodes.items():
             if action not in names:
-                message = f"no interface drives the action {action}: it is never executed"
+                message = f"no interface executes the action {action}: it is never executed"
                 yield fault_at(node, "no-interface", message, likely_value(action, names) if names else "")
         for one in interfaces if self.all_known and self._nodes else ():
             if one.name not in self.parameters:

@@ -156,15 +156,15 @@ def test_lint_accepts_look_backs_at_persistent_atoms(rules):
 )
 def test_lint_checks_the_values_of_constants(given, found):
     survey = ReactiveProgram.from_text(CONSTANTS, "home.lp").survey
-    told = check_given_values(survey, {name: parse_term(value) for name, value in given.items()})
-    assert [one.kind for one in told] == [kind for kind, _ in found]
-    assert all(words in str(one) for one, (_, words) in zip(told, found))
+    found = check_given_values(survey, {name: parse_term(value) for name, value in given.items()})
+    assert [one.kind for one in found] == [kind for kind, _ in found]
+    assert all(words in str(one) for one, (_, words) in zip(found, found))
 
 
 def test_lint_reports_a_constant_without_definition():
-    told = lint_programs.lint([Source("home.lp", "a(1).\n#cumulative t.\n#volatile t.\n")], {"n": "1"})
-    assert list(map(str, told)) == ["constant n: the program has no #const n (it has none) [unknown-constant]"]
-    assert told[0].severity == "error"
+    found = lint_programs.lint([Source("home.lp", "a(1).\n#cumulative t.\n#volatile t.\n")], {"n": "1"})
+    assert list(map(str, found)) == ["constant n: the program has no #const n (it has none) [unknown-constant]"]
+    assert found[0].severity == "error"
 
 
 @pytest.mark.slow
@@ -216,5 +216,5 @@ def test_comments_silence_no_errors():
 
 def test_findings_are_sorted_by_file_and_line():
     sources = [Source("z.lp", "a :- c.\na :- b.\n" + ODD), Source("a.lp", "a :- d.\n")]
-    told = findings(lint_program(ReactiveProgram(sources)), [(one.name, one.text) for one in sources])
-    assert [(one.fault.file, one.fault.line) for one in told] == [("z.lp", 1), ("z.lp", 2), ("a.lp", 1)]
+    found = findings(lint_program(ReactiveProgram(sources)), [(one.name, one.text) for one in sources])
+    assert [(one.fault.file, one.fault.line) for one in found] == [("z.lp", 1), ("z.lp", 2), ("a.lp", 1)]

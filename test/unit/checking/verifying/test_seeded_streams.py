@@ -41,7 +41,7 @@ SEEDS = {
     "any return is success, a step later": (
         edited(ECHO, ("_return(run,J,t-1).", "_return(run,V,t-1)."),
                ("_return(run,V,t-1), V != J.", "_return(run,V,t-1), V = never.")), TAKEN, 2, 2),
-    "nothing is told of a goal whose action failed": (
+    "goal without a status after its action failed": (
         edited(VISITS, ("_status(P,aborted,t) :- wanted(P,t-1), failed(P,t-1).", "")), TAKEN, 2, 2),
     "it stays accepted after a failure": (
         more(VISITS, "broken(P,t) :- failed(P,t-1). broken(P,t) :- broken(P,t-1), not asked(P,t).\n"

@@ -32,9 +32,9 @@ def ask(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_order_file_goals_are_tried(ask):
-    _, told = ask(ORDERS, "--plan", "--verify", "1")
-    assert "goals: visit(hall) visit(den)\n" in told, "and no other"
-    assert re.findall(r"^(\S+): a plan up to step", told, re.MULTILINE) == ["visit(hall)"]
+    _, output = ask(ORDERS, "--plan", "--verify", "1")
+    assert "goals: visit(hall) visit(den)\n" in output, "and no other"
+    assert re.findall(r"^(\S+): a plan up to step", output, re.MULTILINE) == ["visit(hall)"]
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def test_order_file_goals_are_tried(ask):
     ],
 )
 def test_order_file_reports_useless_orders(ask, orders, kind, line, words):
-    code, told = ask(orders, "--json")
-    found = [one for one in json.loads(told)["findings"] if one["file"].endswith(".yaml")]
+    code, output = ask(orders, "--json")
+    found = [one for one in json.loads(output)["findings"] if one["file"].endswith(".yaml")]
     assert (code, {(one["kind"], one["line"]) for one in found}) == (1, {(kind, line)})
     assert any(words in one["message"] for one in found)

@@ -44,7 +44,7 @@ def texts(name):
     return {**files, "labels.yaml": labels, "interfaces.yaml": interfaces}
 
 
-def told(folder, files, capsys, *options):
+def check_files(folder, files, capsys, *options):
     """Write the files into a folder and return their findings."""
     programs = [name for name in files if name.endswith(".lp")]
     for name, text in files.items():
@@ -68,7 +68,7 @@ def told(folder, files, capsys, *options):
 @pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_robot_files_of_correct_systems_have_no_finding(name, tmp_path, capsys):
-    assert told(tmp_path, texts(name), capsys) == []
+    assert check_files(tmp_path, texts(name), capsys) == []
 
 
 @pytest.mark.slow
@@ -76,7 +76,7 @@ def test_robot_files_of_correct_systems_have_no_finding(name, tmp_path, capsys):
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
     files = texts(name)
-    assert told(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
+    assert check_files(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
 
 
 #: System, file, its text, the replacement (@ marks the place of the finding), kind, words of the message.
@@ -202,7 +202,7 @@ SEEDS = [
 def test_robot_files_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)
     files[file], (line, _) = lint_programs.seeded(files[file], old, new)
-    found = told(tmp_path, files, capsys)
+    found = check_files(tmp_path, files, capsys)
     mine = [one for one in found if one["kind"] == kind and words in f"{one['message']} ({one['remedy']})"]
     assert mine, found
     if "@" in new:
@@ -248,17 +248,17 @@ def test_robot_files_separate_places_of_different_actions(relation, tmp_path, ca
         "cool: {type: actionlib/TwoIntsAction, goal: {a: 1}}\n"
         + ("stay: {type: actionlib/TwoIntsAction, goal: {a: 1}}\n" if "stay" in relation else "")
     }
-    assert told(tmp_path, {**program, **labels, **interfaces}, capsys) == []
+    assert check_files(tmp_path, {**program, **labels, **interfaces}, capsys) == []
     (tmp_path / "labels.yaml").write_text("kitchen: [1, 2]\n")
     options = ["--labels", str(tmp_path / "labels.yaml"), "--interfaces", str(tmp_path / "interfaces.yaml")]
-    found = told(tmp_path, program, capsys, *options)
+    found = check_files(tmp_path, program, capsys, *options)
     assert [one["kind"] for one in found] == ["no-label"]
     assert "no label hall" in found[0]["message"]
 
 
 def test_robot_files_count_each_file_once(tmp_path, capsys):
     files = texts("garden")
-    told(tmp_path, files, capsys)
+    check_files(tmp_path, files, capsys)
     named = [str(tmp_path / one) for one in ("garden.lp", "labels.yaml", "interfaces.yaml")]
     options = [named[0], "--labels", named[1], "--interfaces", named[2]]
     assert check_command.main(options, RobotFiles()) == 0
@@ -272,7 +272,7 @@ def test_robot_files_findings_can_be_silenced_in_yaml(tmp_path, capsys):
     files["labels.yaml"] += (
         "porch: [1.0, 1.0]   # check: ok idle-label (for later)\n# check: ok idle-label\nroof: [1.0, 2.0]\n"
     )
-    assert told(tmp_path, files, capsys) == []
+    assert check_files(tmp_path, files, capsys) == []
 
 
 def test_robot_files_that_are_unreadable_are_reported(tmp_path, capsys):
@@ -286,7 +286,7 @@ def test_robot_files_are_checked_despite_syntax_errors(tmp_path, capsys):
     files = texts("garden")
     files["garden.lp"] = files["garden.lp"].replace("at(home,0).", "at(home,0)")
     files["labels.yaml"] = files["labels.yaml"].replace("[2.5, 2.5]", "2.5")
-    assert sorted(one["kind"] for one in told(tmp_path, files, capsys)) == ["configuration", "syntax"]
+    assert sorted(one["kind"] for one in check_files(tmp_path, files, capsys)) == ["configuration", "syntax"]
 
 
 def test_robot_files_without_ros_are_checked_except_types(tmp_path, capsys, monkeypatch):

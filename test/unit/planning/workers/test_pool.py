@@ -117,7 +117,7 @@ def test_pool_update_that_is_refused_changes_nothing():
         assert answers(fed(solver, "2.")) == [["c(1)", "e(1)"]]
 
 
-def test_pool_answers_omit_cycles_long_over():
+def test_pool_answers_omit_old_cycles():
     """Each answer contains recent atoms and atoms without a cycle."""
     with pool_of("#program base. named(x). #show named/1. #show c/1. " + ECHO, shortest=True) as pool:
         solver = ProcessSolver(pool)
