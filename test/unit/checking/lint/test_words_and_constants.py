@@ -156,9 +156,9 @@ def test_lint_accepts_look_backs_at_persistent_atoms(rules):
 )
 def test_lint_checks_the_values_of_constants(given, found):
     survey = ReactiveProgram.from_text(CONSTANTS, "home.lp").survey
-    found = check_given_values(survey, {name: parse_term(value) for name, value in given.items()})
-    assert [one.kind for one in found] == [kind for kind, _ in found]
-    assert all(words in str(one) for one, (_, words) in zip(found, found))
+    reported = check_given_values(survey, {name: parse_term(value) for name, value in given.items()})
+    assert [one.kind for one in reported] == [kind for kind, _ in found]
+    assert all(words in str(one) for one, (_, words) in zip(reported, found))
 
 
 def test_lint_reports_a_constant_without_definition():
