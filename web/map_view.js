@@ -7,7 +7,7 @@ class MapView {
   constructor(parent, model) {
     this.model = model;
     this.caption = html("p", { class: "caption" });
-    this.picture = svg("svg", { class: "map", role: "img", "aria-label": "Map: its contents are listed below it" });
+    this.picture = svg("svg", { class: "map", role: "img", "aria-label": "Map; its contents are listed below" });
     show(parent, this.picture, this.caption);
   }
 
@@ -170,7 +170,7 @@ class MapView {
     const carried = lying.get("");
     lying.delete("");
     const believed = this.model.believedPlaceAt(time);
-    const unseen = believed ? `The robot is at ${believed}, as far as the program knows.` : "Where the robot is was not recorded.";
+    const unseen = believed ? `According to the program, the robot is at ${believed}.` : "The robot's place was not recorded.";
     const robot = !pose ? unseen : place ? `The robot is at ${place}.` : "The robot is on its way.";
     const parts = [robot];
     if (carried) parts.push(`It carries ${carried.join(", ")}.`);

@@ -7,7 +7,7 @@ const FOLLOWED = 5;
 
 /** The texts about an order, by the state of its goal. */
 const BECAME = {
-  succeeded: "Done", rejected: "Rejected", aborted: "Aborted", canceled: "Cancelled", lost: "Lost", waiting: "Ordered, waits its turn",
+  succeeded: "Done", rejected: "Rejected", aborted: "Aborted", canceled: "Cancelled", lost: "Lost", waiting: "Ordered, queued",
 };
 
 /** This browser's stored data: its key, and the ids of its goals. */
@@ -118,7 +118,7 @@ class OrdersView {
 
   cancel(goal) {
     this.ask({ cancel: goal.id, key: this.orders.kept.key }, (answer) => {
-      this.note(answer.canceled, answer.fault ? `Not cancelled: ${answer.fault}` : goal.request, "Asked to cancel");
+      this.note(answer.canceled, answer.fault ? `Not cancelled: ${answer.fault}` : goal.request, "Cancel requested");
     });
   }
 

@@ -11,7 +11,7 @@ class GoalsView {
     this.cancel = () => undefined;
     this.body = html("tbody");
     const heads = ["goal", "state", "since it was sent", "reason"].map((words) => html("th", { scope: "col" }, words));
-    this.none = html("p", { class: "caption" }, "Nobody has asked for anything yet.");
+    this.none = html("p", { class: "caption" }, "No goals yet.");
     show(parent, html("table", { class: "goals" }, html("thead", {}, html("tr", {}, heads)), this.body), this.none);
   }
 
@@ -73,7 +73,7 @@ class CycleView {
       this.parent,
       html("p", { class: "caption" }, `Cycle ${cycle.cycle}${runs}, since ${seconds(cycle.time)}`),
       html("h3", {}, "Update"),
-      html("pre", {}, cycle.updates.join("\n") || "none: nothing has happened yet"),
+      html("pre", {}, cycle.updates.join("\n") || "none yet"),
       this.plan(time),
       this.problems(cycle, time),
       this.beliefs(time)
@@ -95,7 +95,7 @@ class CycleView {
     const times = plan.ground === null ? "" : `; grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}`;
     const which = cycle.plans.length > 1 ? `; plan ${found.number + 1} of ${cycle.plans.length} in cycle ${cycle.cycle}` : "";
     const list = items.length ? html("ol", { class: "plan" }, items) : html("p", {}, "Nothing to do.");
-    return [html("h3", {}, "Plan"), list, html("p", { class: "caption" }, `Steps up to ${plan.horizon}${times}${which}.`)];
+    return [html("h3", {}, "Plan"), list, html("p", { class: "caption" }, `Horizon ${plan.horizon}${times}${which}.`)];
   }
 
   problems(cycle, time) {
@@ -106,7 +106,7 @@ class CycleView {
   beliefs(time) {
     const atoms = this.model.beliefsAt(time);
     if (!atoms.length) return null;
-    return [html("h3", {}, "What the program believes"), html("p", { class: "atoms" }, atoms.map((atom) => [html("code", {}, atom), " "]))];
+    return [html("h3", {}, "Beliefs"), html("p", { class: "atoms" }, atoms.map((atom) => [html("code", {}, atom), " "]))];
   }
 }
 

@@ -9,7 +9,7 @@ class TimelineView {
   constructor(parent, model, seek) {
     this.model = model;
     this.seek = seek;
-    this.picture = svg("svg", { class: "timeline", role: "img", "aria-label": "Goals and actions over time; the tables tell the same" });
+    this.picture = svg("svg", { class: "timeline", role: "img", "aria-label": "Goals and actions over time; the tables contain the same data" });
     this.zoom = html("select", { "aria-label": "Part of the run that the timeline shows" });
     for (const [value, words] of [["0", "whole run"], ["60", "1 minute"], ["180", "3 minutes"], ["900", "15 minutes"]]) {
       this.zoom.append(html("option", { value }, words));

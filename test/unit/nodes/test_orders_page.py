@@ -89,7 +89,7 @@ def test_page_says_what_became_of_orders(desk):
     desk.order()
     desk.served.do(lambda view: view.goal(143.0, "order 2", "goal(office2,office3,2)"))
     desk.served.do(lambda view: view.feedback(143.0, "order 2", "waiting: at most 8 goals are planned for at a time"))
-    waits = "Ordered, waits its turn: goal(office2,office3,2) (at most 8 goals are planned for at a time)"
+    waits = "Ordered, queued: goal(office2,office3,2) (at most 8 goals are planned for at a time)"
     desk.says(waits, "Rejected: goal(office1,office2,1) (has no way there)")
     desk.served.do(lambda view: view.status(144.0, "order 2", 1, "is accepted"))
     desk.says("Ordered: goal(office2,office3,2)", "Rejected: goal(office1,office2,1) (has no way there)")
@@ -104,7 +104,7 @@ def test_page_says_cancelled_only_when_it_is(desk):
     desk.served.do(lambda view: view.goal(141.0, "order 1", "goal(office1,office2,1)"))
     desk.page.wait_for("document.querySelector('#goals button') !== null")
     desk.page.click("#goals button")
-    desk.says("Asked to cancel: goal(office1,office2,1)")
+    desk.says("Cancel requested: goal(office1,office2,1)")
     assert desk.canceled == ["order 1"]
     desk.served.do(lambda view: view.status(142.0, "order 1", 3, "is met"))
     desk.says("Done: goal(office1,office2,1)")

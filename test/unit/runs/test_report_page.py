@@ -122,7 +122,7 @@ def test_report_page_shows_drawings_of_the_program(opened):
     page = opened(view)
     move(page, 1.0)
     assert (len(page.texts(".map .way")), len(page.texts(".map .barrier"))) == (1, 0)
-    known = "The robot is at {}, as far as the program knows. Things: cup at study."
+    known = "According to the program, the robot is at {}. Things: cup at study."
     assert page.text("#map .caption") == known.format("hall")
     left = "document.querySelector('.map .robot').getBoundingClientRect().x"
     before = page.run(left)
@@ -215,9 +215,9 @@ def test_report_page_escapes_hostile_texts(opened, text):
 
 def test_report_page_shows_an_empty_run(opened):
     page = opened(RunView())
-    assert page.text("#map .caption") == "Where the robot is was not recorded."
+    assert page.text("#map .caption") == "The robot's place was not recorded."
     assert page.text("#cycle") == "No cycle has begun yet."
-    assert "Nobody has asked for anything yet." in page.text("#goals")
+    assert "No goals yet." in page.text("#goals")
 
 
 @pytest.mark.parametrize("width", [360, 1280])
