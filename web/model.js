@@ -17,6 +17,11 @@ function lastAt(list, time, timeOf = (one) => one.time) {
   return low - 1;
 }
 
+/** The text by which the records of an action are found. */
+function wordOf(action) {
+  return `${action.interface}(${action.parameter},${action.cycle})`;
+}
+
 class RunModel {
   constructor() {
     this.clear();
@@ -95,9 +100,15 @@ class RunModel {
   aheadAt(time) {
     const found = this.planAt(time);
     if (!found) return [];
-    const begun = new Set(this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1).map((one) => one.action));
-    const words = found.plan.actions.filter((word) => !begun.has(word));
-    return words.map((word) => this.words[word]).filter((action) => action.cycle >= found.cycle.cycle);
+    const begun = this.begunAt(time, found.cycle.cycle);
+    return found.actions.filter((action) => !begun.get(wordOf(action)) && action.cycle >= found.cycle.cycle);
+  }
+
+  /** The actions that have begun, by word; a running action also has the word of the present cycle, in which it goes on. */
+  begunAt(time, cycle) {
+    const all = this.actionsAt(time);
+    const running = all.filter((one) => one.state === "now").map((one) => [wordOf({ ...one.word, cycle }), one]);
+    return new Map([...running, ...all.map((one) => [wordOf(one.word), one])]);
   }
 
   /** The actions that have begun, each with its state: "now", "done", "failed", or "gone" for a cancelled action. */

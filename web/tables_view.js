@@ -84,10 +84,9 @@ class CycleView {
     const found = this.model.planAt(time);
     if (!found) return null;
     const { plan, cycle } = found;
-    const done = new Map(this.model.actionsAt(time).map((one) => [one.action, one]));
-    const items = plan.actions.map((word) => {
-      const one = done.get(word);
-      const action = this.model.words[word];
+    const begun = this.model.begunAt(time, cycle.cycle);
+    const items = found.actions.map((action) => {
+      const one = begun.get(wordOf(action));
       const state = one ? one.state : action.cycle < cycle.cycle ? "done" : "ahead";
       const end = one && (one.state === "failed" || one.state === "gone") ? `: ${one.value}` : "";
       return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${this.model.actionName(action)}${end}`);

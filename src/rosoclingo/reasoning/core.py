@@ -61,13 +61,15 @@ class Core:
         self._emit, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
         self._problem = self._announce.problem
         self._settings, self._watch_recovery = settings, watch_recovery
-        self._planner = Planner(make_solver, settings.horizon_limit, watch)
+        self._planner = Planner(make_solver, settings.horizon_limit, watch, running=lambda: self._execution.running)
         self._has_status_rules = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
         self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
-        self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle)
-        self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, watch_joining)
+        learns = settings.learn_durations
+        self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle, learns)
+        joining = None if self._execution.goes_on else watch_joining
+        self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._plan: Optional[TaskPlan] = TaskPlan()  # None after an interrupted search, which has to be repeated
         self._latest = (0, TaskPlan())  # the last executed plan and its cycle
@@ -135,12 +137,12 @@ class Core:
 
     def advance(self, now: float) -> bool:
         """Start the next cycle if there is a reason to; return False if the core waits for an arrival."""
-        if self.awaited:
-            self._preempt()
-        elif self._due():
-            self._next_cycle(now)
-            return True
-        return False
+        if not self._due() and self.awaited:
+            self._preempt()  # which can end the cycle, as a cancellation is an arrival for the program
+        if not self._due():
+            return False
+        self._next_cycle(now)
+        return True
 
     def improve(self, stopped: Callable[[], bool]) -> bool:
         """Shorten the plan while actions run and nothing waits; return whether a shorter plan can still exist.
@@ -171,18 +173,32 @@ class Core:
     def _preempt(self) -> None:
         """Preempt running actions that an arrival has made useless."""
         with suppress(DisturbedError):
-            found = self._preemption.unwanted(self._planner) if self._settings.preempt else ()
-            if found:
-                self._emit(ActionsPreempted(self.cycle, found))
+            self._end(self._preemption.unwanted(self._planner) if self._settings.preempt else ())
+
+    def _end(self, actions: Tuple[Action, ...]) -> None:
+        """Cancel running actions at their interfaces."""
+        if actions:
+            self._emit(ActionsPreempted(self.cycle, actions))
 
     def _due(self) -> bool:
-        """Return whether a cycle is due: after an arrival, a return or an interrupted search, or for the plan."""
-        return self._feeder.pending or bool(self._execution.under_way) or self._plan is None or self._later()
+        """Return whether another cycle is due: after an arrival, a return or an interrupted search, or for the plan.
+
+        While actions run, a cycle can end only if they can go on in the next one.
+        """
+        arrived = self._feeder.pending or self._plan is None
+        if self.awaited:
+            return self._execution.goes_on and (arrived or (self._unseen and not self._execution.has_dispatched))
+        return arrived or bool(self._execution.under_way) or self._later()
+
+    @property
+    def _unseen(self) -> bool:
+        """Whether the program sees the request of a goal only in a later cycle."""
+        return any((one.request_cycle or 0) > self._step for one in self._goals.fed)
 
     def _later(self) -> bool:
         fed, patient = self._goals.fed, self._waits < self._planner.lookahead
-        unseen, planned = any((one.request_cycle or 0) > self._step for one in fed), self.plan.after(self._step)
-        return unseen or bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
+        planned = self.plan.after(self._step)
+        return self._unseen or bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
 
     def _next_cycle(self, now: float) -> None:
         if goals := self.queue.yielding():
@@ -276,6 +292,7 @@ class Core:
         for fact in self._feeder.update_accepted(batch, present, state.situation is Situation.REFUSED):
             self._problem(f"{fact.sent} is dropped: the solver accepts no update with it", fact.origin)
         self._execution.update_accepted(batch.facts, present)
+        self._execution.begin_cycle(self._step)
         self._goals.update_accepted(batch.goals, present)
         return state._replace(batch=batch, accepted=True)
 
@@ -323,11 +340,11 @@ class Core:
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         """Dispatch the actions that are due before reporting the rest of the answer."""
         since, plan = self._latest[0] + 1, self._follow(result)
-        actions = plan.at(self._step)
+        actions, left_out = self._execution.begin(self._step, plan.at(self._step), now)
+        if self._settings.preempt:
+            self._preemption.begin(actions)
+            self._end(self._preemption.end(left_out))
         if actions:
-            self._execution.begin(self._step, actions, now)
-            if self._settings.preempt:
-                self._preemption.begin()
             self._emit(ActionsDispatched(self._step, actions))
         shown = self._shown()
         self._announce.plan(result, shown)
@@ -369,6 +386,7 @@ class Core:
             self._emit(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
         self._step += 1
+        self._execution.begin_cycle(self._step)
         explanations = Explanations(found.result.answers[0])
         for fault in explanations.faults:
             self._problem(fault)

@@ -265,6 +265,11 @@ class InputFeeder:
         """Report withdrawn requests in the next update, if there is one."""
         self._withdrawn |= requests
 
+    def withdraw_fact(self, atom: Symbol) -> None:
+        """Withdraw a fact with the next update, or remove it if it still waits."""
+        if self._facts.pop(atom, None) is None:
+            self._withdrawn |= {atom}
+
     def add_cancellation(self, identifier: Symbol) -> None:
         """Add the cancellation of a goal that was fed."""
         self.arrivals += 1

@@ -3,7 +3,7 @@
 All atoms and terms are of type ``clingo.Symbol``; cycles are integers from 1.
 """
 
-from typing import Callable, NamedTuple, Optional
+from typing import Callable, NamedTuple, Optional, Tuple
 
 from clingo import Function, Number, String, Symbol, SymbolType
 
@@ -17,6 +17,8 @@ REFUSE = "_refuse"
 NEVER = "_never"
 CANCEL_ACTION = "_cancel"
 CANCEL = "cancel"
+RUNNING = "_running"
+TAKES = "_takes"
 RUN = "_run"
 
 #: The origin of the core's own facts for all interfaces.
@@ -24,7 +26,8 @@ CORE = "rosoclingo"
 
 #: Keywords that interfaces must not state, as ``(name, arity)``: they belong to the core and the program.
 RESERVED = frozenset(
-    {(REQUEST, 2), (ACTION_LIB, 3), (FAILED, 3), (STATUS, 3), (EXPLAIN, 3), (REFUSE, 3), (CANCEL_ACTION, 3), (NEVER, 2)}
+    {(one, 3) for one in (ACTION_LIB, FAILED, STATUS, EXPLAIN, REFUSE, CANCEL_ACTION, RUNNING, TAKES)}
+    | {(REQUEST, 2), (NEVER, 2)}
 )
 
 #: The constant for the current cycle, in facts and in reported beliefs.
@@ -66,6 +69,16 @@ class Action(NamedTuple):
     def cancellation(self) -> Symbol:
         """The fact ``_cancel(A,P,C)``, by which the core cancels the action."""
         return Function(CANCEL_ACTION, [self.interface, self.parameter, Number(self.cycle)])
+
+    @property
+    def running(self) -> Symbol:
+        """The fact ``_running(A,P,C)``: the action has not returned at the end of the cycle."""
+        return Function(RUNNING, [self.interface, self.parameter, Number(self.cycle)])
+
+    @property
+    def name(self) -> Tuple[Symbol, Symbol]:
+        """The interface and the parameter; at most one action of this name runs at a time."""
+        return self.interface, self.parameter
 
     @property
     def interface_name(self) -> str:
@@ -169,7 +182,7 @@ def shortened(text: str, shown: int = SHOWN) -> str:
     return f"{text[: shown // 2]} ... {text[-(shown // 2) :]} ({len(text)} characters)"
 
 
-def _arguments(atom: Symbol, name: str, form: str) -> "tuple[Symbol, Symbol, int]":
+def _arguments(atom: Symbol, name: str, form: str) -> Tuple[Symbol, Symbol, int]:
     if not is_keyword(atom, name) or len(atom.arguments) != 3 or not atom.positive:
         raise KeywordError(f"'{atom}' is not of the form {form}")
     first, second, cycle = atom.arguments

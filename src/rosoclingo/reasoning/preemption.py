@@ -1,6 +1,6 @@
 """Preemption: find running actions that a new plan no longer needs, on a separate planner."""
 
-from typing import FrozenSet, Tuple
+from typing import FrozenSet, Iterable, Tuple
 
 from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
@@ -21,9 +21,10 @@ class Preemption:
         self._considered = 0
         self._found: FrozenSet[Action] = frozenset()
 
-    def begin(self) -> None:
-        """Record that the actions of a cycle were dispatched."""
-        self._considered, self._found = self._feeder.arrivals, frozenset()
+    def begin(self, actions: Tuple[Action, ...]) -> None:
+        """Record that ``actions`` were dispatched; no arrival can have made them useless yet."""
+        if actions and actions == self._execution.awaited:
+            self._considered, self._found = self._feeder.arrivals, frozenset()
 
     @property
     def found(self) -> Tuple[Action, ...]:
@@ -47,27 +48,32 @@ class Preemption:
         if self._considered == self._feeder.arrivals:
             return ()
         running = tuple(action for action in self._execution.awaited if action not in self._found)
-        return self._end(self._ask(planner, self._execution.under_way, running) if running else ())
+        found = self._ask(planner, running) if running else ()
+        self._considered = self._feeder.arrivals
+        return self.end(found)
 
     def end_all(self) -> Tuple[Action, ...]:
         """End all running actions, because the core shuts down; return them."""
-        return self._end(tuple(action for action in self._execution.awaited if action not in self._found))
+        return self.end(self._execution.awaited)
 
-    def _end(self, actions: Tuple[Action, ...]) -> Tuple[Action, ...]:
-        """Record actions as unwanted, and feed their cancellations to the program; return them."""
-        for action in actions if self._declared else ():
-            self._feeder.add_fact(action.cancellation)
-        self._considered = self._feeder.arrivals
-        self._found |= frozenset(actions)
-        return actions
+    def end(self, actions: Iterable[Action]) -> Tuple[Action, ...]:
+        """Record running actions as unwanted, and feed their cancellations to the program; return the new ones."""
+        found = tuple(action for action in actions if action not in self._found)
+        for action in found if self._declared else ():
+            self._feeder.add_fact(self._execution.present(action).cancellation)
+            self._considered += 1
+        self._found |= frozenset(found)
+        return found
 
-    def _ask(self, planner: Planner, executed: Tuple[Action, ...], running: Tuple[Action, ...]) -> Tuple[Action, ...]:
-        cycle = executed[0].cycle
-        returns = [self._execution.preempted(action) for action in running]
+    def _ask(self, planner: Planner, running: Tuple[Action, ...]) -> Tuple[Action, ...]:
+        execution, others = self._execution, self._found
+        returns = [execution.preempted(action) for action in running]
         try:
             trial = planner.restarted()
-            ended = [action.cancellation for action in running] if self._declared else []
-            result = trial.update(self._feeder.preview(cycle + 1, executed, [*ended, *returns]))
+            trial.running = lambda: {one: planned for one, planned in execution.running.items() if one in others}
+            ended = [execution.present(action).cancellation for action in running] if self._declared else []
+            update = self._feeder.preview(execution.cycle + 1, execution.under_way, [*ended, *returns])
+            result = trial.update(update)
             unheard = any(str(atom) in warning for atom in returns for warning in result.warnings)
             if unheard or result.outcome is not SolveOutcome.SATISFIABLE:
                 return ()

@@ -97,13 +97,16 @@ class Preparations:
         if situation == self._prepared:
             return
         first_open, lookahead = self._outlook(planner, plan, step)
-        likely = execution.likely_return(succeeds=feeder.pending)
+        likely = execution.likely_end(succeeds=feeder.pending)
         if self._begin_join(planner, plan, step, first_open, lookahead):
             return
-        if likely is None or planner.prepare(
-            [feeder.preview(step, execution.under_way, [likely], first_open)], lookahead
-        ):
-            self._prepared = situation
+        if likely is not None:
+            ending, answer = likely
+            others = {action: planned for action, planned in execution.running.items() if action != ending}
+            update = feeder.preview(step, execution.under_way, [answer], first_open)
+            if not planner.prepare([update], lookahead, others):
+                return
+        self._prepared = situation
 
     def next_update(self, planner: Planner, plan: TaskPlan, step: int) -> Batch:
         """Return the next update, and set the lookahead of the planner.

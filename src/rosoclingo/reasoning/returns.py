@@ -1,14 +1,29 @@
 """Returns and other facts from interfaces: they are checked, matched with running actions, and fed."""
 
+import math
 from collections import Counter, deque
 from contextlib import contextmanager
-from typing import Callable, Container, Deque, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import (
+    Callable,
+    Container,
+    Deque,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Optional,
+    Sequence,
+    Tuple,
+    TypeVar,
+)
 
 from clingo import Symbol, SymbolType
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.planning.return_rules import may_heed
+from rosoclingo.reasoning.durations import Durations
 from rosoclingo.reasoning.events import Event, FactAccepted, Problem, ReturnAccepted
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
@@ -17,6 +32,8 @@ from rosoclingo.reasoning.keywords import (
     PREEMPTED,
     RESERVED,
     RETURN,
+    RUNNING,
+    TAKES,
     TIMEOUT,
     Action,
     KeywordError,
@@ -34,6 +51,7 @@ from rosoclingo.reasoning.records import (
     action_to_text,
     actions_of,
     actions_to_text,
+    group,
     keys_of,
     symbol_of,
     text_of,
@@ -53,31 +71,36 @@ EXECUTED = 64
 MOST_WAITING, MOST_TEXT = 10000, 1 << 24
 
 
+Dated = TypeVar("Dated", Action, Return)
+
+
 class ReturnError(ValueError):
     """A return or another fact is rejected; the text is the reason."""
 
 
 class Dispatch:
-    """The actions of ``cycle``, dispatched at ``started`` (seconds). The cycle ends when each action has returned.
+    """The actions that were sent in ``cycle``, at ``started`` (seconds), and their returns.
 
     The return value is the parameter of the action on success, and any other value on failure. If several actions of an
     interface are running, a failure ``failed(P)`` refers to the action with parameter P. Other failures refer to any of
     the actions that no return names.
 
     Attributes:
-        returns: the returns in order of arrival.
+        returns: the returns of the present cycle in order of arrival.
+        earlier: the returns of earlier cycles.
 
     """
 
     def __init__(self, cycle: int, actions: Tuple[Action, ...], started: float) -> None:
         self.cycle, self.actions, self.started = cycle, actions, started
         self.returns: List[Return] = []
+        self.earlier: List[Return] = []
 
     @property
     def missing(self) -> Tuple[Action, ...]:
         """The actions that have not returned; each interface has one for each outstanding return."""
         left, missing = Counter(action.interface for action in self.actions), []
-        left.subtract(answer.interface for answer in self.returns)
+        left.subtract(answer.interface for answer in self._all)
         for action in self._unanswered:
             if left[action.interface] > 0:
                 left[action.interface] -= 1
@@ -85,18 +108,25 @@ class Dispatch:
         return tuple(missing)
 
     @property
-    def failures(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
-        """The failure returns, each with the actions that it can refer to; those that name an action come first."""
-        about = [(one, self._about(one)) for one in self.returns]
-        named = [(one, (action,)) for one, action in about if action is not None and one.value != action.parameter]
-        unnamed = [one for one, action in about if action is None]
-        left = [tuple(one for one in self._unanswered if one.interface == answer.interface) for answer in unnamed]
-        return [*named, *zip(unnamed, left)]
+    def running(self) -> Tuple[Action, ...]:
+        """The actions that can still be running: all to which the next return of their interface can refer."""
+        interfaces = {one.interface for one in self.missing}
+        return tuple(one for one in self._unanswered if one.interface in interfaces)
+
+    def failures(self, answers: Iterable[Return]) -> List[Tuple[Return, Tuple[Action, ...]]]:
+        """Return the failures among ``answers``, each with the actions that it can refer to, named actions first."""
+        found = [(one, self.subjects(one)) for one in answers if Action(*one) not in self.actions]
+        return sorted(found, key=lambda one: self._about(one[0]) is None)
+
+    def subjects(self, answer: Return) -> Tuple[Action, ...]:
+        """Return the action that a return names, or else all actions of its interface that no return names."""
+        action = self._about(answer)
+        if action is not None:
+            return (action,)
+        return tuple(one for one in self._unanswered if one.interface == answer.interface)
 
     def take(self, answer: Return) -> None:
         """Record a return; raises ReturnError if it matches no running action."""
-        if answer.cycle != self.cycle:
-            raise ReturnError(f"it is cycle {self.cycle} now")
         if answer.interface not in [one.interface for one in self.actions]:
             raise ReturnError(f"no action of '{answer.interface}' is under way in cycle {self.cycle}")
         action, missing = self._about(answer), [one.interface for one in self.missing]
@@ -116,23 +146,49 @@ class Dispatch:
         value = failure_value(reason, action.parameter, parameters.__contains__)
         return Return(action.interface, value, action.cycle)
 
+    @property
+    def certain(self) -> List[Return]:
+        """The returns of this cycle whose actions are certain: a failure that names none waits for the others."""
+        open_interfaces = {one.interface for one in self.missing}
+        return [one for one in self.returns if one.interface not in open_interfaces or self._about(one) is not None]
+
+    def end_cycle(self) -> List[Tuple[Return, Tuple[Action, ...]]]:
+        """End the cycle; return the failures whose actions are certain, see :meth:`failures`."""
+        ended = self.certain
+        failures = self.failures(ended)
+        self.earlier += ended
+        self.returns = [one for one in self.returns if one not in ended]
+        return failures
+
     def record(self) -> Record:
         """Return the dispatch as a plain value."""
-        returns = [text_of(answer.atom) for answer in self.returns]
+        returns, earlier = ([text_of(one.atom) for one in answers] for answers in (self.returns, self.earlier))
         actions = actions_to_text(self.actions)
-        return {"cycle": self.cycle, "actions": actions, "started": self.started, "returns": returns}
+        return {
+            "cycle": self.cycle,
+            "actions": actions,
+            "started": self.started,
+            "returns": returns,
+            "earlier": earlier,
+        }
 
     @classmethod
     def of_record(cls, record: Record) -> "Dispatch":
         """Return the dispatch of :meth:`record`."""
         found = cls(record["cycle"], actions_of(record["actions"]), record["started"])
-        found.returns = [return_of(symbol_of(text)) for text in record["returns"]]
+        found.returns, found.earlier = (
+            [return_of(symbol_of(text)) for text in record[name]] for name in ("returns", "earlier")
+        )
         return found
+
+    @property
+    def _all(self) -> List[Return]:
+        return [*self.earlier, *self.returns]
 
     @property
     def _unanswered(self) -> List[Action]:
         """The actions that no return names."""
-        answered = [self._about(answer) for answer in self.returns]
+        answered = [self._about(answer) for answer in self._all]
         return [action for action in self.actions if action not in answered]
 
     def _about(self, answer: Return) -> Optional[Action]:
@@ -153,7 +209,12 @@ KNOWN, SHORT = 1000, 1000
 class ExecutionMonitor:
     """Monitors the execution of actions, and passes returns and other facts to the feeder.
 
+    Interfaces know an action by the cycle in which it was sent. The program knows it by the present cycle: an action
+    that goes on is an action of each cycle until it returns.
+
     Attributes:
+        cycle: the present cycle, which began with the last accepted update.
+        goes_on: whether a cycle can end while its actions run: the program receives ``_running(A,P,C)``.
         observations: the latest failures and facts, oldest first.
         unhandled: the failures that the program cannot handle, until the goals that depend on them are aborted.
 
@@ -166,7 +227,9 @@ class ExecutionMonitor:
         clock: Clock,
         emit: Callable[[Event], None],
         cycle: Callable[[], int],
+        learns: bool = True,
     ) -> None:
+        """Pass facts to ``feeder``; if ``learns``, state durations to a program that declares ``_takes(A,P,S)``."""
         self._program = program
         self._feeder = feeder
         self._emit = emit
@@ -174,46 +237,108 @@ class ExecutionMonitor:
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
         self._text = 0  # number of characters of the waiting facts
-        self._dispatch: Optional[Dispatch] = None
+        self.goes_on = program.declares_external(RUNNING, 3)
+        self._dispatches: List[Dispatch] = []
+        self.cycle, self._under_way = 0, ()  # type: int, Tuple[Action, ...]
+        self._left_out: FrozenSet[Action] = frozenset()  # running actions that the plan of this cycle leaves out
+        self._durations = Durations(feeder)
+        self._states_durations = learns and program.declares_external(TAKES, 3)
+        self._timed: List[Action] = []  # successful actions whose durations have not been learned
         self._executed: Deque[Action] = deque(maxlen=EXECUTED)
         self.observations: Deque[Observation] = deque(maxlen=MEMORY)
         self.unhandled: List[UnhandledFailure] = []
 
     @property
     def awaited(self) -> Tuple[Action, ...]:
-        """The running actions, that is, the actions without a return."""
-        return self._dispatch.missing if self._dispatch else ()
+        """The running actions as they were sent, that is, the actions without a return."""
+        return tuple(action for one in self._dispatches for action in one.missing)
 
     @property
     def under_way(self) -> Tuple[Action, ...]:
         """All actions of the cycle, including those that have returned; none once the cycle has ended."""
-        return self._dispatch.actions if self._dispatch else ()
+        return self._under_way
+
+    @property
+    def running(self) -> Dict[Action, bool]:
+        """The actions that go on after this cycle, as sent, each with whether the plan of this cycle contains it."""
+        found = (action for one in self._dispatches for action in one.running if self.goes_on)
+        return {action: action not in self._left_out for action in found}
+
+    @property
+    def has_dispatched(self) -> bool:
+        """Whether an action of this cycle was sent."""
+        return any(one.cycle == self.cycle for one in self._dispatches)
 
     @property
     def executed(self) -> Tuple[Action, ...]:
         """The latest executed actions, oldest first, even if the program has forgotten them."""
         return tuple(self._executed)
 
-    def likely_return(self, succeeds: bool) -> Optional[Symbol]:
-        """Return the expected return of the last running action, None if several are running.
+    def likely_end(self, succeeds: bool) -> Optional[Tuple[Action, Symbol]]:
+        """Return the running action that probably returns next, as it was sent, and its return.
 
-        A failure has the latest reason of the interface.
+        None if nothing runs, or if the cycle ends only when several actions have returned. A failure, which only the
+        last running action is expected to have, has the latest reason of the interface.
         """
-        if self._dispatch is None or len(self.awaited) != 1:
+        awaited = self.awaited
+        if not awaited or (len(awaited) > 1 and not self.goes_on):
             return None
-        (action,) = self.awaited
+        action = min(awaited, key=self._expected_end)
+        if succeeds or len(awaited) > 1:
+            return action, success_of(self.present(action))
         returns = (return_of(one.atom) for one in reversed(self.observations) if one.actions)
         reason = next((one.value for one in returns if one.interface == action.interface), FAILURE)
-        return success_of(action) if succeeds else self._dispatch.failure(action, reason).atom
+        return action, self._failure(action, reason)
+
+    def _expected_end(self, action: Action) -> float:
+        seconds = self._durations.expected(action)
+        return math.inf if seconds is None else self._dispatch_of(action).started + seconds
+
+    def _dispatch_of(self, action: Action) -> Dispatch:
+        return next(one for one in self._dispatches if one.cycle == action.cycle)
 
     def preempted(self, action: Action) -> Symbol:
         """Make the return of a running action that is preempted."""
-        assert self._dispatch is not None
-        return self._dispatch.failure(action, PREEMPTED).atom
+        return self._failure(action, PREEMPTED)
 
-    def begin(self, cycle: int, actions: Tuple[Action, ...], now: float) -> None:
-        """Record that the actions of ``cycle`` are dispatched."""
-        self._dispatch = Dispatch(cycle, actions, now)
+    def _failure(self, action: Action, reason: Symbol) -> Symbol:
+        return self.present(self._dispatch_of(action).failure(action, reason)).atom
+
+    def present(self, one: Dated) -> Dated:
+        """Return an action or a return as the program knows it: with the present cycle."""
+        return one._replace(cycle=self.cycle)
+
+    def _as_fed(self, answer: Return, subjects: Sequence[Action]) -> Return:
+        """Return a return with the present cycle, about one of the ``subjects``.
+
+        A failure does not look like the success of an action that was sent in another cycle.
+        """
+        value, parameter = answer.value, subjects[0].parameter
+        if self.goes_on and value != parameter:
+            parameters = [one.parameter for one in self._under_way if one.interface == answer.interface]
+            value = failure_value(value, parameter, parameters.__contains__)
+        return Return(answer.interface, value, self.cycle)
+
+    def begin_cycle(self, cycle: int) -> None:
+        """Begin a cycle: the running actions go on, as long as no plan leaves them out."""
+        self.cycle, self._left_out = cycle, frozenset()
+        self._under_way = tuple(map(self.present, self.running))
+
+    def begin(
+        self, cycle: int, actions: Tuple[Action, ...], now: float
+    ) -> Tuple[Tuple[Action, ...], Tuple[Action, ...]]:
+        """Begin the actions of ``cycle``; return those to send, and the running ones that they leave out.
+
+        An action that is running is not sent again.
+        """
+        self.cycle = cycle
+        names, running = [one.name for one in actions], [one.name for one in self.running]
+        sent = tuple(one for one in actions if one.name not in running)
+        if sent:
+            self._dispatches.append(Dispatch(cycle, sent, now))
+        self._under_way = actions
+        self._left_out = frozenset(one for one in self.running if one.name not in names)
+        return sent, tuple(one for one in self.running if one in self._left_out)
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Accept facts from the interface ``origin``; invalid facts are reported as problems and ignored."""
@@ -225,36 +350,50 @@ class ExecutionMonitor:
             self._emit(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
 
     def expire(self, now: float, limit: float) -> None:
-        """Fail actions that have not returned within ``limit`` seconds; 0 waits for ever."""
-        if self._dispatch is None or limit <= 0:
-            return
-        self._dispatch.started = min(self._dispatch.started, now)  # restart the wait if time has jumped back
-        if now - self._dispatch.started < limit:
-            return
-        for action, answer in self._dispatch.expire(TIMEOUT):
-            text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
-            self._emit(Problem(self._cycle(), text, action.interface_name))
-            with self._guarded(action.interface_name, str(answer.atom)):
-                self._feed_return(action.interface_name, answer.atom)
+        """Fail actions that have not returned within ``limit`` seconds, 0 waits for ever; learn durations."""
+        for action in self._timed:
+            self._durations.learn(action, max(0.0, now - self._dispatch_of(action).started))
+        self._timed.clear()
+        for dispatch in self._dispatches if limit > 0 else ():
+            dispatch.started = min(dispatch.started, now)  # restart the wait if time has jumped back
+            if now - dispatch.started < limit:
+                continue
+            before, expired = dispatch.certain, dispatch.expire(TIMEOUT)
+            for action, _ in expired:
+                text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
+                self._emit(Problem(self._cycle(), text, action.interface_name))
+            for one in self._fresh(dispatch, before, [answer for _, answer in expired]):
+                with self._guarded(one.interface_name, str(one.atom)):
+                    self._feed_return(one.interface_name, one, dispatch)
 
     def end_cycle(self) -> Tuple[Action, ...]:
         """End the cycle; return its executed actions."""
-        dispatch, self._dispatch = self._dispatch, None
-        if dispatch is None:
-            return ()
-        for answer, actions in dispatch.failures:
-            failure = Observation(answer.atom, answer.cycle, actions)
+        if self._states_durations:
+            self._durations.state()
+        self._timed.clear()
+        executed, self._under_way = self._under_way, ()
+        for answer, actions in (one for dispatch in self._dispatches for one in dispatch.end_cycle()):
+            atom = self._as_fed(answer, actions).atom
+            failure = Observation(atom, self.cycle, tuple(map(self.present, actions)))
             self.observations.append(failure)
-            self._feeder.add_failure(answer.atom, actions)
+            self._feeder.add_failure(failure.atom, failure.actions)
             if not self._can_handle(failure):
                 self.unhandled.append(UnhandledFailure(failure))
-        self._executed.extend(dispatch.actions)
-        return dispatch.actions
+        self._dispatches = [one for one in self._dispatches if one.missing]
+        self._executed.extend(executed)
+        return executed
 
     def record(self) -> Record:
         """Return the state as plain values."""
         return {
-            "dispatch": None if self._dispatch is None else self._dispatch.record(),
+            "execution": {
+                "cycle": self.cycle,
+                "under_way": actions_to_text(self._under_way),
+                "left_out": actions_to_text(sorted(self._left_out)),
+                "timed": actions_to_text(self._timed),
+            },
+            **{f"dispatch:{one.cycle}": one.record() for one in self._dispatches},
+            **self._durations.record(),
             "observations": [one.record() for one in self.observations],
             "unhandled": [{"failure": one.failure.record(), "undone": one.undone} for one in self.unhandled],
             **{f"done:{action_to_text(action)}": 1 for action in self._executed},
@@ -263,8 +402,11 @@ class ExecutionMonitor:
 
     def restore(self, record: Record) -> None:
         """Restore from a record."""
-        dispatch = record["dispatch"]
-        self._dispatch = None if dispatch is None else Dispatch.of_record(dispatch)
+        execution = record["execution"]
+        self.cycle, self._under_way = execution["cycle"], actions_of(execution["under_way"])
+        self._left_out, self._timed = frozenset(actions_of(execution["left_out"])), list(actions_of(execution["timed"]))
+        self._durations.restore(record)
+        self._dispatches = list(map(Dispatch.of_record, group(record, "dispatch").values()))
         self.observations.extend(map(Observation.of_record, record["observations"]))
         for one in record["unhandled"]:
             self.unhandled.append(UnhandledFailure(Observation.of_record(one["failure"]), one["undone"]))
@@ -283,11 +425,7 @@ class ExecutionMonitor:
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
         """Accept a fact; raises KeywordError for a malformed return, and ReturnError for a rejected fact."""
         if is_keyword(atom, RETURN):
-            answer = return_of(atom)
-            if self._dispatch is None:
-                raise ReturnError("no action is under way")
-            self._dispatch.take(answer)
-            self._feed_return(origin, atom)
+            self._take_return(origin, return_of(atom))
         else:
             self._check(atom)
             self._text = self._text if self._feeder.waiting else 0
@@ -297,6 +435,23 @@ class ExecutionMonitor:
                 self._text += size
                 self._emit(FactAccepted(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle(), message)
+
+    def _take_return(self, origin: str, answer: Return) -> None:
+        """Accept a return; raises ReturnError if it matches no running action."""
+        dispatch = next((one for one in self._dispatches if one.cycle == answer.cycle), None)
+        if dispatch is None:
+            raise ReturnError(f"no action of cycle {answer.cycle} is under way")
+        before = dispatch.certain
+        dispatch.take(answer)
+        for one in self._fresh(dispatch, before, [answer]):
+            self._feed_return(origin, one, dispatch)
+        action = Action(*answer)
+        if action in dispatch.actions and (self.goes_on or self._states_durations):
+            self._timed.append(action)
+
+    def _fresh(self, dispatch: Dispatch, before: Sequence[Return], answers: Sequence[Return]) -> Sequence[Return]:
+        """Return the returns to feed after ``answers``: these or, if actions go on, those that have become certain."""
+        return [one for one in dispatch.certain if one not in before] if self.goes_on else answers
 
     def update_accepted(self, facts: Iterable[Observation], present: Container[Optional[Symbol]]) -> None:
         """Record the ``facts`` of an accepted update that are ``present`` in it; omitted facts can be sent again."""
@@ -353,8 +508,9 @@ class ExecutionMonitor:
             del self._known[next(iter(self._known))]
         return known
 
-    def _feed_return(self, origin: str, atom: Symbol) -> None:
+    def _feed_return(self, origin: str, answer: Return, dispatch: Dispatch) -> None:
         """Feed a return that has been recorded."""
+        atom = self._as_fed(answer, dispatch.subjects(answer)).atom
         self._emit(ReturnAccepted(self._cycle(), atom))
         self._check(atom)
         self._feeder.add_fact(atom, origin, self._cycle())

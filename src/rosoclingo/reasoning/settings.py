@@ -21,6 +21,8 @@ class CoreSettings:
             0 for no limit.
         search_timeout: seconds of processor time after which a search is ended, 0 for never. Admission chooses the
             number of goals so that searches stay well below it.
+        learn_durations: whether the median durations of successful actions are stated to a program that declares
+            ``#external _takes/3``.
 
     """
 
@@ -30,3 +32,4 @@ class CoreSettings:
     goals_at_once: int = 0
     overtaking_limit: int = 20
     search_timeout: float = 10.0
+    learn_durations: bool = True

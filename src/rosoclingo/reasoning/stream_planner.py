@@ -6,7 +6,7 @@ it, without effect on the first one.
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from clingo import Symbol
 
@@ -21,7 +21,7 @@ from rosoclingo.oclingo import (
     Volatile,
     commitment,
 )
-from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Reset, Withdraw
+from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Item, Reset, Withdraw
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
@@ -55,6 +55,9 @@ class Halt(NamedTuple):
     why: str
     disturbed: bool = False
 
+
+#: Running actions, each with whether the plan of the cycle contains it.
+RunningActions = Mapping[Action, bool]
 
 #: Called at the start of each search. The returned function is polled during the search.
 SearchWatch = Callable[[], Callable[[], Optional[Halt]]]
@@ -96,6 +99,8 @@ class Planner:
 
     Attributes:
         lookahead: the maximum number of steps from the current cycle to the horizon; derived planners inherit it.
+        running: returns the actions, of any cycle, that go on in the cycles that an update closes, each with whether
+            the update commits to them; derived planners inherit it.
         ended_by: why the last search was ended, empty if it ended by itself.
 
     """
@@ -106,10 +111,11 @@ class Planner:
         lookahead: int,
         watch: SearchWatch = unwatched,
         log: Optional[History] = None,
+        running: Callable[[], RunningActions] = dict,
     ) -> None:
         """Plan from the start, or continue from ``log``."""
         self._make_solver = make_solver
-        self.lookahead = lookahead
+        self.lookahead, self.running = lookahead, running
         self._watch = watch
         self._solver = make_solver()
         if log is not None:
@@ -158,11 +164,11 @@ class Planner:
         The cycles since the last update are closed: a plan has no other actions in them than those that this update
         commits to.
         """
-        return self._search(_whole(self.log, update, self.lookahead))
+        return self._search(self._whole(update, self.lookahead))
 
     def take(self, update: StreamUpdate) -> SolveResult:
         """Feed an update without lookahead; a missing answer counts as interrupted, because it proves nothing."""
-        result = self._search(_whole(self.log, update, 0))
+        result = self._search(self._whole(update, 0))
         unknown = result.outcome is SolveOutcome.UNSATISFIABLE and not result.permanent
         return replace(result, outcome=SolveOutcome.INTERRUPTED) if unknown else result
 
@@ -184,7 +190,7 @@ class Planner:
         The history does not change. The ``disabled`` facts are a subset of the ``assumable`` ones. The grounding is
         reused if only the disabled facts and the steps change.
         """
-        whole = _whole(self.log, update, steps)
+        whole = self._whole(update, steps)
         verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, assumable, disabled, stopped))
         self._note(halt if verdict.satisfiable is None else None)
         return verdict
@@ -206,20 +212,24 @@ class Planner:
         with suppress(SolverError):  # the history is unchanged
             self._solver.compact(stopped)
 
-    def prepare(self, updates: Sequence[StreamUpdate], lookahead: int) -> bool:
+    def prepare(
+        self, updates: Sequence[StreamUpdate], lookahead: int, running: Optional[RunningActions] = None
+    ) -> bool:
         """Prefetch the answer to the last of ``updates``, without waiting; return whether the prefetch has begun.
 
-        The current plan must be a plan for all other updates. ``lookahead`` applies to all of them.
+        The current plan must be a plan for all other updates. ``lookahead`` applies to all of them. ``running`` are
+        the actions that go on, by default those that run now.
         """
+        running = self.running() if running is None else running
         log, whole = self.log, []  # type: History, List[StreamUpdate]
         for update in updates:
-            whole.append(_whole(log, update, lookahead))
+            whole.append(_whole(log, update, lookahead, running))
             log = log.with_entries(AcceptedUpdate(whole[-1], log.horizon))
         return self._solver.prefetch(whole[-1], whole[:-1])
 
     def has_prepared(self, update: StreamUpdate, watch: Optional[SearchWatch] = None) -> bool:
         """Return whether the answer to ``update``, as the next update, was prefetched; wait until ``watch`` ends."""
-        whole = _whole(self.log, update, self.lookahead)
+        whole = self._whole(update, self.lookahead)
         if watch is None:
             return self._solver.has_prefetched(whole)
         look = watch()
@@ -227,7 +237,7 @@ class Planner:
 
     def predicts(self, update: StreamUpdate) -> bool:
         """Return whether ``update``, as the next update, needs no search."""
-        return self._solver.predicts(_whole(self.log, update, self.lookahead))
+        return self._solver.predicts(self._whole(update, self.lookahead))
 
     def why_none(self, result: SolveResult) -> str:
         """Return why the last search, with this ``result``, found no plan."""
@@ -247,7 +257,7 @@ class Planner:
 
     def with_log(self, log: History) -> "Planner":
         """Return another planner with the history ``log``."""
-        return Planner(self._make_solver, self.lookahead, self._watch, log)
+        return Planner(self._make_solver, self.lookahead, self._watch, log, self.running)
 
     def before_update(self) -> "Planner":
         """Return another planner without the last update."""
@@ -276,7 +286,9 @@ class Planner:
         fed: List[StreamUpdate] = []
         for last, now in zip([0, *stops], stops):
             past = (CloseCycles(last, now - 1), Expire(now - RECENT)) if now > 1 else ()
-            result = planner.update(StreamUpdate(now, items=past if last else (Reset(), *past)))
+            going_on = dict.fromkeys(self.running(), False) if now == step else {}
+            items = _with_running(past if last else (Reset(), *past), [now - 1], going_on)
+            result = planner.update(StreamUpdate(now, items=tuple(items)))
             fed.append(planner.last_update)
         return planner, fed, result
 
@@ -284,6 +296,9 @@ class Planner:
     def _before(self) -> Optional[History]:
         """The history before the last update, None if there is none."""
         return self.log.before_update
+
+    def _whole(self, update: StreamUpdate, lookahead: int) -> StreamUpdate:
+        return _whole(self.log, update, lookahead, self.running())
 
     def _search(self, update: StreamUpdate) -> SolveResult:
         result, halt = self._watched(lambda stopped: self._solver.update(update, stopped))
@@ -318,13 +333,24 @@ class Planner:
             raise DisturbedError(halt.why, accepted=True)
 
 
-def _whole(log: History, update: StreamUpdate, lookahead: int) -> StreamUpdate:
+def _whole(log: History, update: StreamUpdate, lookahead: int, running: RunningActions) -> StreamUpdate:
     """Return ``update`` with its bound and the cycles that it closes, without items that ``log`` already implies."""
     known = [item for item in update.items if isinstance(item, Expire) and item.step <= log.keep_from]
     items = tuple(item for item in update.items if item not in known)
     if update.step is not None and update.step > log.step and not any(isinstance(one, CloseCycles) for one in items):
-        items = (CloseCycles(log.step, update.step - 1), *items)
+        items = (CloseCycles(log.step, update.step - 1), *_with_running(items, range(log.step, update.step), running))
     return replace(update, bound=lookahead, items=items)
+
+
+def _with_running(items: Sequence[Item], cycles: Iterable[int], running: RunningActions) -> Sequence[Item]:
+    """Return ``items`` with the actions that go on in the closed ``cycles``, after the other commitments."""
+    if not running:
+        return items
+    place = max((n for n, one in enumerate(items, 1) if not isinstance(one, Statement) or one.is_commitment), default=0)
+    dated = [(action._replace(cycle=cycle), planned) for cycle in cycles for action, planned in running.items()]
+    done = [commitment(action.atom) for action, planned in dated if planned]
+    going_on = [Statement(action.running) for action, _ in dated]
+    return (*items[:place], *(one for one in done if one not in items), *going_on, *items[place:])
 
 
 def split_batch(planner: Planner, batch: Batch, result: SolveResult) -> Tuple[Planner, Batch, SolveResult]:

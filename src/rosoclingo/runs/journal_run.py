@@ -14,12 +14,13 @@ from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
 from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
 from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, history
 from rosoclingo.reasoning.journal.keeper import ClientGoal
-from rosoclingo.reasoning.keywords import REQUEST, RETURN, is_keyword
+from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES
 from rosoclingo.reasoning.records import Record, actions_of, group, keys_of, log_of, plan_of, symbol_of
 from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.run_view import RunView
+from rosoclingo.runs.sent_returns import SentReturns
 
 __all__ = ["journal_run", "journal_view"]
 
@@ -124,6 +125,7 @@ class _Reader:
         self._ended: Set[str] = set()
         self._states: Dict[str, Tuple[GoalState, bool]] = {}
         self._returns: Set[str] = set()
+        self._sent_returns = SentReturns()
         self._entries: Set[str] = set()  # names of the log's entries
         self._updates: List[StreamUpdate] = []  # updates since the beginning of the last cycle
         self._cycle = 0  # of the last accepted update
@@ -155,8 +157,10 @@ class _Reader:
         self._entries.update(group(state, "log"))
         if state["plan"] is not None and (self._cycle or plan_of(state["plan"]).actions):
             self._decided(time, self.first, state)
-        if state["dispatch"] is not None:
-            self._events.dispatched(time, [str(one.atom) for one in actions_of(state["dispatch"]["actions"])])
+        sent = [one for dispatch in _dispatches(state) for one in dispatch.actions]
+        if sent:
+            self._sent_returns = SentReturns(one for one in sent if one.cycle < self._cycle)
+            self._events.dispatched(time, [str(one.atom) for one in sent])
             self._running(time, state)
 
     def _arrivals(self, time: float, state: Record) -> None:
@@ -175,8 +179,8 @@ class _Reader:
     def _running(self, time: float, state: Record) -> None:
         """Report cancellations and returns of running actions."""
         self._events.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"]["ended"])])
-        if state["dispatch"] is not None:
-            self._returned(time, [str(one.atom) for one in Dispatch.of_record(state["dispatch"]).returns])
+        for dispatch in _dispatches(state):
+            self._returned(time, [str(one.atom) for one in dispatch.returns])
 
     def _returned(self, time: float, facts: List[str]) -> None:
         fresh = [text for text in facts if text not in self._returns]
@@ -191,6 +195,7 @@ class _Reader:
         self._updates += [one.update for one in accepted if isinstance(one, AcceptedUpdate) and one.update is not None]
         if _latest(state) > self._cycle:
             for update in self._effective_updates():
+                self._returned(time, [str(one.atom) for one in self._sent_returns.of(update)])
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
             self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True
@@ -198,9 +203,9 @@ class _Reader:
             if state["plan"] is not None and state["plan"] != self._plan:
                 self._plan = state["plan"]
                 self._decided(time, self._cycle, state)
-            dispatch = state["dispatch"]
-            if dispatch is not None and dispatch["cycle"] == self._cycle:
-                self._events.dispatched(time, [str(one.atom) for one in actions_of(dispatch["actions"])])
+            for dispatch in _dispatches(state):
+                if dispatch.cycle == self._cycle:
+                    self._events.dispatched(time, [str(one.atom) for one in dispatch.actions])
 
     def _effective_updates(self) -> List[StreamUpdate]:
         """Return the last update of each step, or all updates from the last restart of the program on."""
@@ -238,13 +243,17 @@ class _Reader:
                 self._events.status(time, key, _NUMBERS[client.ending.state], client.ending.message)
 
 
+def _dispatches(state: Record) -> List[Dispatch]:
+    """Return the actions of the present cycle and running ones of earlier cycles, with their returns."""
+    return list(map(Dispatch.of_record, group(state, "dispatch").values()))
+
+
 def _latest(state: Record) -> int:
     """Return the cycle of the last accepted update."""
     return int(state["core"]["published"])
 
 
 def _facts(update: StreamUpdate) -> List[str]:
-    """Return the external facts of an update, returns first."""
+    """Return the facts of interfaces in an update, except returns."""
     heads = [one.head for one in update.items if isinstance(one, Statement) and one.head is not None]
-    facts = [head for head in heads if not is_keyword(head, REQUEST)]
-    return [str(head) for head in sorted(facts, key=lambda head: not is_keyword(head, RETURN))]
+    return [str(head) for head in heads if head.name not in (REQUEST, RETURN, RUNNING, TAKES)]

@@ -7,15 +7,12 @@ import json
 import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
-from clingo import Symbol
-
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, StreamUpdate, parse_term, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
     REQUEST,
-    RETURN,
     STATUS,
     is_keyword,
     name_of,
@@ -27,6 +24,7 @@ from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalReport, RunEvents, r
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplified
+from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
@@ -96,6 +94,7 @@ class RunView(RunEvents):
         self.dispatched_actions: List[str] = []
         self._actions = ActionRecords(self.tables["actions"], self._words)
         self._run = ""
+        self._sent_returns = SentReturns()
         self._start: Optional[float] = None
         self.seconds = 0.0
 
@@ -129,6 +128,7 @@ class RunView(RunEvents):
         if self._run and run != self._run:
             self._cycles, self._sent = {}, set()
             self._actions.forget()
+            self._sent_returns = SentReturns()
             self.describe(run=self.about["run"] + 1)
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was restarted")
@@ -198,7 +198,7 @@ class RunView(RunEvents):
         step, sources, plain = None, set(), shortened(text, SHOWN)
         try:
             update = parse_update(text)
-            step, sources, plain = update.step, _sources(update), shortened(str(update.plain).strip(), 10 * SHOWN)
+            step, sources, plain = update.step, self._sources(update), shortened(str(update.plain).strip(), 10 * SHOWN)
         except OclingoError:
             pass
         one = self._cycle(step if step is not None else self._last_cycle, now)
@@ -405,6 +405,13 @@ class RunView(RunEvents):
         if shapes != ([] if last is None else last["shapes"]):
             self.tables["drawn"].add(time=self._believed_since, shapes=shapes)
 
+    def _sources(self, update: StreamUpdate) -> Set[str]:
+        """Return the requests and returns in an update, which other topics publish first."""
+        heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
+        requests = [one.arguments[0] for one in heads if is_keyword(one, REQUEST)]
+        goals = {str(one) for one in requests if not is_keyword(one, "cancel")}
+        return goals | {str(one.atom) for one in self._sent_returns.of(update)}
+
     def _word(self, key: str) -> str:
         """Return the latest state of a goal, empty for an unknown goal."""
         number = self._goals.get(key)
@@ -433,19 +440,6 @@ class RunView(RunEvents):
     def _enter(self, time: float, cycle: int, kind: str, text: str) -> None:
         self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, text=shortened(text, SHOWN))
         self.enter(time, cycle, kind, text)
-
-
-def _sources(update: StreamUpdate) -> Set[str]:
-    """Return the requests and returns in an update, which other topics publish first."""
-    heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
-    return {_source(head) for head in heads} - {""}
-
-
-def _source(head: Symbol) -> str:
-    if is_keyword(head, REQUEST):
-        goal = head.arguments[0]
-        return "" if is_keyword(goal, "cancel") else str(goal)
-    return str(head) if is_keyword(head, RETURN) else ""
 
 
 def _as_fed(text: str) -> str:

@@ -118,7 +118,7 @@ CYCLES = {
         goal a both(1); does left,1,1 right,1,1; facts _return(right,failed,1); cycle 1
         facts _return(left,1,1); cycle 2; sends :- not _action_lib(left,1,1). :- not _action_lib(right,1,1)..."""),
     "return while nothing is under way": (ERRANDS, {}, """
-        facts _return(walk,1,1); problem ...no action is under way...; unsent ..."""),
+        facts _return(walk,1,1); problem ...no action of cycle 1 is under way...; unsent ..."""),
     "action that does not return in time": (ERRANDS, {"action_timeout": 10.0}, """
         goal a do(walk,1); wait 9.9; cycle 1; wait 0.1; cycle 2; sends ..._return(walk,timeout,1).; problem ...10 s...
         finish; is a succeeded"""),
@@ -213,7 +213,7 @@ def test_core_remembers_cycles_that_an_open_request_saw():
 @pytest.mark.parametrize(
     ("fact", "reason"),
     [
-        ("_return(walk,1,2)", "it is cycle 1 now"),
+        ("_return(walk,1,2)", "no action of cycle 2 is under way"),
         ("_return(swim,1,1)", "no action of 'swim'"),
         ("_return(walk,1)", "not of the form"),
         ("_return(walk,1,soon)", "no positive integer"),

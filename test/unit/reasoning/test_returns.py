@@ -59,8 +59,8 @@ def test_returns_predict_failure_that_differs_from_success(parameter, value):
         monitor.receive("go", ["_return(go,lost,1)"])
         monitor.end_cycle()
     monitor.begin(2, (action_of(parse_atom(f"_action_lib(go,{parameter},2)")),), 1.0)
-    assert str(monitor.likely_return(succeeds=True)) == f"_return(go,{parameter},2)"
-    assert str(monitor.likely_return(succeeds=False)) == f"_return(go,{value},2)"
+    ends = [monitor.likely_end(succeeds=one) for one in (True, False)]
+    assert [str(answer) for _, answer in ends] == [f"_return(go,{parameter},2)", f"_return(go,{value},2)"]
 
 
 def test_returns_limit_remembered_facts_with_a_cycle(monkeypatch):

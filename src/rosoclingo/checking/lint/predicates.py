@@ -21,7 +21,7 @@ MANY = 6  # values that a message lists
 
 _KEYWORDS = frozenset(KEYWORDS.values())
 
-_INCOMING = frozenset({"_request", "_return", "_failed", "_cancel"})
+_INCOMING = frozenset({"_request", "_return", "_failed", "_cancel", "_running"})
 
 _OUTGOING = {one for one in _KEYWORDS if one.name not in _INCOMING} | {Signature("_draws", 2), Signature("_draws", 3)}
 """The predicates that are read from an answer even if the program does not show them."""

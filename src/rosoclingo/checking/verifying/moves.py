@@ -10,7 +10,7 @@ from rosoclingo.checking.verifying.shared_solver import retimed
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Clock
-from rosoclingo.reasoning.keywords import FAILED, FAILURE, Action, Return, failure_value, name_of
+from rosoclingo.reasoning.keywords import FAILED, FAILURE, RUNNING, Action, Return, failure_value, name_of
 
 GOAL, CANCEL, FACT = "goal", "cancel of", "fact"
 """The kinds of arrivals, in words."""
@@ -46,7 +46,7 @@ class ActionEnd(NamedTuple):
 
 
 class Move(NamedTuple):
-    """The events before the next update: arrivals in order, then the returns of all running actions."""
+    """The events before the next update: arrivals in order, then the returns of running actions."""
 
     arrivals: Tuple[Arrival, ...] = ()
     answers: Tuple[ActionEnd, ...] = ()
@@ -60,6 +60,10 @@ class Move(NamedTuple):
     def failures(self) -> Tuple[ActionEnd, ...]:
         """The actions that fail."""
         return tuple(one for one in self.answers if one.fails)
+
+    def ends_as(self, other: "Move") -> bool:
+        """Return whether the same actions return."""
+        return [one.action for one in self.answers] == [one.action for one in other.answers]
 
 
 class Repertory(NamedTuple):
@@ -90,21 +94,23 @@ class Moves:
     ) -> Iterator[Move]:
         """Yield the moves of at most ``left`` events, those with fewer events first.
 
-        ``step`` is that of the next update. Without running actions, an event is required unless the core is ``due``.
+        ``step`` is that of the next update. Without a return, an event is required unless the core is ``due``.
         """
         arrivals = self._arrivals(goals, step) if left else []
         for count in range(min(left, self._limits.together) + 1):
             for failing in range(min(count, len(awaited)) + 1):
                 for some in combinations(arrivals, count - failing):
                     for answers in self._answers(awaited, failing):
-                        if awaited or due or some:
+                        if answers or due or some:
                             yield Move(some, answers)
 
     def returns(self, actions: Iterable[Tuple[Symbol, Symbol]]) -> Iterator[Symbol]:
-        """Yield the likely returns, of cycle 1, of actions given by name and parameter."""
+        """Yield the likely returns and running actions, of cycle 1, of actions given by name and parameter."""
         for name, parameter in sorted(actions):
             known = self._parameters.setdefault(name, [])
             known += [] if parameter in known else [parameter]
+            if self._program.declares_external(RUNNING, 3):
+                yield Action(name, parameter, 1).running
             for value in (parameter, *self._reasons(name)):
                 yield Return(name, value, 1).atom
                 if self._program.declares_external(FAILED, 3):
@@ -114,10 +120,14 @@ class Moves:
         return self._repertory.reasons.get(name_of(interface), (FAILURE,))
 
     def _answers(self, awaited: Sequence[Action], failing: int) -> Iterator[Tuple[ActionEnd, ...]]:
-        for chosen in combinations(awaited, failing):
-            values = [self._failures(one, awaited) if one in chosen else (one.parameter,) for one in awaited]
-            for some in product(*values):
-                yield tuple(map(ActionEnd, awaited, some))
+        """Yield the returns of all running actions or, if actions can go on, also of some of them."""
+        least = failing if self._program.declares_external(RUNNING, 3) else len(awaited)
+        ended = (some for count in range(len(awaited), least - 1, -1) for some in combinations(awaited, count))
+        for actions in ended:
+            for chosen in combinations(actions, failing):
+                values = [self._failures(one, awaited) if one in chosen else (one.parameter,) for one in actions]
+                for some in product(*values):
+                    yield tuple(map(ActionEnd, actions, some))
 
     def _failures(self, action: Action, awaited: Sequence[Action]) -> Sequence[Symbol]:
         """Return the return values of a failure: the reasons, and the parameter of another action."""

@@ -82,6 +82,12 @@ class Circle(NamedTuple):
     steps: Tuple[Step, ...]
 
     @property
+    def starves(self) -> bool:
+        """Whether an action runs all the time and never returns, which no interface does."""
+        ended = {one.action.name for step in self.steps for one in step.move.answers}
+        return any(one.name not in ended for one in self.node.awaited)
+
+    @property
     def acts(self) -> bool:
         """Whether the run executes actions."""
         return any(step.move.answers for step in self.steps)

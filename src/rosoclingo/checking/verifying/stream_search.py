@@ -133,7 +133,8 @@ class StreamSearch:
                 if move.cost == 0:
                     successes.append(after)
                 elif not move.arrivals and len(move.failures) == 1:
-                    self._twins += [_Twins(one, after, move) for one in successes]
+                    alike = [one for one in successes if one.step is not None and one.step.move.ends_as(move)]
+                    self._twins += [_Twins(one, after, move) for one in alike]
         node.snapshot = None  # no longer needed
 
     def _successors(self, node: StateNode, move: Move) -> Iterator[StateNode]:
@@ -232,6 +233,8 @@ class StreamSearch:
     def _note_circles(self, cost: int) -> None:
         nodes = [one for one in set(self._met.values()) if one.cost <= cost]
         for circle in circles(sorted(nodes, key=lambda one: (one.cost, one.length))):
+            if circle.starves:
+                continue
             kind = DefectKind.NEVER_ENDED if circle.acts else DefectKind.PUT_OFF
             way, goals = (*circle.node.way, *circle.steps), ", ".join(circle.node.goals)
             self._found.add(Defect(kind, way, goals, circle.node.cost, circular=True))

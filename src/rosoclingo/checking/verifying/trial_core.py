@@ -124,7 +124,7 @@ class TrialCore(ResumableCore):
     @property
     def due(self) -> bool:
         """Whether the core continues without an event."""
-        return not self.awaited and self._due()
+        return self._due()
 
     @property
     def next_step(self) -> int:

@@ -95,6 +95,8 @@ class CoreNode:
             to abort when there is no plan, and again for the reasons. Afterwards goals are queued instead. 0 for no
             limit. A check that has started still completes.
         ~preempt (bool, default false): cancel a running action immediately if the new plan does not contain it.
+        ~learn_durations (bool, default true): state the durations of actions, as medians of those observed in this run,
+            by ``_takes(A,P,S)`` to a program that declares ``#external _takes/3``.
         ~journal (str, default auto): the folder of the journal, from which the core resumes after it was killed.
             ``auto``: a folder below ``rosoclingo`` in ROS_HOME, named after the node, its master and the program.
             ``none``: no journal. Automatic folders that were not used for a week are deleted, except the latest 20.

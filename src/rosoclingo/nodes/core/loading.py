@@ -71,6 +71,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         preempt=given.at("preempt").flag(defaults.preempt),
         goals_at_once=given.at("goals_at_once").whole(defaults.goals_at_once, low=0),
         overtaking_limit=given.at("overtaking_limit").whole(defaults.overtaking_limit, low=0),
+        learn_durations=given.at("learn_durations").flag(defaults.learn_durations),
     )
     found = CoreParameters(
         program_files=_files(given.at("program_files")),

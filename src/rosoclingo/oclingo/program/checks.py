@@ -23,6 +23,7 @@ _FORMS = {
     "_status": "(Id,Status,C)",
     "_explain": "(What,Text,C)",
     "_cancel": "(Action,Parameter,C)",
+    "_running": "(Action,Parameter,C)",
     "_refuse": "(Fact,Text,C)",
     "_never": "(Text,C)",
     "_says": "(Action,Text)",

@@ -28,7 +28,8 @@ import clingo
 from clingo.ast import ASTType, ComparisonOperator, Sign
 from clingo.backend import Observer
 
-from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.action_rules import RUNNING
+from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, signature_and_arguments
 from rosoclingo.oclingo.program.survey import GENERATED, OWN
@@ -49,6 +50,7 @@ _MOST_WAYS = 64  # greatest number of variants of a rule
 _DEEPEST = 6  # greatest difference of depths
 _BY_RULE = f"{OWN}_by_rule"
 _ANYTHING = clingo.Function("_")
+_RUNNING_RULE = "_running(A,P,C) :- _action_lib(A,P,C)."
 
 _OPERATORS = {
     ComparisonOperator.Equal: "=",
@@ -152,12 +154,13 @@ class Reach:
         ]
         used = {one.signature for rule in self.rules for one in rule.body} | survey.using.keys()
         self.free: Set[Signature] = set(free) if known is not None else {*free, *survey.opened, *(used - survey.known)}
-        self._growing = _growing(self.rules)
+        self._all_rules = [*self.rules, *(self._core_rules() if known is None else ())]
+        self._growing = _growing(self._all_rules)
         self._exact: Dict[int, Set[str]] = {}
         self._open = self._open_arguments()
         self.known = [one for one in known or () if not one.name.startswith(OWN)]
         lines = [f"{{ {self._without_steps(one)} }}." for one in self.known]
-        for number, rule in enumerate(self.rules):
+        for number, rule in enumerate(self._all_rules):
             if rule.head.signature not in self.free:
                 lines += self._texts(rule, number, rule.head.signature in numbered)
         self._control = _ground("\n".join(lines))
@@ -214,6 +217,14 @@ class Reach:
             comparisons = tuple(found for one in compared for found in self._comparisons(one, step))
             yield HeadRule(statement, step, _inlined(head, body, comparisons), body, comparisons)
 
+    def _core_rules(self) -> List[HeadRule]:
+        """Return a rule for the external ``_running``, which the core states only about actions of the program."""
+        if RUNNING not in self.free:
+            return []
+        self.free.discard(RUNNING)
+        rules = (one for one in parse(_RUNNING_RULE) if one.ast_type == ASTType.Rule)
+        return [rule for one in rules for rule in self._rules_of(one, "")]
+
     def _condition(self, term: Node, step: str) -> Condition:
         return Condition(term, signature_and_arguments(term)[0], self.patterns(term, step))
 
@@ -230,14 +241,14 @@ class Reach:
         """Return the arguments with unknown values, and store the exact variables of each rule."""
         found = {(one, number) for one in self.free for number in range(one.arity)}
         users: Dict[Signature, Set[int]] = {}
-        for number, rule in enumerate(self.rules):
+        for number, rule in enumerate(self._all_rules):
             for condition in rule.body:
                 users.setdefault(condition.signature, set()).add(number)
-        waiting = dict.fromkeys(range(len(self.rules)))
+        waiting = dict.fromkeys(range(len(self._all_rules)))
         while waiting:
             number = next(iter(waiting))
             del waiting[number]
-            rule = self.rules[number]
+            rule = self._all_rules[number]
             self._exact[number] = _exact(rule, found)
             exact = self._exact[number] - self._growing.get(number, set())
             rows = (enumerate(one.arguments) for one in rule.head.patterns)

@@ -19,7 +19,7 @@ from rosoclingo.reasoning.records import Record
 NAME = "journal.db"
 
 #: The format that this version writes and reads, SQLite's ``user_version``.
-FORMAT = 6
+FORMAT = 7
 
 #: The tables. ``change`` is a JSON object: the sections to ``drop`` and the sections to ``set``.
 TABLES = (

@@ -133,7 +133,7 @@ def test_journal_log_with_changed_byte_has_earlier_state(killed, scratch, data):
         ("DELETE FROM record", "record 1 is missing"),
         ("UPDATE header SET program = 'other'", "the header is missing or corrupt"),
         ("DELETE FROM header", "the header is missing or corrupt"),
-        ("PRAGMA user_version = 99", "it is of format 99, this version reads 6"),
+        ("PRAGMA user_version = 99", "it is of format 99, this version reads 7"),
     ],
 )
 def test_journal_refuses_a_change_at_its_record(folder, change, words):

@@ -33,7 +33,7 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
         state = node.on_disk
         assert state["core"]["step"] >= event.cycle or event.cycle == 1
         if isinstance(event, ActionsDispatched):
-            assert str(event.actions[0].atom) in json.dumps(state["dispatch"])
+            assert str(event.actions[0].atom) in json.dumps(state["execution"])
         if isinstance(event, GoalChanged) and event.outcome is not None:
             assert f"goal:{event.key}" not in state
             assert state[f"client:{event.key}"]["ending"]["state"] == event.state.value

@@ -98,7 +98,7 @@ def test_start_refuses_journal_of_another_program(folder, left, resume):
             "UPDATE record SET change = replace(change, 'goal(2)', 'goal(3)')",
             "record 1 is corrupt: start",
         ),
-        ("PRAGMA user_version = 1", "it is of format 1, this version reads 6: .*journal clear"),
+        ("PRAGMA user_version = 1", "it is of format 1, this version reads 7: .*journal clear"),
     ],
 )
 def test_start_refuses_damaged_journal_or_other_format(folder, left, resume, change, words):

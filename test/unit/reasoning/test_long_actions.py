@@ -1,0 +1,180 @@
+"""Programs with ``_running``: a cycle ends with the first return or arrival, and the other actions go on."""
+
+import re
+from pathlib import Path
+
+import pytest
+from core_driver import Driver, FaultyDriver
+from core_scripts import play, scripts
+from team_programs import FREE, LATER, TEAM
+
+from rosoclingo.reasoning.settings import CoreSettings
+
+DOCUMENT = (Path(__file__).resolve().parents[3] / "doc" / "long_actions.md").read_text(encoding="utf-8")
+
+#: The documented program with durations: goals make(Kind,Steps,Id) of a workshop with a saw and a paint shop.
+(WORKSHOP,) = re.findall(r"^```\n(#external.*?)^```$", DOCUMENT, re.MULTILINE | re.DOTALL)
+
+#: The name of each course, and its script.
+COURSES = {
+    "a goal ends the cycle": """
+        goal a job(saw,1); does saw,1,1; goal b job(drill,2); does saw,1,1 drill,2,2; cycle 2
+        sends :- not _action_lib(saw,1,1). _running(saw,1,1). _request(job(drill,2),3).; problems 0""",
+    "the first return ends the cycle": """
+        add a job(saw,1); goal b job(drill,2); does drill,2,1 saw,1,1
+        facts _return(saw,1,1); does drill,2,1; cycle 2; is a succeeded; is b active
+        sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _running(drill,2,1). _return(saw,1,1).
+        facts _return(drill,2,1); does; cycle 3; is b succeeded
+        sends :- not _action_lib(drill,2,2). _return(drill,2,2).; done drill,2,1 saw,1,1; problems 0""",
+    "returns in one message share a cycle": """
+        add a job(saw,1); goal b job(drill,2); facts _return(drill,2,1) _return(saw,1,1)
+        cycle 2; all b active succeeded
+        sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _return(drill,2,1). _return(saw,1,1).""",
+    "facts and cancels end the cycle": """
+        add a job(saw,1); goal b job(drill,2); facts _seen(owl)
+        sends ..._running(drill,2,1). _running(saw,1,1). _seen(owl).; cancel a; is a preempted
+        sends ..._running(drill,2,2). _running(saw,1,2). _request(cancel(1),3).; does drill,2,1 saw,1,1; cycle 3
+        facts _return(saw,1,1); does drill,2,1; facts _return(drill,2,1); does; done drill,2,1 saw,1,1""",
+    "a failed action is sent again": """
+        add a job(saw,1); goal b job(drill,2); facts _return(saw,worn,1); does drill,2,1 saw,1,2
+        sends ..._running(drill,2,1). _return(saw,worn,1).; facts _return(saw,1,1); problem ...has returned already...
+        facts _return(drill,2,1); does saw,1,2; is b succeeded; is a active; facts _return(saw,1,2); is a succeeded
+        done drill,2,1 saw,1,1 saw,1,2""",
+    "an action can return only once": """
+        add a job(saw,1); goal b job(drill,2); facts _return(saw,1,1) _return(saw,1,1); problems 1
+        facts _return(saw,1,1); problems 2; facts _return(drill,2,2); problems 3; does drill,2,1""",
+    "time limits count from the dispatch": """
+        goal a job(saw,1); pass 30; goal b job(drill,2); wait 19; cycle 2; wait 1; does drill,2,2 saw,1,3
+        sends ..._running(drill,2,2). _return(saw,timeout,2).; wait 30; does saw,1,3 drill,2,4
+        sends ..._running(saw,1,3). _return(drill,timeout,3).; problems 2""",
+    "several messages take several cycles": """
+        goal a job(saw,1); hear eye _spot(1,now); hear eye _spot(2,now); hear eye _spot(3,now); run
+        does saw,1,1; cycle 4
+        sends :- not _action_lib(saw,1,1). :- not _action_lib(saw,1,2). :- not _action_lib(saw,1,3). ...
+        sends ..._running(saw,1,1). _running(saw,1,2). _running(saw,1,3). _spot(1,2). _spot(2,3). _spot(3,4).
+        facts _return(saw,1,1); sends :- not _action_lib(saw,1,4). _return(saw,1,4).; is a succeeded; problems 0""",
+    "goals without a plan are aborted while actions run": """
+        goal a job(saw,1); goal b job(broken,2); is b aborted; says b ...cannot be met...; does saw,1,1; is a active
+        sends :- not _action_lib(saw,1,2). _running(saw,1,2). _request(cancel(2),3).
+        facts _return(saw,1,1); is a succeeded; sends :- not _action_lib(saw,1,3). _return(saw,1,3).; done saw,1,1""",
+    "facts that contradict are withheld while actions run": """
+        goal a job(saw,1); facts _doom(1); problem ...withheld...; does saw,1,1; facts _return(saw,1,1)
+        is a succeeded""",
+    "a failure that names no action waits for the others of its interface": """
+        add a job(saw,1); add b job(saw,2); goal c job(drill,3); facts _return(saw,worn,1); cycle 1
+        facts _return(drill,3,1)
+        sends ..._running(saw,1,1). _running(saw,2,1). _return(drill,3,1).; facts _return(saw,2,1); does saw,1,3
+        sends :- not _action_lib(saw,1,2). :- not _action_lib(saw,2,2). _return(saw,worn,2). _return(saw,2,2).
+        is b succeeded; is a active""",
+    "a failure that names an action leaves the others running": """
+        add a job(saw,1); goal b job(saw,2); facts _return(saw,failed(2),1); does saw,1,1 saw,2,2
+        sends ..._running(saw,1,1). _return(saw,failed(2),1).; facts _return(saw,worn,1); does saw,2,2 saw,1,3
+        sends ..._running(saw,2,2). _return(saw,worn,2).""",
+    "a failure does not look like the success of an action of another cycle": """
+        goal a job(saw,1); goal b job(saw,2); facts _return(saw,2,1); does saw,2,2 saw,1,3
+        sends ..._running(saw,2,2). _return(saw,failed(2,1),2).""",
+    "a search that an arrival ends is repeated while actions run": """
+        goal a job(saw,1); add b job(drill,2); leave 1; run; does saw,1,1 drill,2,3
+        sent ..._running(saw,1,1). _request(job(drill,2),3).; sends :- not _action_lib(saw,1,2). _running(saw,1,2).
+        facts _return(drill,2,3); sends ..._running(saw,1,3). _return(drill,2,3).""",
+    "a search without time is repeated while actions run": """
+        goal a job(saw,1); add b job(drill,2); slow 1; run; does saw,1,1; problem ...1 of 2 goals wait
+        sends :- not _action_lib(saw,1,2). _running(saw,1,2).; facts _return(saw,1,1); all a active succeeded
+        does drill,2,5""",
+    "an update that is dropped is sent again with the news": """
+        goal a job(saw,1); fault dropped; goal b job(drill,2); fault none; facts _return(saw,1,1); wait 20
+        sends :- not _action_lib(saw,1,1). _request(job(drill,2),3). _return(saw,1,1).; is a succeeded
+        facts _return(drill,2,2); is b succeeded""",
+    "a forgotten history keeps the running actions": """
+        goal a job(saw,9); facts _seen(owl); facts _seen(cup); problem ERROR: ...forgets its history...; is a aborted
+        does saw,9,1; sent #anew. _running(saw,9,2).; facts _return(saw,9,1); does
+        sends :- not _action_lib(saw,9,3). _return(saw,9,3).; goal b job(drill,2); does drill,2,5""",
+}
+
+
+@scripts(COURSES)
+def test_long_actions_follow_the_course(row):
+    play(FaultyDriver(TEAM, CoreSettings(horizon_limit=8, action_timeout=50.0)), row)
+
+
+def test_long_actions_wait_in_programs_without_running():
+    text = TEAM.replace("#external _running/3.", "#defined _running/3.")
+    play(
+        Driver(text),
+        """add a job(saw,1); goal b job(drill,2); facts _return(saw,1,1); cycle 1; does drill,2,1; goal c job(saw,3)
+        facts _return(drill,2,1); cycle 2; does saw,3,2; unsent ..._running...
+        sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _request(job(saw,3),3). _return(drill,2,1). _return(saw,1,1).""",
+    )
+
+
+def test_long_actions_let_later_requests_in_at_once():
+    play(
+        Driver(LATER),
+        """goal a job(saw,1); does saw,1,2; goal b job(drill,2); does saw,1,2 drill,2,4; cycle 4
+        sent ..._running(saw,1,2). _request(job(drill,2),4).; sends :- not _action_lib(saw,1,3). _running(saw,1,3).""",
+    )
+
+
+LEFT_OUT = """goal a job(saw,1); goal b job(drill,2); cancel a; is a preempted; does saw,1,1 drill,2,2
+    sent ..._running(saw,1,2). _running(drill,2,2). _request(cancel(1),3).; """
+
+
+@pytest.mark.parametrize(
+    ("preempt", "declared", "script"),
+    [
+        (
+            False,
+            False,
+            "ends; facts _seen(owl); sends :- not _action_lib(drill,2,3). _running(saw,1,3). _running(drill,2,3). ...",
+        ),
+        (
+            False,
+            False,
+            "facts _return(saw,1,1); sends :- not _action_lib(drill,2,3). _running(drill,2,3). _return(saw,1,3).",
+        ),
+        (
+            True,
+            False,
+            "ends saw,1,1; cycle 3; facts _return(saw,preempted,1); does drill,2,2; sends ..._return(saw,preempted,3).",
+        ),
+        (True, True, "ends saw,1,1; cycle 4; sends ..._running(saw,1,3). _running(drill,2,3). _cancel(saw,1,3)."),
+    ],
+)
+def test_long_actions_that_a_plan_leaves_out(preempt, declared, script):
+    text = FREE + "#external _cancel/3.\n" * declared
+    play(Driver(text, CoreSettings(horizon_limit=8, preempt=preempt)), LEFT_OUT + script)
+
+
+def test_long_actions_are_preempted_if_no_plan_needs_them():
+    text = TEAM.replace("#external _seen/1.", "#external _seen/1. #external _cancel/3.")
+    play(
+        Driver(text, CoreSettings(horizon_limit=8, preempt=True)),
+        """add a job(saw,1); goal b job(drill,2); cancel a; ends saw,1,1; does drill,2,1 saw,1,1; cycle 3
+        sends ..._running(saw,1,2). _cancel(saw,1,2).; facts _return(saw,preempted,1); does drill,2,1
+        facts _return(drill,2,1); is b succeeded; does; ends saw,1,1; done drill,2,1 saw,1,1""",
+    )
+
+
+def workshop():
+    """Return a driver of the documented program."""
+    return Driver(WORKSHOP, CoreSettings(horizon_limit=20))
+
+
+def planned(driver):
+    """Return the plan from the present cycle on, as MACHINE ID CYCLE."""
+    cycle, plan = driver.core.cycle, driver.core.plan
+    return [f"{one.interface} {one.parameter} {one.cycle}" for one in plan.remaining(cycle)]
+
+
+def test_durations_are_learned_and_planned():
+    driver = play(
+        workshop(), "goal a make(box,9,1); does saw,1,1; unsent ..._takes...; pass 25; facts _return(saw,1,1)"
+    )
+    play(
+        driver,
+        "sends :- not _action_lib(saw,1,1). _return(saw,1,1). _takes(saw,any,25).; pass 7; finish; is a succeeded",
+    )
+    play(driver, "add b make(box,9,2); add c make(sign,9,3); run; does paint,3,4 saw,2,4")
+    assert planned(driver) == ["paint 3 4", "saw 2 4", "saw 2 5", "saw 2 6", "paint 2 7"]
+    play(driver, "pass 12; facts _return(paint,3,4); sends ..._takes(paint,any,10).; does saw,2,4")
+    play(driver, "pass 10; facts _return(saw,2,4); does paint,2,6; wait 10; finish; is b succeeded; problems 0")
