@@ -19,10 +19,11 @@ GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c
 LASTS, BEGIN = 5.0, 1000.0
 
 
-def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, timed=True):
+def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, timed=True, ends=tuple):
     """Play goals in turn, with a failure and a cancel; return the journal's path and all events.
 
     ``kept`` are settings that the journal has, ``settings`` those of the core; an action that fails is ``blocked``.
+    ``ends`` selects the running actions that return.
     """
     published, clock = [], [BEGIN]
     description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
@@ -44,7 +45,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
             keeper.send()
         keeper.send()
         clock[0] += LASTS
-        for one in core.awaited:
+        for one in ends(core.awaited):
             value = "blocked" if number == fail_at else one.parameter
             core.receive("hand", [f"_return({one.interface},{value},{one.cycle})"])
             keeper.send()

@@ -84,6 +84,27 @@ tried(J,t) :- tried(J,t-1), not _request(do(J),t+1).
 :- wanted(J,t), not tried(J,t).
 """
 
+#: Two machines run at once, and a cycle ends with the first return; failed goals are aborted.
+MACHINES = """
+#program base.
+machine(saw). machine(drill).
+#program cumulative(t).
+#external _request/2. #external _return/3. #external _running/3.
+wanted(M,t) :- _request(use(M),t+1), machine(M), not _request(cancel(M),t).
+wanted(M,t) :- wanted(M,t-1), not done(M,t-1), not failed(M,t-1), not _request(cancel(M),t).
+{ _action_lib(M,on,t) } :- wanted(M,t).
+_action_lib(M,on,t) :- _running(M,on,t-1).
+failed(M,t) :- _action_lib(M,on,t), _return(M,V,t), V != on, not _running(M,on,t).
+done(M,t) :- _action_lib(M,on,t), not failed(M,t), not _running(M,on,t).
+_status(M,accepted,t) :- wanted(M,t).
+_status(M,succeeded,t) :- wanted(M,t-1), done(M,t-1).
+_status(M,aborted,t) :- wanted(M,t-1), failed(M,t-1).
+_status(M,canceled,t) :- _request(cancel(M),t), not done(M,t-1), not failed(M,t-1).
+#show _action_lib/3. #show _status/3.
+#program volatile(t).
+:- wanted(M,t), not done(M,t), not failed(M,t).
+"""
+
 
 def edited(text, *pairs):
     """Return a program in which each pair's first text is replaced by its second."""

@@ -2,6 +2,8 @@
 
 from typing import Iterable, List, Optional
 
+from clingo import SymbolType
+
 from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.reasoning.keywords import RETURN, RUNNING, Action, Return, is_keyword, return_of
 
@@ -37,4 +39,5 @@ def _as_sent(answer: Return, ended: List[Action]) -> Return:
 
 
 def _names(answer: Return, action: Action) -> bool:
-    return action.parameter in (answer.value, *(answer.value.arguments[-1:] if answer.value.name else ()))
+    value = answer.value
+    return action.parameter in (value, *(value.arguments[-1:] if value.type is SymbolType.Function else ()))

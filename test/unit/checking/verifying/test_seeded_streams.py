@@ -5,7 +5,7 @@ from functools import lru_cache
 import pytest
 from clingo import Function
 from foreign_programs import GRIPPER, LIFT, PATROL, SOUND, VACUUM
-from verified_programs import CARRIES, ECHO, VISITS, edited, more, play
+from verified_programs import CARRIES, ECHO, MACHINES, VISITS, edited, more, play
 
 from rosoclingo.checking.verifying.moves import Moves, Repertory
 from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
@@ -66,6 +66,13 @@ SEEDS = {
     "what is held is forgotten, and grabbed again": (
         edited(CARRIES, ("held(X,t-1), not dropped(X,t).", "held(X,t-1), not dropped(X,t), wanted(X,t).")),
         DefectKind.REPEATED, 3, 3),
+    "a cancel forbids an action that goes on": (
+        edited(MACHINES, ("_action_lib(M,on,t) :- _running(M,on,t-1).",
+                          ":- _running(M,on,t-1), not _action_lib(M,on,t).")),
+        NO_ANSWER, 2, 2),
+    "a failure is not seen while another action runs": (
+        more(MACHINES, "others(t) :- _running(M,on,t).").replace("not _running(M,on,t).\ndone", "not others(t).\ndone"),
+        TAKEN, 3, 2),
 }  # fmt: skip
 
 
@@ -95,7 +102,8 @@ FOREIGN = {
 }  # fmt: skip
 
 
-ASKED = {"visit(P)": "visit(hall) visit(den)", "bring(X)": "bring(cup)", "do(J)": "do(wash) do(iron)"}
+ASKED = {"visit(P)": "visit(hall) visit(den)", "bring(X)": "bring(cup)", "do(J)": "do(wash) do(iron)",
+         "use(M)": "use(saw) use(drill)"}  # fmt: skip
 NAMES = [*SEEDS, *(pytest.param(name, marks=[pytest.mark.slow, pytest.mark.once]) for name in FOREIGN)]
 
 
@@ -157,7 +165,7 @@ def test_moves_fail_a_parameter_named_like_a_reason():
 
 
 @pytest.mark.mostly_slow
-@pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO], ids=["visits", "carries", "echo"])
+@pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO, MACHINES], ids=["visits", "carries", "echo", "machines"])
 def test_verify_finds_sound_programs_clean(text):
     verdict = verify(ReactiveProgram.from_text(text), limits=VerifyLimits(events=2, steps=8), seconds=300)
     assert verdict.clean, verdict.text()

@@ -1,0 +1,91 @@
+"""Runs with actions that go on: each return belongs to the action as it was sent, in all views of the run."""
+
+from itertools import count
+
+import pytest
+from core_driver import Driver
+from core_scripts import play
+from journal_runs import LASTS
+from journal_runs import play as play_journal
+from stream_replay import check_replay
+from team_programs import TEAM
+
+from rosoclingo.oclingo import ReactiveProgram, parse_updates
+from rosoclingo.runs.account import Account
+from rosoclingo.runs.journal_run import journal_run, journal_view
+from rosoclingo.runs.replay import CycleVerdict, Replay
+from rosoclingo.runs.sent_returns import SentReturns
+
+#: Three actions: the first goes on for two cycles, the second fails in its cycle, the third succeeds with the first.
+COURSE = """goal a job(saw,1); goal b job(drill,2); facts _return(drill,worn,2)
+    facts _return(saw,1,1) _return(drill,2,3)
+    is a succeeded; is b succeeded; problems 0"""
+
+
+@pytest.mark.parametrize(
+    ("stream", "returns"),
+    [
+        ("#step 2. _return(saw,1,1). #endstep.", ["_return(saw,1,1)"]),
+        ("#step 2. _running(saw,1,1). #endstep. #step 3. _return(saw,1,2). #endstep.", ["_return(saw,1,1)"]),
+        ("#step 2. _running(saw,1,1). #endstep. #step 3. _return(drill,1,2). #endstep.", ["_return(drill,1,2)"]),
+        (
+            """#step 2. _running(saw,1,1). #endstep. #step 3. _running(saw,1,2). _running(saw,2,2). #endstep.
+            #step 4. _return(saw,2,3). _return(saw,worn,3). #endstep. #step 5. _return(saw,3,4). #endstep.""",
+            ["_return(saw,2,2)", "_return(saw,worn,1)", "_return(saw,3,4)"],
+        ),
+        (
+            """#step 4. _running(saw,1,2). _running(saw,1,3). #endstep.
+            #step 5. _running(saw,1,4). _return(saw,2,4). #endstep. #step 6. _return(saw,failed(1),5). #endstep.""",
+            ["_return(saw,2,4)", "_return(saw,failed(1),2)"],
+        ),
+    ],
+)
+def test_sent_returns_name_the_cycle_of_dispatch(stream, returns):
+    found = SentReturns()
+    assert [str(one.atom) for update in parse_updates(stream) for one in found.of(update)] == returns
+
+
+def test_sent_returns_can_begin_while_actions_run():
+    (earlier,) = Driver(TEAM).goal("a", "job(saw,1)").core.awaited
+    (update,) = parse_updates("#step 3. _return(saw,1,2). #endstep.")
+    assert [str(one.atom) for one in SentReturns([earlier]).of(update)] == ["_return(saw,1,1)"]
+
+
+def test_account_orders_returns_of_long_actions():
+    driver, lines = play(Driver(TEAM), COURSE), []
+    account = Account(lines.append)
+    account.returned(0.0, "drill", ["_return(drill,worn,2)"])
+    for number, update in enumerate(event.stream for event in driver.journal.events if hasattr(event, "stream")):
+        account.update(float(number), update)
+    account.returned(3.0, "saw", ["_return(saw,1,1)"])
+    account.returned(3.0, "drill", ["_return(drill,2,3)"])
+    account.finish()
+    words = [line.split()[4] for line in lines]
+    assert words[-3:] == ["return", "return", "update"], "the last update waits for both"
+
+
+def test_replay_agrees_with_run_of_long_actions():
+    driver = play(Driver(TEAM), COURSE)
+    check_replay(ReactiveProgram.from_text(TEAM), driver.journal, (CycleVerdict.SAME,))
+
+
+def test_journal_view_ends_each_long_action_once(tmp_path):
+    program, goals = ReactiveProgram.from_text(TEAM), [("a", "job(saw,1)"), ("b", "job(drill,2)"), ("c", "job(saw,3)")]
+    turns = count()
+    path, _ = play_journal(tmp_path, program, goals, cancel_at=99, ends=lambda awaited: awaited[next(turns) < 4 :])
+    changes = journal_view(path).changes()
+    records = [record for _, record in changes["actions"]]
+    names = [changes["words"][one["action"]] for one in records]
+    assert [(one["interface"], one["parameter"]) for one in names] == [
+        ("saw", "1"),
+        ("drill", "2"),
+        ("saw", "3"),
+        ("saw", "3"),
+    ]
+    assert [one["value"] for one in records] == ["1", "2", "blocked", "3"]
+    assert [round(one["ended"] - one["begun"], 1) for one in records][1:] == [LASTS, LASTS, LASTS]
+    assert records[0]["ended"] == max(one["ended"] for one in records)
+    returns = [one["text"] for _, one in changes["log"] if one["kind"] == "return"]
+    assert sorted(returns) == ["drill 2", "saw 1", "saw 3", "saw blocked"]
+    reports = list(Replay(journal_run(path), program).reports())
+    assert {one.verdict for one in reports} == {CycleVerdict.SAME}
