@@ -23,8 +23,11 @@ NODE = "/rosoclingo"
 
 
 class LongActions(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.hands, cls.client = ManualInterfaces(), Client()
+
     def setUp(self):
-        self.hands, self.client = ManualInterfaces(), Client()
         self.hands.wait_for(NODE)
 
     def begin(self, text):
@@ -45,7 +48,7 @@ class LongActions(unittest.TestCase):
         self.assertNotEqual(slow.handle.get_comm_state(), CommState.DONE)
         self.hands.succeed(sawing)
         slow.ends_as(GoalStatus.SUCCEEDED)
-        self.assertEqual(sum("saw" in one for one in self.hands.seen), 1, "it is sent once")
+        self.assertEqual(self.hands.seen.count(sawing), 1, "it is sent once")
 
     def test_killed_core_continues_running_actions(self):
         slow, sawing = self.begin("job(saw,11)")

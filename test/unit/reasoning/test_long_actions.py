@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from core_driver import Driver, FaultyDriver
 from core_scripts import play, scripts
+from late_standby import Standby
 from team_programs import FREE, LATER, TEAM
 
 from rosoclingo.reasoning.settings import CoreSettings
@@ -146,7 +147,7 @@ def test_long_actions_that_a_plan_leaves_out(preempt, declared, script):
 
 
 def test_long_actions_are_preempted_if_no_plan_needs_them():
-    text = TEAM.replace("#external _seen/1.", "#external _seen/1. #external _cancel/3.")
+    text = TEAM + "#external _cancel/3.\n"
     play(
         Driver(text, CoreSettings(horizon_limit=8, preempt=True)),
         """add a job(saw,1); goal b job(drill,2); cancel a; ends saw,1,1; does drill,2,1 saw,1,1; cycle 3
@@ -178,3 +179,21 @@ def test_durations_are_learned_and_planned():
     assert planned(driver) == ["paint 3 4", "saw 2 4", "saw 2 5", "saw 2 6", "paint 2 7"]
     play(driver, "pass 12; facts _return(paint,3,4); sends ..._takes(paint,any,10).; does saw,2,4")
     play(driver, "pass 10; facts _return(saw,2,4); does paint,2,6; wait 10; finish; is b succeeded; problems 0")
+
+
+@pytest.mark.parametrize(
+    ("ends", "searches"),
+    {"_return(drill,4,6)": 0, "_return(saw,3,5)": 1, "_return(drill,worn,6)": 1}.items(),
+)
+def test_long_actions_prefetch_the_return_that_is_due_first(ends, searches):
+    standby = Standby()
+    driver = Driver(TEAM, solver=standby.solver)
+    play(
+        driver,
+        "goal a job(saw,1); pass 9; facts _return(saw,1,1); goal b job(drill,2); pass 5; facts _return(drill,2,3)",
+    )
+    play(driver, "goal c job(saw,3); pass 1; goal d job(drill,4); does saw,3,5 drill,4,6")
+    driver.core.prepare()
+    before = standby.searches
+    play(driver, f"facts {ends}")
+    assert standby.searches - before == searches

@@ -1,6 +1,8 @@
 """Random courses of actions that go on: each update is the one that an independent model of the interfaces predicts."""
 
 import json
+from contextlib import ExitStack
+from unittest.mock import patch
 
 import pytest
 from core_driver import shortest
@@ -9,6 +11,8 @@ from hypothesis import strategies as st
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.planning import solver
+from rosoclingo.reasoning import stream_planner
 from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, UpdateSent
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import ACTION_LIB, RETURN, RUNNING
@@ -74,8 +78,9 @@ class Workshop:
 
     def goal(self, machine, job):
         """Send a goal."""
-        self.goals[f"goal{len(self.goals)}"] = machine
-        self.core.add_goal(f"goal{len(self.goals) - 1}", f"job({machine},{len(self.goals)})")
+        number = len(self.goals)
+        self.goals[f"goal{number}"] = machine
+        self.core.add_goal(f"goal{number}", f"job({machine},{number + 10})")
 
     def cancel(self, number):
         """Cancel a goal."""
@@ -108,6 +113,13 @@ class Workshop:
         self.core = self._start(json.loads(json.dumps(self.core.record())))
         self.core.start()
 
+    def play(self, events):
+        """Play events, given as the names and arguments of methods, and finish."""
+        for name, *values in events:
+            getattr(self, name)(*values)
+        self.run()
+        self.finish()
+
     def finish(self):
         """Let all actions succeed; each goal must end once, with the right status."""
         for _ in range(60):
@@ -139,8 +151,13 @@ EVENTS = st.one_of(
 @example([("goal", "saw", 0), ("goal", "broken", 0), ("run",), ("fact", 1), ("fact", 2), ("restart",), ("run",)])
 @given(st.lists(EVENTS, max_size=16))
 def test_random_long_actions_give_predicted_updates(events):
-    workshop = Workshop()
-    for name, *values in events:
-        getattr(workshop, name)(*values)
-    workshop.run()
-    workshop.finish()
+    Workshop().play(events)
+
+
+@pytest.mark.slow
+@given(st.lists(EVENTS, min_size=10, max_size=30))
+def test_random_long_actions_go_on_over_compacted_steps(events):
+    with ExitStack() as stack:
+        for module, name, value in ((stream_planner, "RECENT", 1), (solver, "LEAST_STEPS", 2)):
+            stack.enter_context(patch.object(module, name, value))
+        Workshop().play(events)
