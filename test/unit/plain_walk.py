@@ -1,13 +1,15 @@
 """A robot on a line, and a reference that solves each question about its stream from scratch."""
 
 from dataclasses import dataclass, field
-from typing import FrozenSet, List, Optional, Set
+from typing import FrozenSet, List, Optional, Sequence, Set
 
 import clingo
 
 from rosoclingo.oclingo import StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.progression.updates import CloseCycles
+from rosoclingo.oclingo.progression.updates import CloseCycles, Item
 from rosoclingo.planning.history import cycle_of
+from rosoclingo.planning.planning_solver import PlanningSolver
+from rosoclingo.planning.prediction import success_of
 
 BASE = "at(0,0)."
 STEP = """
@@ -26,44 +28,41 @@ ADVICE = """
 #heuristic _action_lib(move,X,t) : wanted(Y,t), not reached(Y,t-1), at(P,t-1), X = P-1, Y < P. [1,true]
 """
 
-#: A second robot, which visits one requested place after the other and forgets the visited ones.
-RUN = """
-#program base.
-at(0,0).
+#: A second robot, which forgets the places that it has visited, and whose moves can fail.
+LINE = """
+#program base. at(0,0). #show _action_lib/3.
 #program cumulative(t).
-#external _request/2.
+#external _request/2. #external _return/3.
 { _action_lib(go,X+1,t); _action_lib(go,X-1,t) } 1 :- at(X,t-1), wanted(Y,t).
-at(X,t) :- _action_lib(go,X,t).
+at(X,t) :- _action_lib(go,X,t), not failed(t).
 at(X,t) :- at(X,t-1), not moved(t).
-moved(t) :- _action_lib(go,X,t).
+moved(t) :- _action_lib(go,X,t), not failed(t).
 wanted(X,t) :- _request(X,t).
 wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 #program volatile(t).
 :- wanted(X,t), not at(X,t).
-"""
-
-
-#: A third robot, which only moves to the right, and whose rules use returns.
-ONWARD = """
-#program base. at(0,0). #show _action_lib/3.
 #program cumulative(t).
-#external _request/2. #external _return/3.
-{ _action_lib(go,X+1,t); _action_lib(idle,X,t) } 1 :- at(X,t-1), wanted(Y,t), X < Y.
-at(X,t) :- _action_lib(go,X,t), not failed(t).
-at(X,t) :- at(X,t-1), not moved(t).
-moved(t) :- _action_lib(go,X,t), not failed(t).
-failed(t) :- _action_lib(go,X,t), _return(go,Y,t), X != Y.
-wanted(X,t) :- _request(X,t).
-wanted(X,t) :- wanted(X,t-1).
-#program volatile(t).
-:- wanted(X,t), not at(X,t).
 """
+FAILS = "failed(t) :- _action_lib(A,X,t), _return(A,Y,t), X != Y.\n"
+#: A robot that can also rest.
+RESTING = LINE.replace("} 1", "; _action_lib(rest,now,t) } 1") + FAILS
+#: It also accepts requests one step before they start.
+EARLY = RESTING + "wanted(X,t) :- _request(X,t+1).\n"
 
 
 def onward(step: int, value: object, place: Optional[int] = None) -> StreamUpdate:
     """Return the update of ``step`` with the return of the previous action, a move to ``place``."""
     done = f"_action_lib(go,{place or step - 1},{step - 1}). _return(go,{value},{step - 1})."
     return parse_update(f"#step {step} : 50. #closed {step - 1}. :- not {done} #endstep.")
+
+
+def next_update(solver: PlanningSolver, *facts: str, fails: bool = False, further: Sequence[Item] = ()) -> StreamUpdate:
+    """Return the update of the next step: planned actions were executed, with success or failure; and more facts."""
+    step, plan = solver.step, solver.log.plan
+    done = sorted(one for one in plan.actions if cycle_of(one) == step) if plan else []
+    returns = [parse_atom(f"_return({one.arguments[0]},no,{step})") if fails else success_of(one) for one in done]
+    items = [*map(commitment, done), *map(fact, [*returns, *map(parse_atom, facts)])]
+    return StreamUpdate(step + 1, 20, (CloseCycles(step, step), *items, *further))
 
 
 def program_text(advice: bool = True) -> str:

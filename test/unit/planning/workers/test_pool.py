@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from children import ended, kill, wait_until_prepared
-from plain_walk import RUN
+from plain_walk import LINE
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -311,8 +311,8 @@ def update_of(cycle, done):
 @pytest.mark.slow
 def test_pool_stream_survives_twenty_kills():
     """Kills hit the active worker, the standby or both, between updates and during searches."""
-    draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(RUN), log_limit=2)
-    with pool_of(RUN, **PLANS, log_limit=2, standby=True) as pool:
+    draw, twin = random.Random(1), PlanSolver(ReactiveProgram.from_text(LINE), log_limit=2)
+    with pool_of(LINE, **PLANS, log_limit=2, standby=True) as pool:
         solver, kills, cycle, done, now = ProcessSolver(pool), [], 0, [], []
 
         def kill_some():

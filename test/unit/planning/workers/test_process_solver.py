@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from children import ended, kill, wait_until_prepared
-from plain_walk import ONWARD, onward, program_text
+from plain_walk import RESTING, next_update, onward
 
 from rosoclingo.oclingo import ReactiveProgram, SolverError, parse_atom, parse_update
 from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
@@ -15,7 +15,7 @@ from rosoclingo.planning.workers import process_solver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 
-PROGRAM = ReactiveProgram.from_text(ONWARD)
+PROGRAM = ReactiveProgram.from_text(RESTING)
 ASK = parse_update("#step 1 : 50. _request(5,1). #endstep.")
 FAILED = onward(2, "no")
 #: The first action failed and was repeated.
@@ -53,47 +53,80 @@ def solver(pool):
 # ---- Prefetching -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize("waits", [True, False])
-def test_standby_that_prefetched_takes_over(here, pool, solver, waits):
-    """Also if it is still searching; the other worker becomes the standby."""
-    old, standby = pool.pid, pool.standby_pid
-    assert solver.prefetch(FAILED)
-    if waits:
-        wait_until_prepared(pool)
-    worked = pool.cpu_time
-    assert solver.update(FAILED) == here.update(FAILED)
-    assert (pool.pid, pool.standby_pid) == (standby, old)
-    assert pool.cpu_time >= worked
-    assert (solver.log.key, solver.log.plan) == (here.log.key, here.log.plan)
-    assert solver.update(AGAIN) == here.update(AGAIN)
+UPDATES = {
+    "success": onward(2, 1),
+    "failure": FAILED,
+    "other": onward(2, "other"),
+    "repeated": AGAIN,
+    "second": onward(3, 2),
+    "later": onward(4, "no"),
+}
 
 
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize("comes", ["as predicted", "earlier"])
-def test_answer_after_predicted_updates_is_prefetched(here, pool, solver, comes):
-    before, later = [onward(2, 1), onward(3, 2)], onward(4, "no")
-    pids = pool.pid, pool.standby_pid
-    assert not solver.prefetch(onward(3, 2), [FAILED]), "the failure is not predicted"
-    assert solver.prefetch(later, before)
-    if comes == "earlier":
-        for update in (FAILED, AGAIN):
+def follow(script, here, pool, solver):
+    """Execute a script such as "prefetch failure, wait, update failure"; return who is active then.
+
+    The update "later" is prefetched in case it follows two successes. All answers are those of the solver ``here``.
+    """
+    names = {pool.pid: "worker", pool.standby_pid: "standby"}
+    for verb, what in (f"{step} ".split(" ", 1) for step in script.split(", ")):
+        update, worked = UPDATES.get(what.strip()), pool.cpu_time
+        if verb == "prefetch":
+            assert solver.prefetch(update, [UPDATES["success"], UPDATES["second"]] if update.step == 4 else ())
+        elif verb == "wait":
+            wait_until_prepared(pool)
+        elif verb == "lose":
+            pid = pool.standby_pid if what.strip() == "standby" else pool.pid
+            os.kill(pid, signal.SIGKILL)
+            assert ended(pid)
+        elif verb in ("has", "lacks"):
+            assert solver.has_prefetched(update) == (verb == "has")
+        else:
             assert solver.update(update) == here.update(update)
-        assert pool.pid == pids[0]
-        return
-    wait_until_prepared(pool)
-    for update in before:
-        assert solver.update(update) == here.update(update)
-        assert (pool.pid, pool.standby_pid) == pids
-    assert solver.update(later) == here.update(later)
-    assert pool.pid == pids[1]
+            assert (solver.log.key, solver.log.plan) == (here.log.key, here.log.plan)
+            assert pool.cpu_time >= worked or "lose" in script
+    return names.get(pool.pid, "new")
 
 
-def as_planned(plan, step):
-    """Return the update after a cycle that succeeded."""
-    done = sorted(one for one in plan.actions if cycle_of(one) == step - 1)
-    items = "".join(f":- not {one}. _return({','.join(map(str, one.arguments))})." for one in done)
-    return parse_update(f"#step {step} : 50. #closed {step - 1}. {items} #endstep.")
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize(
+    ("script", "active"),
+    [
+        ("lacks failure, prefetch failure, wait, has failure, lacks other, update failure, update repeated", "standby"),
+        ("prefetch failure, update failure", "standby"),
+        ("prefetch failure, wait, update success", "worker"),
+        ("prefetch failure, wait, update other", "worker"),
+        ("prefetch other, prefetch success, prefetch failure, wait, prefetch failure, wait, update failure", "standby"),
+        # after predicted updates
+        ("prefetch later, wait, update success, update second", "worker"),
+        ("prefetch later, wait, update success, update second, update later", "standby"),
+        ("prefetch later, update failure, update repeated", "worker"),
+        # lost workers
+        ("prefetch failure, lose standby, lacks failure, prefetch failure, update failure", "new"),
+        ("prefetch failure, wait, lose standby, lacks failure, prefetch failure, update failure", "new"),
+        ("prefetch failure, lose worker, update other", "standby"),
+    ],
+)
+def test_prefetched_answer_is_used_for_its_update_only(here, pool, solver, script, active):
+    """The standby takes over with it, even if it is still searching; a lost worker costs only time."""
+    assert follow(script, here, pool, solver) == active
+
+
+def test_solver_prefetches_only_after_predicted_updates(here, solver):
+    assert not here.prefetch(FAILED)
+    assert not here.has_prefetched(FAILED)
+    assert not solver.prefetch(onward(3, 2), [FAILED])
+
+
+def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
+    os.kill(pool.standby_pid, signal.SIGSTOP)
+    try:
+        solver.prefetch(FAILED)
+        looks = iter([False, False, True])
+        assert not solver.has_prefetched(FAILED, lambda: next(looks))
+    finally:
+        os.kill(pool.standby_pid, signal.SIGCONT)
+    assert solver.has_prefetched(FAILED, lambda: False)
 
 
 @pytest.mark.slow
@@ -101,80 +134,16 @@ def test_prefetched_plan_is_shortened_until_its_update(here):
     with pool_of(plan_time=0.0, standby=True) as pool:
         solver = ProcessSolver(pool)
         solver.update(ASK)
-        before = as_planned(solver.log.plan, 2)
-        later = parse_update(str(as_planned(solver.log.plan, 3)).replace("_return(go,1,2)", "_return(go,no,2)"))
+        before, later = next_update(solver), onward(3, "no")
         assert solver.prefetch(later, [before])
         wait_until_prepared(pool)
+        prefetching = pool.standby_pid
         found = [solver.update(update) for update in (before, later)]
-        standby = pool.pid
+        assert pool.pid == prefetching
         assert solver.log.plan == Plan.from_result(found[-1])
-        solver.update(as_planned(solver.log.plan, 4))
-        assert pool.pid == standby
+        solver.update(next_update(solver))
+        assert pool.pid == prefetching
     assert found[-1].horizon == [here.update(update).horizon for update in (before, later)][-1]
-
-
-@pytest.mark.parametrize("value", ["1", "other"])
-def test_prefetched_answer_is_unused_after_another_update(here, pool, solver, value):
-    pid = pool.pid
-    assert not here.has_prefetched(FAILED), "nothing is prefetched"
-    solver.prefetch(FAILED)
-    wait_until_prepared(pool)
-    assert solver.has_prefetched(FAILED)
-    assert not solver.has_prefetched(onward(2, value)), "another update was prefetched"
-    assert solver.update(onward(2, value)) == here.update(onward(2, value))
-    assert pool.pid == pid
-
-
-def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
-    slow = onward(2, "slow")
-    assert not solver.has_prefetched(slow, lambda: False), "nothing is prefetched"
-    os.kill(pool.standby_pid, signal.SIGSTOP)
-    try:
-        solver.prefetch(slow)
-        looks = iter([False, False, True])
-        assert not solver.has_prefetched(slow, lambda: next(looks))
-    finally:
-        os.kill(pool.standby_pid, signal.SIGCONT)
-    assert solver.has_prefetched(slow, lambda: False)
-
-
-def test_only_updates_that_need_no_search_are_predicted(here, solver):
-    for one in (here, solver):
-        assert one.predicts(onward(2, 1))
-        assert not one.predicts(FAILED)
-        assert not one.predicts(onward(3, 1))
-
-
-def test_standby_prefetches_the_latest_question(here, pool, solver):
-    for number in range(5):
-        solver.prefetch(onward(2, f"no{number}"))
-    for _ in range(2):
-        solver.prefetch(FAILED)
-        wait_until_prepared(pool)
-    standby = pool.standby_pid
-    assert solver.update(FAILED) == here.update(FAILED)
-    assert pool.pid == standby
-
-
-@pytest.mark.parametrize("when", ["begun", "ready"])
-def test_lost_standby_costs_only_its_answer(here, pool, solver, when):
-    solver.prefetch(FAILED)
-    if when == "ready":
-        wait_until_prepared(pool)
-    os.kill(pool.standby_pid, signal.SIGKILL)
-    assert ended(pool.standby_pid)
-    assert not solver.has_prefetched(FAILED)
-    assert solver.prefetch(FAILED), "a new standby starts"
-    assert solver.update(FAILED) == here.update(FAILED)
-
-
-def test_standby_that_prefetches_replaces_a_lost_worker(here, pool, solver):
-    """It drops its search, which does not affect the next answer."""
-    solver.prefetch(FAILED)
-    standby = pool.standby_pid
-    kill(pool)
-    assert solver.update(onward(2, "other")) == here.update(onward(2, "other"))
-    assert pool.pid == standby
 
 
 @pytest.mark.slow
@@ -186,7 +155,7 @@ def test_improved_plan_causes_prefetching_once_more(here, again):
         best = here.log.plan
         solver.update(ASK)
         (go,) = (action for action in best.actions if cycle_of(action) == 1)
-        idle = parse_atom("_action_lib(idle,1,2)")
+        idle = parse_atom("_action_lib(rest,now,2)")
         worse = Plan(frozenset({go, idle, *best.rest(2).delayed().actions}), best.horizon + 1)
         for plan in (worse, best):
             solver.restore(solver.log.adopt(plan))
@@ -282,15 +251,11 @@ def test_worker_appends_checkpoint_after_predicted_updates(alone, monkeypatch):
     assert (found.outcome, found.horizon) == (expected.outcome, expected.horizon)
 
 
-PLAIN = ReactiveProgram.from_text(program_text())
-ASK_PLAIN = parse_update("#step 1. _request(3,1). #endstep.")
-
-
 def idling(pool):
     """Return a solver with a plan that idles for a cycle, the plan, and its first action."""
     solver = ProcessSolver(pool)
     assert solver.improve() is None
-    soon = solver.update(ASK_PLAIN)
+    soon = solver.update(ASK)
     assert (solver.log.plan, soon.shortest) == (Plan.from_result(soon), False)
     (action,) = (one for one in solver.log.plan.actions if cycle_of(one) == 1)
     worse = Plan(solver.log.plan.delayed().actions | {action}, solver.log.plan.horizon + 1)
@@ -302,7 +267,7 @@ def idling(pool):
 @pytest.mark.parametrize("event", ["", "stopped", "killed"])
 def test_worker_improves_the_plan_in_force(event):
     """Also a worker started later; a stop does not wait for the improvement."""
-    with pool_of(PLAIN, plan_time=0.0) as pool:
+    with pool_of(plan_time=0.0) as pool:
         solver, worse, action = idling(pool)
         if event == "killed":
             kill(pool)
@@ -315,18 +280,17 @@ def test_worker_improves_the_plan_in_force(event):
             os.kill(pool.pid, signal.SIGCONT)
         while (result := solver.improve()) is not None:
             assert Plan.from_result(result) == solver.log.plan
-        assert solver.log.plan.horizon == 3
+        assert solver.log.plan.horizon == 5
         assert action in solver.log.plan.actions
-        assert solver.update(parse_update(f"#step 2. :- not {action}. #endstep.")).horizon == 3
+        assert solver.update(parse_update(f"#step 2. :- not {action}. #endstep.")).horizon == 5
 
 
 @pytest.mark.slow
 def test_new_worker_begins_with_the_plan_in_force():
-    with pool_of(PLAIN, plan_time=0.0) as pool:
-        solver, worse, action = idling(pool)
+    with pool_of(plan_time=0.0) as pool:
+        solver, worse, _ = idling(pool)
         kill(pool)
-        again = solver.update(parse_update(f"#step 2. :- not {action}. fail(1). #endstep."))
-        assert Plan.from_result(again).rest(2).actions == worse.rest(2).actions
+        assert Plan.from_result(solver.update(FAILED)).rest(2).actions == worse.rest(2).actions
 
 
 def test_worker_answers_hypothetical_questions_like_a_solver():
