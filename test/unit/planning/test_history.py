@@ -294,9 +294,5 @@ def test_history_keeps_at_most_two_checkpoints():
         play(solver, f"#step {step} : 0. #forget {step}.")
         assert solver.log.length <= 4, "a checkpoint replaces longer histories"
         assert solver.log.update.step == step
-        log, kept = solver.log, 0
-        while log is not None:
-            log, kept = log.before, kept + 1
-        assert kept <= 24
     assert solver.log.entries_after(first) is None
     assert isinstance(solver.log.entries[0], Checkpoint)

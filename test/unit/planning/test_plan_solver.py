@@ -51,12 +51,3 @@ def test_solver_finds_shortest_plans_after_going_back():
     solver.restore(log)
     assert solver.horizon == grown
     assert plan(play(solver, "#step 1. _request(5,1).")) == line(1, 5)
-
-
-def test_result_has_the_last_horizon_searched():
-    solver = planner_of(WALK)
-    assert play(solver, "#step 1 : 2. _request(8,1).").horizon == 3
-    result = play(solver, "#step 1 : 9.")
-    assert (result.outcome, result.horizon) == (SolveOutcome.SATISFIABLE, 8)
-    assert play(solver, "#step 2 : 9. #volatile. :- not at(8,8).").horizon == 8
-    assert solver.horizon >= 8

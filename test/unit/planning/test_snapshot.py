@@ -1,52 +1,71 @@
-"""Snapshots: values and the fold (see also test_history.py and test_stream_updates.py)."""
+"""Snapshots: values, messages and the fold (see also test_history.py and test_stream_updates.py)."""
 
-from dataclasses import replace
+import json
+from dataclasses import fields, replace
 
 import pytest
-from stream_play import WALK, planner_of, play
+from stream_play import planner_of
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
+from rosoclingo.oclingo import ReactiveProgram, commitment, fact, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Term
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, TimedStatement
 from rosoclingo.planning.snapshot import Past, Snapshot
+from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message, symbol_list, symbols_to_text
 
-A, B, GO = (parse_atom(text) for text in ("_seen(a)", "_seen(b)", "_action_lib(go,x,1)"))
-RULE, DENIAL = parse_update("_seen(c) :- _seen(a). :- _seen(a). #endstep.").items
-PERMANENT = [TimedStatement(one, FOREVER, 1) for one in (fact(A), fact(B), RULE, DENIAL, commitment(GO))]
-LAPSING = [TimedStatement(fact(A), UPDATE, 2), TimedStatement(fact(B), 9, 2), TimedStatement(RULE, 9, 2)]
-OTHERS = [ForgottenSteps(0, 1), ForgottenSteps(1, 2, frozenset([A])), ClosedHeads(frozenset([B]))]
+A, B, GO = (parse_atom(text) for text in ("_seen(a)", '_said("a, b",f("c"))', "_action_lib(go,x,1)"))
+RULE, DENIAL = parse_update(f"_seen(c) :- {B}, not _seen(a). :- _seen(a). #endstep.").items
+OTHERS = [
+    ForgottenSteps(0, 2),
+    ForgottenSteps(2, 3, frozenset([A, B])),
+    ClosedHeads(frozenset([A, B])),
+    ForgottenSteps(4, 4),
+]
 SNAPSHOT = Snapshot(
     step=3,
-    horizon=4,
-    items=(*OTHERS[:1], *PERMANENT, *OTHERS[1:], *LAPSING),
-    closed={1: frozenset([GO]), 2: frozenset()},
-    past=Past(2, frozenset([A, B]), ((1, A),)),
+    horizon=7,
+    bound=9,
+    min_horizon=6,
+    number=5,
+    items=(
+        OTHERS[0],
+        *(TimedStatement(one, FOREVER, 1) for one in (fact(A), fact(B), RULE, commitment(GO))),
+        *OTHERS[1:3],
+        TimedStatement(fact(A), UPDATE, 0),
+        TimedStatement(fact(B), 4, 2),
+        TimedStatement(DENIAL, Term(parse_term('x("y")')), 4),
+        OTHERS[3],
+    ),
+    closed={1: frozenset([GO, B]), 2: frozenset()},
+    keep_from=4,
+    past=Past(2, frozenset([A, B]), ((1, A), (0, B))),
 )
 
 
-def ignored(result):
-    """Return the heads of ignored statements."""
-    return [warning.split()[1] for warning in result.warnings]
+@pytest.mark.parametrize("snapshot", [SNAPSHOT, Snapshot()])
+def test_snapshot_message_keeps_every_value(snapshot):
+    assert snapshot_from_message(json.loads(json.dumps(snapshot_to_message(snapshot)))) == snapshot
+    names = [one.name for one in fields(Snapshot) if one.compare]
+    assert not [name for name in names if getattr(SNAPSHOT, name) == getattr(Snapshot(), name)], "values to lose"
+
+
+def test_symbols_text_keeps_their_order():
+    for symbols in ([GO, B, A], []):
+        assert symbol_list(symbols_to_text(symbols)) == symbols
 
 
 def test_snapshot_without_facts_keeps_only_their_shown_atoms():
     found = SNAPSHOT.without_facts(frozenset([A, GO]))
-    assert list(found.permanent) == [fact(B), RULE, DENIAL]
-    assert list(found.lapsing) == [fact(B), RULE]
+    assert list(found.permanent) == [fact(B), RULE]
+    assert list(found.lapsing) == [fact(B), DENIAL]
     assert [one for one in found.items if not isinstance(one, TimedStatement)] == OTHERS
-    assert found.closed == {1: frozenset(), 2: frozenset()}
-    assert found.past == Past(2, frozenset([B]), ((1, A),))
+    assert found.closed == {1: frozenset([B]), 2: frozenset()}
+    assert found.past == Past(2, frozenset([B]), ((1, A), (0, B)))
     assert SNAPSHOT.without_facts(frozenset()) == SNAPSHOT
     assert replace(SNAPSHOT, past=None).without_facts(frozenset([A])).past is None
 
 
 def test_snapshot_size_counts_statements_and_atoms():
-    assert SNAPSHOT.size == 5 + 3 + 3 + 1
-
-
-def test_snapshot_is_steady_if_nothing_lapses_next():
-    assert Snapshot(items=(PERMANENT[0], LAPSING[1])).is_steady
-    assert not Snapshot(items=(LAPSING[1], LAPSING[0])).is_steady
+    assert SNAPSHOT.size == 4 + 3 + 4 + 2
 
 
 @pytest.mark.parametrize(
@@ -71,31 +90,9 @@ def test_only_facts_of_compacted_steps_are_too_late(atom, too_late):
     assert Snapshot(step=12, past=Past(9, frozenset())).is_too_late(program, parse_atom(atom)) is too_late
 
 
-# ---- The fold --------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("first", ["", "#iinit 0.", "#iinit -2."])
 def test_first_snapshot_is_at_step_one(first):
     solver = planner_of(f"{first} #cumulative t. #volatile t.")
     snapshot, log = solver.snapshot, solver.log
     assert (snapshot.step, snapshot.horizon, snapshot.keep_from) == (log.step, log.horizon, log.keep_from) == (1, 1, 0)
     assert (solver.solve().step, solver.horizon) == (1, 1)
-
-
-# ---- Closed cycles ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("done", "late"), [("", "12"), (":- not _action_lib(go,x,1).", "2")])
-def test_snapshot_accepts_returns_of_the_last_cycles(done, late):
-    """The last cycle, and the last cycle with actions."""
-    text = "#cumulative t. #external _return(go,x,t). { _action_lib(go,x,t) }. #volatile t."
-    solver = planner_of(text)
-    play(solver, f"#step 2. #closed 1. {done}")
-    result = play(solver, "#step 4. #closed 2..3. _return(go,x,1). _return(go,x,2). _return(go,x,3).")
-    assert ignored(result) == [f"_return(go,x,{cycle})" for cycle in late]
-
-
-def test_step_without_bound_removes_the_previous_bound():
-    solver = planner_of(WALK)
-    found = [play(solver, text).outcome for text in ("#step 1 : 1. _request(4,1).", "#step 1.")]
-    assert found == [SolveOutcome.UNSATISFIABLE, SolveOutcome.SATISFIABLE]
