@@ -1,8 +1,14 @@
-"""Plays updates given as text on the stream solvers, and returns their answers."""
+"""Plays updates given as text on the stream solvers, and returns or checks their answers."""
+
+from itertools import count
 
 import pytest
+from stream_logs import copied
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, parse_update
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
 
 #: A robot on a line of numbers with requested places.
@@ -56,3 +62,46 @@ def drop_grounding(solver):
     """Force an incremental solver to reground, by an update that is dropped."""
     with pytest.raises(DroppedError):
         solver.update(parse_update("#step 99. #endstep."), None, lambda: True)
+
+
+def stop_after(looks):
+    """Return a stop callback that returns true after ``looks`` polls (None: never)."""
+    numbers = count()
+    return lambda: looks is not None and next(numbers) >= looks
+
+
+def adopt(solver, actions, horizon):
+    """Let the solver adopt a plan of these actions (atoms or texts), not proven to be shortest."""
+    plan = Plan(frozenset(parse_atom(str(one)) for one in actions), horizon)
+    solver.restore(solver.log.adopt(plan))
+    return plan
+
+
+def delayed(action, steps):
+    """Return the action delayed by some steps."""
+    kind, what, cycle = action.arguments
+    return parse_atom(f"_action_lib({kind},{what},{cycle.number + steps})")
+
+
+def delay_plan(solver, steps):
+    """Let the solver adopt its plan with all future actions delayed by ``steps``."""
+    plan, step = solver.log.plan, solver.step
+    actions = [one if cycle_of(one) <= step else delayed(one, steps) for one in plan.actions]
+    return adopt(solver, actions, plan.horizon + steps)
+
+
+def check_answer(solver, result):
+    """Check that a grounding of the whole history in a new solver has the result as an answer."""
+    fresh = PlanSolver(solver.program, plan_time=0.0)
+    fresh.restore(copied(solver.log))
+    snapshot = fresh.snapshot
+    assert snapshot.step == result.step
+    assert snapshot.min_horizon <= result.horizon
+    grounding = Grounding(solver.program, snapshot, max(result.horizon, snapshot.horizon))
+    found = Plan.from_result(result)
+    given = found.fixing(grounding.actions(solver.program.first_step, grounding.horizon))
+    reply = grounding.ask(Question(result.horizon, result.horizon, given), lambda: False)
+    assert reply.satisfiable
+    assert Plan.from_atoms(reply.answers[0], result.horizon)[:2] == found[:2]
+    assert reply.answers[0] <= result.answers[-1]
+    assert snapshot.past is not None or reply.answers[0] == result.answers[-1]

@@ -17,13 +17,6 @@ def compacts_at_once(monkeypatch):
 
 
 @pytest.fixture
-def large_pieces(compacts_at_once, monkeypatch):
-    """Compact as much as possible, but ground many steps at once."""
-    monkeypatch.setattr(grounding, "PIECE", 64)
-    monkeypatch.setattr(solver, "BLOCK", 8)
-
-
-@pytest.fixture
 def searches(monkeypatch):
     """Record the ranges of horizons of all questions to groundings."""
     found, ask = [], Grounding.ask

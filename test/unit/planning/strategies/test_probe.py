@@ -5,12 +5,11 @@ from itertools import combinations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stream_play import planner_of, play
+from stream_play import planner_of, play, stop_after
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import CloseCycles, StreamUpdate
 from rosoclingo.oclingo.solving.clasp_search import ClaspSearch
-from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate
 from rosoclingo.planning.question import UNKNOWN, Reply
 
@@ -125,72 +124,84 @@ def test_probe_agrees_with_a_solver_without_the_facts(stream):
 
 FAR = "#external go/0. #program cumulative(t). #program volatile(t). :- t < 150, go."
 BOLT = "#external bolt/1. #external knock/1. #program base. :- bolt(a), bolt(b), not knock(c). :- knock(d)."
+#: From step 3 on each answer requires seen(a); seen(b) and seen(c) exclude shorter ones.
+SEEN = (
+    "#external seen/1. #program cumulative(t). :- t > 2, not seen(a). "
+    "#program volatile(t). :- t < 2, seen(b). :- t < 4, seen(c)."
+)
+
+
+def probe(solver, text, stopped=None):
+    """Return the verdict on "UPDATE ? FACTS"; disabled facts begin with a minus sign."""
+    update, facts = f"{text} ".split(" ? ")
+    assumable = frozenset(parse_atom(one.lstrip("-")) for one in facts.split())
+    disabled = frozenset(parse_atom(one[1:]) for one in facts.split() if one[0] == "-")
+    found = solver.inquire(parse_update(f"{update} #endstep."), assumable, disabled, stopped)
+    return Reply(found.satisfiable, core=found.core)
 
 
 def atoms(text):
     return frozenset(map(parse_atom, text.split()))
 
 
-def probe(solver, text, assumable, disabled="", **stops):
-    """Return the verdict on an update, with assumable and disabled facts given as text."""
-    found = solver.inquire(parse_update(f"{text} #endstep."), atoms(assumable), atoms(disabled), **stops)
-    return Reply(found.satisfiable, core=found.core)
+STREAMS = {
+    "updates since the last probe": (
+        BOLT,
+        "#step 2 : 3. bolt(a). ? bolt(a) -> yes",
+        "#step 1 : 3. knock(d).",
+        "#step 2 : 3. bolt(a). ? bolt(a) -> no",
+        "#step 2 : 3. bolt(a). ? -bolt(a) -> no",
+    ),
+    "the bound of the update": (
+        FAR,
+        "#step 1 : 148. go. ? go -> no go",
+        "#step 1 : 149. go. ? go -> yes",
+        "#step 1 : 148. go. ? go -> no go",
+        "#step 1 : 148. go. ? -go -> yes",
+    ),
+    "answers that later steps exclude": (
+        SEEN,
+        "#step 1 : 6. seen(a). seen(b). seen(c). ? -seen(a) seen(b) seen(c) -> no seen(a) seen(c)",
+        "#step 1 : 6. seen(a). seen(b). seen(c). ? seen(a) seen(b) seen(c) -> yes",
+        "#step 1 : 6. seen(a). seen(b). seen(c). ? -seen(a) seen(b) -seen(c) -> yes",
+        "#step 1 : 6. seen(a). seen(b). seen(c). ? -seen(a) -seen(b) -seen(c) -> yes",
+    ),
+    **{
+        f"steps that declare mentioned atoms: {rules}": (
+            f"#external go/0. {rules}",
+            f"#step 2 : 20. go. {asks} ? go -> yes",
+            f"#step 2 : 20. go. {asks} ? -go -> yes",
+        )
+        for rules, asks in (
+            ("#cumulative t. c(t).", ":- go, not c(9)."),
+            ("#cumulative t. #external e(t). e(t-1) :- t = 3. :- t = 2, go, not e(t).", ""),
+            ("#cumulative t. { _action_lib(a,b,t+1) }. :- t = 2, go, not _action_lib(a,b,t+1).", ""),
+        )
+    },
+    "asserted facts until their retraction": (
+        BOLT,
+        "#step 1 : 3. #assert : a. knock(d).",
+        "#step 2 : 3. ? knock(d) -> no knock(d)",
+        "#step 2 : 3. ? -knock(d) -> yes",
+        "#step 2 : 3. #retract : a. ? knock(d) -> yes",
+        "#step 2 : 3. #retract : a. ? -knock(d) -> yes",
+    ),
+}
 
 
-def verdicts(solver, text, assumable):
-    """Return whether there is an answer with the assumable facts, and without them."""
-    return [probe(solver, text, assumable, disabled).satisfiable for disabled in ("", assumable)]
-
-
-def test_probe_sees_updates_since_the_last_probe():
-    solver = planner_of(BOLT)
-    assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)").satisfiable
-    play(solver, "#step 1 : 3. knock(d).")
-    for disabled in ("", "bolt(a)"):
-        assert probe(solver, "#step 2 : 3. bolt(a).", "bolt(a)", disabled) == Reply(False), "the core is empty"
-
-
-def test_probe_respects_the_bound_of_its_update():
-    solver = planner_of(FAR)
-    found = [probe(solver, f"#step 1 : {bound}. go.", "go").satisfiable for bound in (148, 149, 148)]
-    assert found == [False, True, False]
-    assert probe(solver, "#step 1 : 148. go.", "go", "go").satisfiable
-
-
-def test_probe_finds_answers_that_later_steps_exclude():
-    """From step 3 on each answer requires seen(a); seen(b) and seen(c) exclude shorter ones."""
-    solver = planner_of(
-        "#external seen/1. #program cumulative(t). :- t > 2, not seen(a). "
-        "#program volatile(t). :- t < 2, seen(b). :- t < 4, seen(c)."
-    )
-
-    def without(disabled):
-        text = "#step 1 : 6. seen(a). seen(b). seen(c)."
-        return probe(solver, text, "seen(a) seen(b) seen(c)", disabled)
-
-    found = without("seen(a)")
-    assert not found.satisfiable
-    assert found.core >= atoms("seen(a) seen(c)")
-    assert all(without(one).satisfiable for one in ("", "seen(a) seen(c)", "seen(a) seen(b) seen(c)"))
-
-
-@pytest.mark.parametrize(
-    ("rules", "asks"),
-    [
-        ("#cumulative t. c(t).", ":- go, not c(9)."),
-        ("#cumulative t. #external e(t). e(t-1) :- t = 3. :- t = 2, go, not e(t).", ""),
-        ("#cumulative t. { _action_lib(a,b,t+1) }. :- t = 2, go, not _action_lib(a,b,t+1).", ""),
-    ],
-)
-def test_probe_grounds_steps_that_declare_mentioned_atoms(rules, asks):
-    assert verdicts(planner_of("#external go/0. " + rules), f"#step 2 : 20. go. {asks}", "go") == [True, True]
-
-
-def test_probe_assumes_asserted_facts_until_their_retraction():
-    solver = planner_of(BOLT)
-    play(solver, "#step 1 : 3. #assert : a. knock(d).")
-    assert verdicts(solver, "#step 2 : 3.", "knock(d)") == [False, True]
-    assert verdicts(solver, "#step 2 : 3. #retract : a.", "knock(d)") == [True, True]
+@pytest.mark.parametrize("name", STREAMS)
+def test_probe_has_these_verdicts(name):
+    """A verdict is followed by facts of its unsat core."""
+    text, *lines = STREAMS[name]
+    solver = planner_of(text)
+    for line in lines:
+        question, _, verdict = line.partition(" -> ")
+        if not verdict:
+            play(solver, line)
+            continue
+        found, core = probe(solver, question), atoms(verdict.partition(" ")[2])
+        assert (found.satisfiable, bool(found.core)) == (verdict == "yes", bool(core)), line
+        assert found.core >= core, line
 
 
 @pytest.mark.usefixtures("compacts_at_once")
@@ -201,18 +212,18 @@ def test_probe_assumes_facts_of_compacted_steps():
     for step in range(2, 8):
         play(solver, f"#step {step} : 0. seal({step}). #over {min(step - 1, 5)}.")
     assert parse_atom("seal(4)") in solver.snapshot.past.facts
-    assert verdicts(solver, "#step 8 : 0. seal(8).", "seal(4)") == [False, True]
+    verdicts = [probe(solver, f"#step 8 : 0. seal(8). ? {fact}").satisfiable for fact in ("seal(4)", "-seal(4)")]
+    assert verdicts == [False, True]
 
 
-# ---- Stops and errors ------------------------------------------------------------------------------------------------
+# ---- Stops, errors and work ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("looks", [0, 4])
 def test_stopped_probe_is_unknown_and_can_be_repeated(looks):
-    solver, asked = planner_of(FAR), []
-    verdict = probe(solver, "#step 1 : 100. go.", "go", stopped=lambda: asked.append(1) or len(asked) > looks)
-    assert verdict == UNKNOWN
-    assert probe(solver, "#step 1 : 100. go.", "go") == Reply(False, core=atoms("go"))
+    solver = planner_of(FAR)
+    assert probe(solver, "#step 1 : 100. go. ? go", stop_after(looks)) == UNKNOWN
+    assert probe(solver, "#step 1 : 100. go. ? go") == Reply(False, core=atoms("go"))
 
 
 def test_probe_regrounds_after_an_error(monkeypatch):
@@ -222,56 +233,32 @@ def test_probe_regrounds_after_an_error(monkeypatch):
     solver = planner_of(BOLT, horizon_limit=9)
     solver.solve()
     with pytest.raises(SolverError, match="beyond the horizon limit"):
-        probe(solver, "#step 10.", "")
+        probe(solver, "#step 10. ? ")
     with monkeypatch.context() as patched:
         patched.setattr(ClaspSearch, "run", fail)
         with pytest.raises(SolverError, match="too large"):
-            probe(solver, "#step 5 : 5. knock(d).", "knock(d)")
-    assert probe(solver, "#step 5 : 5. knock(d).", "knock(d)") == Reply(False, core=atoms("knock(d)"))
+            probe(solver, "#step 5 : 5. knock(d). ? knock(d)")
+    assert probe(solver, "#step 5 : 5. knock(d). ? knock(d)") == Reply(False, core=atoms("knock(d)"))
 
 
-# ---- Work ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def work(monkeypatch):
-    """Record work as text: + for a new grounding, >7 for growing to step 7, 1..5 for a search."""
-    done = []
-
-    def note(name, text_of):
-        method = getattr(Grounding, name)
-
-        def noted(grounding, *arguments, **named):
-            done.append(text_of(*arguments))
-            return method(grounding, *arguments, **named)
-
-        monkeypatch.setattr(Grounding, name, noted)
-
-    note("__init__", lambda *_arguments: "+")
-    note("grow_to", ">{}".format)
-    note("ask", lambda question, _stopped: f"{question.first}..{question.last}")
-    return done
-
-
-def test_probes_of_one_update_share_a_grounding(work):
-    solver, text = planner_of(BOLT), "#step 2 : 3. bolt(a). bolt(b). knock(c)."
+def test_probes_of_one_update_share_a_grounding():
+    pieces = []
+    solver = planner_of(BOLT, dropped=lambda: pieces.append(1))
     play(solver, "#step 1 : 3.")
-    work.clear()
-    for disabled in ("", "bolt(a)", "bolt(b) knock(c)"):
-        probe(solver, text, "bolt(a) bolt(b) knock(c)", disabled)
-    assert work.count("+") == 1
-    probe(solver, text, "bolt(b)")
-    assert work.count("+") == 2
+    counts = []
+    for facts in ("bolt(a) bolt(b) knock(c)", "-bolt(a) bolt(b) knock(c)", "bolt(a) -bolt(b) -knock(c)", "bolt(b)"):
+        probe(solver, f"#step 2 : 3. bolt(a). bolt(b). knock(c). ? {facts}")
+        counts.append(len(pieces))
+    assert counts[0] == counts[1] == counts[2] < counts[3]
 
 
-def test_probe_doubles_the_steps_until_a_stop(work):
-    assert not probe(planner_of(FAR), "#step 1 : 139. go.", "go").satisfiable
-    assert " ".join(work[-10:]) == "1..1 >33 1..33 >66 1..66 >130 >132 1..132 >140 1..140"
-    work.clear()
-    stopped = probe(planner_of(FAR), "#step 1 : 139. go.", "go", stopped=lambda: ">66" in work)
-    assert (stopped.satisfiable, work[-1]) == (None, ">66")
+def test_probe_doubles_the_steps_until_a_stop(searches):
+    assert not probe(planner_of(FAR), "#step 1 : 139. go. ? go").satisfiable
+    assert searches[-5:] == [(1, 1), (1, 33), (1, 66), (1, 132), (1, 140)]
+    stopped = probe(planner_of(FAR), "#step 1 : 139. go. ? go", lambda: searches[-1] == (1, 66))
+    assert (stopped.satisfiable, searches[-1]) == (None, (1, 66))
 
 
-def test_probe_grounds_no_useless_further_steps(work):
-    assert not probe(planner_of(BOLT), "#step 1 : 300. bolt(a). bolt(b).", "bolt(a)").satisfiable
-    assert work[-1] == "1..1"
+def test_probe_grounds_no_useless_further_steps(searches):
+    assert not probe(planner_of(BOLT), "#step 1 : 300. bolt(a). bolt(b). ? bolt(a)").satisfiable
+    assert searches[-1] == (1, 1)

@@ -1,15 +1,14 @@
-"""The strategy for plans soon: its questions, and its plans in streams compared with a reference."""
+"""The strategy for plans soon: its questions, and its time limit (see also test_walks.py)."""
 
-from itertools import count, product
+from itertools import product
 from types import SimpleNamespace
 from unittest import mock
 
 import pytest
 from fake_grounding import FakeGrounding, actions
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from plain_walk import Walk, program_text
-from stream_logs import copied
+from plain_walk import program_text
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, parse_update
 from rosoclingo.planning.grounding import Grounding
@@ -19,7 +18,6 @@ from rosoclingo.planning.strategies import soon
 from rosoclingo.planning.strategies.soon import TimeLimit, TimeLimitedSearch
 
 FOREVER = float("inf")
-PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
 
 # ---- Questions -------------------------------------------------------------------------------------------------------
 
@@ -190,64 +188,13 @@ def test_soon_spends_a_tenth_on_shortening_valid_plans(last, predicted, least):
     assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, seconds=20, predicted=predicted)[0] == least
 
 
-# ---- Streams ---------------------------------------------------------------------------------------------------------
-
-#: For each step: requested places, and whether the previous action has failed.
-NEWS = st.tuples(st.lists(st.integers(-3, 4), max_size=2), st.booleans())
-
-
-def play(solver, news, bound=None):
-    """Play a stream that executes the plan; yield walk, result and the rest of the previous plan."""
-    walk, left = Walk(), None
-    for wanted, fails in news:
-        done = frozenset(one for one in left.actions if cycle_of(one) == walk.step) if left else frozenset()
-        before = left and left._replace(actions=left.actions - done)
-        result = solver.update(walk.update(wanted, fails, done, bound))
-        assert result.step == walk.step
-        yield walk, result, before
-        if not result.answers:
-            return
-        left = Plan.from_result(result).rest(walk.step)
-
-
-@settings(max_examples=settings.default.max_examples * 4 // 5)
-@given(
-    st.booleans(),
-    st.sampled_from([0.0, 0.0, FOREVER]) | st.integers(0, 12),
-    st.none() | st.integers(0, 5),
-    st.lists(NEWS, min_size=1, max_size=6),
-)
-def test_soon_plans_hold_in_random_streams(advice, plan_time, bound, news):
-    """Plans are valid, and shortest if there is time; without time a valid last plan is kept."""
-    with clock(count(0.0).__next__):
-        check_stream(PlanSolver(PROGRAMS[advice], plan_time=plan_time, log_limit=2), plan_time, bound, news)
-
-
-def check_stream(solver, plan_time, bound, news):
-    for walk, result, before in play(solver, news, bound):
-        if result.outcome is SolveOutcome.UNSATISFIABLE:
-            assert walk.least(walk.step, walk.step + bound) is None
-            return
-        found = Plan.from_result(result)
-        assert solver.log.plan == found
-        assert walk.allows(found.horizon, found.rest(walk.step).actions)
-        assert result.shortest or plan_time < FOREVER
-        if result.shortest:
-            assert walk.least(walk.step, result.horizon) == result.horizon
-        if plan_time == 0 and before and walk.allows(max(before.horizon, walk.step), before.actions):
-            assert found.rest(walk.step).actions == before.actions
-            assert found.horizon <= max(before.horizon, walk.step)
-        if plan_time == 0 and bound is None:
-            reader = PlanSolver(solver.program, plan_time=0.0)
-            reader.restore(copied(solver.log))
-            again = Plan.from_result(reader.solve())
-            assert walk.allows(again.horizon, again.rest(walk.step).actions)
+# ---- In the solver ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("news", ["", "_request(0,2)."])
 def test_soon_does_not_shorten_predicted_plans(news, searches):
     ticks = iter([0.0, 2.0])  # the clock stops at the last value
-    solver = PlanSolver(PROGRAMS[True], plan_time=1.0)
+    solver = PlanSolver(ReactiveProgram.from_text(program_text()), plan_time=1.0)
     with clock(lambda: next(ticks, 2.0)):
         first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
     (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)

@@ -1,0 +1,179 @@
+"""Random streams with events between the updates: each answer is one of the whole history."""
+
+from random import Random
+
+import pytest
+from foreign_programs import SOUND
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+from plain_walk import EARLY, next_update
+from recorded_streams import DOMAINS, Domain
+from stream_play import check_answer, delay_plan, stop_after
+
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, StreamUpdate, commitment
+from rosoclingo.oclingo.progression.updates import Expire
+from rosoclingo.planning import solver as solver_module
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
+from rosoclingo.planning.solver import PlanSolver
+
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("reorder_effort")]
+
+RING = ReactiveProgram.from_text(
+    """
+#program base.
+at(a,0). next(a,b). next(b,c). next(c,a).
+#program cumulative(t).
+#external blocked(t). #external _request/2.
+{ _action_lib(go,Y,t) : next(X,Y) } 1 :- at(X,t-1), not blocked(t).
+at(Y,t) :- _action_lib(go,Y,t).
+at(X,t) :- at(X,t-1), not _action_lib(go,Y,t) : next(X,Y).
+wanted(X,t) :- _request(goal(X,Id),t).
+wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
+#program volatile(t).
+:- wanted(X,t), not at(X,t).
+"""
+)
+LINE = ReactiveProgram.from_text(EARLY)
+#: The first steps have no action.
+LATE = ReactiveProgram.from_text(EARLY + ":- _action_lib(A,X,t), t < 4.")
+PROGRAMS = {
+    "ring": Domain(lambda: RING, lambda draw, number: f"goal({draw.choice('abc')},{number})", ("blocked({})",)),
+    "line": Domain(lambda: LINE, lambda draw, _: str(draw.randint(-3, 4)), ()),
+    "late": Domain(lambda: LATE, lambda draw, _: str(draw.randint(-3, 4)), ()),
+    **{name: DOMAINS[name] for name in ("mailbot", *SOUND)},
+}
+
+
+class Trip:
+    """A stream with checkpoints, compactions, withdrawals, lost updates and improvements between its updates.
+
+    Attributes:
+        solver: the solver under test.
+        whole: its history without checkpoints.
+
+    """
+
+    LIMIT = 60
+
+    def __init__(self, name, draw, plan_time):
+        self.domain, self.draw, self.plan_time = PROGRAMS[name], draw, plan_time
+        self.solver = self.new_solver(plan_time=plan_time, log_limit=draw.choice([2, 10, 100]))
+        if plan_time is not None:  # the first plans are long, as the first grounding has many steps
+            self.solver.restore(History().with_entries(AcceptedUpdate(None, draw.randint(8, 16))))
+        self.whole = self.read = self.solver.log
+        self.result, self.over, self.goals, self.facts, self.committed = None, 0, 0, set(), set()
+
+    def new_solver(self, **options):
+        return PlanSolver(self.domain.program(), horizon_limit=self.LIMIT, **options)
+
+    def next(self):
+        """Return the next update, with executed actions, goals and facts."""
+        draw, cycle, atoms = self.draw, self.solver.step + 1, []
+        if draw.random() < 0.4:
+            self.goals += 1
+            atoms.append(f"_request({self.domain.goal(draw, self.goals)},{cycle + 1})")
+        if self.domain.facts and draw.random() < 0.2:
+            atoms.append(draw.choice(self.domain.facts).format(cycle + draw.choice([0, 1, -1])))
+        over = [Expire(self.over)] if self.over and draw.random() < 0.5 else []
+        return next_update(self.solver, *atoms, fails=draw.random() < 0.1, further=over)
+
+    def update(self):
+        """Check that a solver with the whole history has an answer to the next update if and only if this one has."""
+        update, twin = self.next(), self.new_solver(log_limit=1000)
+        twin.restore(self.whole)
+        mine, its = self.solver.update(update), twin.update(update)
+        assert mine.outcome is its.outcome, self.whole.text()
+        assert {one.split()[1] for one in its.warnings} <= {one.split()[1] for one in mine.warnings}
+        assert self.plan_time is not None or mine.horizon == its.horizon, self.whole.text()
+        if mine.answers:
+            assert its.horizon <= mine.horizon
+            check_answer(self.solver, mine)
+        else:
+            self.solver.restore(self.solver.log.adopt(Plan(frozenset(), self.solver.horizon)))
+        self.result = mine
+        self.committed |= update.committed
+        self.facts |= {head for head in update.heads if head is not None}
+
+    def checkpoint(self):
+        self.solver.checkpoint()
+
+    def compact(self):
+        self.over = max(self.over, self.solver.step - self.draw.randint(0, 2))
+        over = AcceptedUpdate(StreamUpdate(items=(Expire(self.over),)), self.solver.horizon)
+        self.solver.restore(self.solver.log.with_entries(over))
+        self.solver.checkpoint()
+
+    def withdraw(self):
+        recent = sorted(one for one in self.facts | self.committed if one.arguments[-1].number >= self.over)
+        facts = set(self.draw.sample(recent, min(len(recent), self.draw.randint(1, 2))))
+        self.solver.restore(self.solver.log.withdraw(frozenset(facts)))
+        self.committed -= facts
+        self.facts -= facts
+
+    def drop(self):
+        before = self.solver.log
+        dropping = PlanSolver(self.solver.program, dropped=lambda: True)
+        dropping.restore(before)
+        with pytest.raises(DroppedError):
+            dropping.update(self.next())
+        assert dropping.log is before
+
+    def refuse(self):
+        before = self.solver.log
+        with pytest.raises(SolverError, match="beyond the horizon limit"):
+            self.solver.update(StreamUpdate(self.LIMIT + 1, 0))
+        assert self.solver.log is before
+
+    def improve(self):
+        if self.plan_time is None or not self.result.answers:
+            return
+        plan = self.solver.log.plan
+        delay_plan(self.solver, self.draw.randint(0, 2))
+        better = self.solver.improve(stop_after(self.draw.choice([3, None, None])))
+        if better is None:
+            self.solver.restore(self.solver.log.adopt(plan))
+            return
+        event("shorter after a predicted update" if self.solver.log.predicted else "shorter")
+        assert Plan.from_result(better) == self.solver.log.plan
+        check_answer(self.solver, better)
+
+    def check(self):
+        """Check that each committed action of a closed cycle has its commitment or is compacted."""
+        entries = self.solver.log.entries_after(self.read)
+        self.whole = self.whole.with_entries(*(one for one in entries if not isinstance(one, Checkpoint)))
+        self.read, snapshot = self.solver.log, self.solver.snapshot
+        known, first = set(snapshot.permanent), 0 if snapshot.past is None else snapshot.past.first
+        for cycle, executed in snapshot.closed.items():
+            for action in executed & self.committed:
+                assert cycle < first or commitment(action) in known, self.solver.log.text()
+        kept = {one for one in self.committed if one.arguments[2].number >= first}
+        assert kept == {one for executed in snapshot.closed.values() for one in executed if one in kept}
+
+
+EVENTS = st.lists(st.sampled_from(["checkpoint", "compact", "compact", "withdraw", "drop", "refuse"]), max_size=3)
+IMPROVEMENTS = st.lists(st.sampled_from(["checkpoint", "improve", "improve", "withdraw"]), max_size=4)
+
+
+def play(trip, events):
+    for between in events:
+        trip.update()
+        trip.check()
+        for name in between:
+            getattr(trip, name)()
+            trip.check()
+
+
+@pytest.mark.usefixtures("compacts_at_once")
+@given(st.integers(0, 10**6), st.lists(EVENTS, min_size=2, max_size=8))
+def test_events_between_updates_change_no_answer(seed, events):
+    play(Trip("ring", Random(seed), None), events)
+
+
+@pytest.mark.parametrize("name", sorted(PROGRAMS))
+@settings(max_examples=settings.default.max_examples // 6)
+@given(st.integers(0, 10**6), st.sampled_from([1, 16]), st.lists(IMPROVEMENTS, min_size=3, max_size=8))
+def test_improved_plans_are_answers_of_the_whole_history(name, seed, least_steps, events):
+    """After any predicted updates, checkpoints, compactions and withdrawals since the last search."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solver_module, "LEAST_STEPS", least_steps)
+        play(Trip(name, Random(seed), 0.0), events)
