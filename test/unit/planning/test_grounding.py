@@ -1,4 +1,4 @@
-"""One grounding: blocks of steps, and memory after a question (see also test_streams.py)."""
+"""One grounding: blocks of steps, and memory after a question (see also test_stream_answers.py)."""
 
 import gc
 import weakref
