@@ -3,7 +3,7 @@
 from itertools import count
 
 import pytest
-from stream_logs import copied
+from stream_logs import copied, cut, texts
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, parse_atom, parse_update
 from rosoclingo.planning.grounding import Grounding
@@ -28,6 +28,8 @@ reached(X,t) :- reached(X,t-1).
 #program volatile(t).
 :- wanted(X,t), not reached(X,t).
 """
+
+IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 
 #: The incremental solver and the planner.
 SOLVERS = pytest.mark.parametrize("kind", [ReactiveSolver, PlanSolver])
@@ -56,6 +58,33 @@ def atoms(result):
 def plan(result):
     """Return the actions of the first answer as sorted texts."""
     return [str(one) for one in sorted(result.answers[0]) if one.name == "_action_lib"]
+
+
+def check_answers(solver, line):
+    """Play an update and compare its result.
+
+    A line such as ``#step 2. e(1). => a | - ! e(1)`` has the answers after ``=>`` (``-``: an empty one), and after
+    ``!`` the ignored heads.
+    """
+    update, _, expected = line.partition(" =>")
+    result = play(solver, update)
+    if expected:
+        answers, _, ignored = expected.partition("!")
+        assert texts(result) == {frozenset(one.split()) - {"-"} for one in answers.split("|") if one.strip()}, update
+        assert [one for one in result.warnings if "declared" in one] == list(map(IGNORED.format, ignored.split()))
+
+
+def check_stream(way, program, *updates):
+    """Play updates in one of several ways, and compare their answers."""
+    kind = PlanSolver if "planner" in way else ReactiveSolver
+    solver = solver_of(program if "#volatile" in program else program + " #volatile t.", kind, models=0)
+    for line in updates:
+        if way == "regrounding":
+            drop_grounding(solver)
+        if way == "planner with a new solver for each update":
+            log, solver = cut(solver), PlanSolver(solver.program, models=0)
+            solver.restore(log)
+        check_answers(solver, line)
 
 
 def drop_grounding(solver):

@@ -119,6 +119,7 @@ def compact(text, *updates, steps=8, every=1):
         (":- x, e(t).", ["", "e(2)."], 7),
         (":- late(t), 1 { x ; y }.", ["", "e(2)."], 7),
         ("day(t). #external o(T) : day(T), T > t-4.", ["", "", "o(3).", "", ":- o(3), x."], 7),
+        ("#external o(9) : t \\ 4 = 1. d(t) :- o(9).", ["", "", "", "o(9)."], 7),
         ("#external q/2. p(t) :- not q(_,t+1).", ["q(a,3)."], 7),
         ("p(t). #volatile t : 1. :- not p(t).", [], 7),
         ("p(t). #volatile t : 3. :- not p(t).", [], 6),

@@ -2,12 +2,11 @@
 
 import pytest
 from stream_logs import copied, cut, texts
-from stream_play import SOLVERS, atoms, drop_grounding, play, solver_of
+from stream_play import IGNORED, SOLVERS, atoms, check_answers, check_stream, drop_grounding, play, solver_of
 
 from rosoclingo.oclingo import DroppedError, ReactiveSolver, SolveOutcome, parse_atom, parse_update
 from rosoclingo.planning.solver import PlanSolver
 
-IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 E = "#cumulative t. #external e(t). c(t) :- e(t). #volatile t."
 OPEN = "#external e/1. a(X) :- e(X). #cumulative t. b(X,t) :- e(X). #volatile t."
 SEEN = "{ a }. #external sees/1. #cumulative t. u(t) :- sees(t). #volatile t."
@@ -15,7 +14,7 @@ XY = "{ x ; y }. #cumulative t. #volatile t."
 OPPOSITES = "- | x q(1) | y -q(1)"
 LOOP = "{ a }. #cumulative t. #external e(t). #external f(t). #external g(t). d(t) :- e(t), a. #volatile t."
 
-#: A program and its updates; ``=>`` precedes the answers (``-``: an empty answer), ``!`` the ignored heads.
+#: A program and its updates with their answers, see check_answers.
 STREAMS = [
     # open signatures, externals, and heads unknown to the program
     (OPEN, "#step 3. => -", "e(n). => a(n) b(n,1) b(n,2) b(n,3) e(n)"),
@@ -89,25 +88,10 @@ STREAMS = [
 ]  # fmt: skip
 
 
-def check_answers(solver, line):
-    """Play an update and compare its answers and warnings."""
-    update, _, expected = line.partition(" =>")
-    result = play(solver, update)
-    if expected:
-        answers, _, ignored = expected.partition("!")
-        assert texts(result) == {frozenset(one.split()) - {"-"} for one in answers.split("|") if one.strip()}, update
-        assert [one for one in result.warnings if "declared" in one] == list(map(IGNORED.format, ignored.split()))
-
-
-@pytest.mark.parametrize("way", ["in place", "regrounding", "planner"])
-@pytest.mark.parametrize(("program", "updates"), [(program, updates) for program, *updates in STREAMS])
-def test_stream_has_the_expected_answers(program, updates, way):
-    kind = PlanSolver if way == "planner" else ReactiveSolver
-    solver = solver_of(program if "#volatile" in program else program + " #volatile t.", kind, models=0)
-    for line in updates:
-        if way == "regrounding":
-            drop_grounding(solver)
-        check_answers(solver, line)
+@pytest.mark.parametrize("way", ["in place", "regrounding", "planner", "planner with a new solver for each update"])
+@pytest.mark.parametrize("stream", STREAMS)
+def test_stream_has_the_expected_answers(stream, way):
+    check_stream(way, *stream)
 
 
 def test_head_defined_by_an_earlier_step_is_ignored():
