@@ -79,7 +79,7 @@ class Trip:
 
     def update(self):
         """Check that a solver with the whole history has an answer to the next update if and only if this one has."""
-        update, twin = self.next(), self.new_solver(log_limit=1000)
+        update, plan, twin = self.next(), self.solver.log.plan, self.new_solver(log_limit=1000)
         twin.restore(self.whole)
         mine, its = self.solver.update(update), twin.update(update)
         assert mine.outcome is its.outcome, self.whole.text()
@@ -89,6 +89,7 @@ class Trip:
             assert its.horizon <= mine.horizon
             check_answer(self.solver, mine)
         else:
+            assert self.solver.log.plan == plan, "the last plan stays in force"
             self.solver.restore(self.solver.log.adopt(Plan(frozenset(), self.solver.horizon)))
         self.result = mine
         self.committed |= update.committed

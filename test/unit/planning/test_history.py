@@ -1,6 +1,7 @@
 """Histories: each reader gives the answers of the writer and of a reference that solves from scratch."""
 
 import json
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
@@ -144,38 +145,27 @@ PAST = st.one_of(
 
 
 @pytest.mark.slow
-@given(LOOPING, st.lists(st.tuples(LOOPING_UPDATES, st.lists(PAST, max_size=2)), min_size=2, max_size=4), st.data())
-def test_restored_history_continues_as_before(parts, updates, data):
-    """Also with closed cycles, steps that are over, and withdrawals."""
-    program = ReactiveProgram.from_text(parts.text())
-    solver, played = PlanSolver(program, models=0, log_limit=3), []
+@given(
+    LOOPING,
+    st.lists(st.tuples(LOOPING_UPDATES, st.lists(PAST, max_size=2)), min_size=2, max_size=6),
+    st.sampled_from([True, False, False, False, False]),
+    st.data(),
+)
+def test_restored_history_continues_as_before(parts, updates, in_worker, data):
+    """Also with closed cycles, steps that are over, and withdrawals; in other solvers and in a worker."""
+    program, options = ReactiveProgram.from_text(parts.text()), {"models": 0, "log_limit": 3}
+    solver, played = PlanSolver(program, **options), []
     for update, past in updates:
         update = replace(update, items=(*past, *update.items))
         played.append((solver.log, update, solver.update(update)))
         if played[-1][-1].permanent:
             break
     log, update, result = data.draw(st.sampled_from(played))
-    for reader in (solver, PlanSolver(program, models=0)):
-        reader.restore(log if reader is solver else copied(log))
-        check(result, reader.update(update))
-
-
-@pytest.mark.slow
-@settings(max_examples=settings.default.max_examples // 5)
-@given(LOOPING, st.lists(LOOPING_UPDATES, min_size=2, max_size=6))
-def test_history_is_equal_in_worker_and_solver(parts, updates):
-    program = ReactiveProgram.from_text(parts.text())
-    here = PlanSolver(program, **OPTIONS)
-    with WorkerPool(program, shortest=True, **OPTIONS) as pool:
-        for number, update in enumerate(updates):
-            there = ProcessSolver(pool)
-            there.restore(here.log if number % 2 else copied(here.log))
-            mine, its = here.update(update), there.update(update)
-            check(mine, its)
-            if mine.permanent or its.permanent:
-                return
-            assert there.log.text() == here.log.text()
-            here.restore(there.log)
+    with WorkerPool(program, shortest=True, **options) if in_worker else nullcontext() as pool:
+        for reader in (solver, PlanSolver(program, **options), *([ProcessSolver(pool)] if pool else [])):
+            reader.restore(log if reader is solver else copied(log))
+            check(result, reader.update(update))
+            assert reader.log.text() == solver.log.text()
 
 
 # ---- Entries ---------------------------------------------------------------------------------------------------------

@@ -4,10 +4,14 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from stream_play import WALK, plan, planner_of, play
+from stream_play import planner_of, play
 
-from rosoclingo.oclingo import SolveOutcome
+from rosoclingo.oclingo import ReactiveProgram, SolverError
 from rosoclingo.planning import solver as solver_module
+from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.idling import may_idle
+from rosoclingo.planning.question import UNKNOWN
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import soon
 
 
@@ -28,26 +32,36 @@ def test_solver_reports_messages_of_clingo_once():
     assert sum("undefined operation" in one for one in found) == 1
 
 
-def test_solver_keeps_the_last_plan_without_an_answer():
-    solver = planner_of(WALK)
-    play(solver, "#step 1. _request(2,1).")
-    last = solver.log.plan
-    assert len(last.actions) == 2
-    assert play(solver, "#step 2 : 0. #volatile. :- at(0,0).").outcome is SolveOutcome.UNSATISFIABLE
-    assert solver.log.plan == last
+@pytest.mark.parametrize(
+    ("rule", "horizon"), [("", 9), (":- t = 1.", 1), (":- t = 2.", 2), (":- t = 4.", 2), (":- t = 5.", 9)]
+)
+def test_steps_are_ground_in_blocks_if_answers_idle(rule, horizon, searches):
+    """Otherwise, further steps could exclude an answer; the program is tested once."""
+    text = f"#external go. #program cumulative(t). {{ a(t) }}. {rule} #program volatile(t). :- go, t < 2."
+    program, numbers = ReactiveProgram.from_text(text), []
+    for _ in range(2):
+        solver = PlanSolver(program)
+        searches.clear()
+        play(solver, "#step 1 : 20. go.")
+        assert solver.horizon == horizon
+        numbers.append(len(searches))
+    assert numbers[0] > numbers[1]
 
 
-def line(first, last):
-    """Return the actions of a walk to the right."""
-    return [f"_action_lib(move,{step},{step})" for step in range(first, last + 1)]
+@pytest.mark.parametrize("number", [1, 2])
+def test_may_idle_tries_again_after_a_stop(monkeypatch, number):
+    asked, ask = [], Grounding.ask
+
+    def stopped_once(grounding, question, stopped):
+        asked.append(question)
+        return UNKNOWN if len(asked) == number else ask(grounding, question, stopped)
+
+    monkeypatch.setattr(Grounding, "ask", stopped_once)
+    program = ReactiveProgram.from_text("#program cumulative(t). { a(t) }. #program volatile(t).")
+    assert [may_idle(program, lambda: False) for _ in range(2)] == [False, True]
 
 
-def test_solver_finds_shortest_plans_after_going_back():
-    solver = planner_of(WALK, horizon_limit=30)
-    assert plan(play(solver, "#step 1. _request(4,1).")) == line(1, 4)
-    log, grown = solver.log, solver.horizon
-    play(solver, "#step 2. _request(-4,2).")
-    assert solver.horizon > grown
-    solver.restore(log)
-    assert solver.horizon == grown
-    assert plan(play(solver, "#step 1. _request(5,1).")) == line(1, 5)
+def test_solver_reports_errors_of_the_idling_test():
+    solver = planner_of("{ p(1..3) }. :- #sum { 2147483647,X : p(X) } > 3. #program cumulative(t).")
+    with pytest.raises(SolverError, match="Integer overflow"):
+        solver.solve()

@@ -86,14 +86,12 @@ def test_solvers_obey_heuristics_of_the_program(advice, chosen, kind):
     assert {str(one.arguments[0]) for one in answer if one.arguments[1].number == 2} == set(chosen)
 
 
-def test_program_without_heuristics_gives_no_advice():
-    program = ReactiveProgram.from_text("#program cumulative(t). { a(t) }. #program volatile(t).")
-    assert not program.advises
-    assert not any("heuristic" in one for one in program.arguments())
-
-
-def test_program_warns_of_undefined_atoms_in_heuristics():
-    text = "#program cumulative(t). { a(t) }. #heuristic b(t) : c(t). [1,true] #program volatile(t)."
-    program = ReactiveProgram.from_text(text)
-    assert not program.defines("b", 1)
-    assert all(f"defines {name}/1" in " ".join(program.warnings) for name in "bc")
+def test_program_knows_its_heuristics_and_their_undefined_atoms():
+    plain, advising = (
+        ReactiveProgram.from_text(f"#program cumulative(t). {{ a(t) }}. {advice} #program volatile(t).")
+        for advice in ("", "#heuristic b(t) : c(t). [1,true]")
+    )
+    assert (plain.advises, advising.advises) == (False, True)
+    assert not any("heuristic" in one for one in plain.arguments())
+    assert not advising.defines("b", 1)
+    assert all(f"defines {name}/1" in " ".join(advising.warnings) for name in "bc")

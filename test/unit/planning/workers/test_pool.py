@@ -108,15 +108,6 @@ def test_solvers_share_a_worker_and_no_history(echo):
     assert answers(fed(other, "2.")) == [[]]
 
 
-def test_pool_update_that_is_refused_changes_nothing():
-    with pool_of(ECHO, horizon_limit=3) as pool:
-        solver = ProcessSolver(pool)
-        fed(solver, "1. e(1).")
-        with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
-            fed(solver, "4.")
-        assert answers(fed(solver, "2.")) == [["c(1)", "e(1)"]]
-
-
 def test_pool_answers_omit_old_cycles():
     """Each answer contains recent atoms and atoms without a cycle."""
     with pool_of("#program base. named(x). #show named/1. #show c/1. " + ECHO, shortest=True) as pool:
