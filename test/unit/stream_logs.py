@@ -1,6 +1,8 @@
-"""Histories after serialization, and answers as texts."""
+"""Histories after serialization, streams to explain, and answers as texts."""
 
-from rosoclingo.planning.history import History
+from rosoclingo.oclingo import parse_update
+from rosoclingo.planning.explaining.questions import Stream
+from rosoclingo.planning.history import AcceptedUpdate, History
 
 
 def copied(log):
@@ -11,6 +13,12 @@ def copied(log):
 def cut(solver):
     """Return the history of a solver as one checkpoint, parsed from its text."""
     return copied(History().checkpoint(solver.snapshot))
+
+
+def stream_of(update, steps, *before):
+    """Return a stream of updates given as text, for an explanation why there is no plan of at most ``steps`` steps."""
+    log = History().with_entries(*(AcceptedUpdate(parse_update(f"{one} #endstep."), 1) for one in before))
+    return Stream(log, parse_update(f"{update} #endstep."), steps)
 
 
 def texts(result):

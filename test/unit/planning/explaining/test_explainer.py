@@ -6,11 +6,10 @@ import clingo
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stream_logs import stream_of
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import History
 
 STEPS = 3
 FACTS = ["start(1).", "goal(3).", "way(1,2).", "way(2,3).", "way(1,3).", "shut(2).", "shut(3)."]
@@ -76,8 +75,7 @@ class Case:
     def explain(self):
         text = text_of(self.facts, self.choice, self.constraints, self.volatile)
         facts = "".join(f"{one}. " for one in self.stream)
-        stream = Stream(History(), parse_update(f"#step 1. {facts}#endstep."), STEPS)
-        return explain(ReactiveProgram.from_text(text, "case.lp"), stream)
+        return explain(ReactiveProgram.from_text(text, "case.lp"), stream_of(f"#step 1. {facts}", STEPS))
 
 
 def some(things, most):

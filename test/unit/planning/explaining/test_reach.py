@@ -6,11 +6,10 @@ import clingo
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stream_logs import stream_of
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import History
 
 PAPER = Path(__file__).resolve().parents[4] / "encodings" / "paper.lp"
 STEPS = 2
@@ -59,7 +58,7 @@ class World:
 
 
 def explained(program, facts="", steps=STEPS):
-    return explain(program, Stream(History(), parse_update(f"#step 1. {facts} #endstep."), steps))
+    return explain(program, stream_of(f"#step 1. {facts}", steps))
 
 
 def check(world, steps=STEPS):

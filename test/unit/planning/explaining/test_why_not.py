@@ -3,12 +3,11 @@
 from itertools import count
 
 import pytest
+from stream_logs import stream_of
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import ranges
-from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.minimal_sets import UndecidedError
 
 PROGRAM = """\
@@ -38,9 +37,8 @@ GO = "_request(go(c),2)."
 SHUT = f"{GO} " + " ".join(f"shut(c,{step})." for step in range(1, 6))
 
 
-def why_not(facts, steps=4, text=PROGRAM, log=None, halt=lambda: False):
-    program = ReactiveProgram.from_text(text, "walk.lp")
-    return explain(program, Stream(log or History(), parse_update(f"#step 1. {facts} #endstep."), steps), halt)
+def why_not(facts, steps=4, text=PROGRAM, before=(), halt=lambda: False):
+    return explain(ReactiveProgram.from_text(text, "walk.lp"), stream_of(f"#step 1. {facts}", steps, *before), halt)
 
 
 @pytest.mark.slow
@@ -88,8 +86,7 @@ def test_explanation_of_few_steps_allows_longer_plans():
 
 
 def test_explanation_names_facts_of_the_history():
-    log = History().with_entries(AcceptedUpdate(parse_update("#step 1. shut(b,1). shut(b,2). shut(b,3). #endstep."), 1))
-    found = why_not(GO, steps=2, log=log)
+    found = why_not(GO, steps=2, before=["#step 1. shut(b,1). shut(b,2). shut(b,3)."])
     assert [one.text for one in found.stream_facts] == ["_request(go(c),2).", "shut(b,1).", "shut(b,2)."]
 
 

@@ -1,11 +1,10 @@
 """Explanations in a worker process: the same reasons, and a deadline."""
 
 import pytest
+from stream_logs import stream_of
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_update
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.workers import explanation, process
 from rosoclingo.planning.workers.explanation import explain_in_worker
 
@@ -19,19 +18,14 @@ EXPLODING = ReactiveProgram.from_text(
 )
 
 
-def stream(text, steps, *before):
-    log = History().with_entries(*(AcceptedUpdate(parse_update(one), 1) for one in before))
-    return Stream(log, parse_update(text), steps)
-
-
 @pytest.mark.slow
 def test_explaining_process_finds_the_same_reasons():
-    asked = stream("#step 2. on(2). #end step.", 1, "#step 1. on(1). #end step.")
+    asked = stream_of("#step 2. on(2).", 1, "#step 1. on(1).")
     found = explain_in_worker(PROGRAM, asked, 300.0)
     here = explain(PROGRAM, asked)
     assert found == (here.text(), here.to_message())
     assert [one.text for one in here.stream_facts] == ["on(1).", "on(2)."]
-    assert explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 300.0) is None
+    assert explain_in_worker(PROGRAM, stream_of("#step 1.", 1), 300.0) is None
 
 
 def test_explain_blames_facts_together_with_their_actions():
@@ -46,9 +40,9 @@ at(P,t) :- _action_lib(go,P,t).
 #program volatile(t).
 :- _request(go,C), not at(3,t).
 """
-    before = ["#step 1. _request(go,2). #end step."]
-    update = "#step 2. :- not _action_lib(go,1,1). shut(3,1). shut(3,2). #end step."
-    found = explain(ReactiveProgram.from_text(text), stream(update, 2, *before))
+    before = ["#step 1. _request(go,2)."]
+    update = "#step 2. :- not _action_lib(go,1,1). shut(3,1). shut(3,2)."
+    found = explain(ReactiveProgram.from_text(text), stream_of(update, 2, *before))
     assert [one.text for one in found.stream_facts] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
 
 
@@ -56,7 +50,7 @@ at(P,t) :- _action_lib(go,P,t).
 @pytest.mark.slow
 def test_explaining_process_ends_at_its_deadline(monkeypatch):
     monkeypatch.setattr(explanation, "PATIENCE", 0.2)
-    asked = stream("#step 1. e(1). #end step.", 3)
+    asked = stream_of("#step 1. e(1).", 3)
     with pytest.raises(DroppedError, match="no explanation was found in 1 s"):
         explain_in_worker(EXPLODING, asked, 1.0)
     with pytest.raises(DroppedError):
@@ -69,4 +63,4 @@ def test_explaining_process_that_cannot_start_raises(monkeypatch):
 
     monkeypatch.setattr(process.os, "posix_spawn", refused)
     with pytest.raises(SolverError, match="no more processes"):
-        explain_in_worker(PROGRAM, stream("#step 1. #end step.", 1), 1.0)
+        explain_in_worker(PROGRAM, stream_of("#step 1.", 1), 1.0)
