@@ -14,11 +14,12 @@ def actions(*cycles):
 
 
 class FakeGrounding:
-    """Plans by their horizons, each given by the cycles in which it acts; the steps up to ``horizon`` are ground.
+    """Plans by their horizons (a dict or pairs), each given by the cycles in which it acts.
 
-    A question about several horizons finds the plan of the last one. Horizon ``h`` is refuted after ``hard[h]``
-    conflicts; from horizon ``dead`` on the program is hopeless. After ``halts`` questions there is a stop, which
-    interrupts the last one if it is ``cut``. The program ``claims`` to need so many steps.
+    The steps up to ``horizon`` are ground. A question about several horizons finds the plan of the last one. Horizon
+    ``h`` is refuted after ``hard[h]`` conflicts; from horizon ``dead`` on the program is hopeless. After ``halts``
+    questions there is a stop, which interrupts the last one if it is ``cut``. The program ``claims`` to need so many
+    steps.
 
     Notes in ``asked``: ``2..5/100`` for these horizons and conflicts; then ``+3`` and ``-4`` for the cycles of actions
     assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
@@ -27,7 +28,8 @@ class FakeGrounding:
     is_cyclic = False
 
     def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **options):
-        self.plans, self.step, self.horizon, self.most, self.hard = plans, step, horizon, most, hard or {}
+        self.plans = [*plans.items()] if isinstance(plans, dict) else plans
+        self.step, self.horizon, self.most, self.hard = step, horizon, most, hard or {}
         self.dead, self.halts, self.cut = options.get("dead"), options.get("halts"), options.get("cut", False)
         self.claims = options.get("claims", 0)
         advises, optimizes = options.get("advises", False), options.get("optimizes", False)
@@ -75,9 +77,11 @@ class FakeGrounding:
         if self.cut and (stopped() or (question.until is not None and question.until())):
             return UNKNOWN
         horizons = range(first, last + 1)
-        agree = [one for one in horizons if one in self.plans and self.agrees(actions(*self.plans[one]), question)]
-        if agree:
-            return Reply(True, (actions(*self.plans[agree[-1]]),), agree[-1])
+        plans = [(one, actions(*cycles)) for one, cycles in self.plans if one in horizons]
+        agreeing = [(one, plan) for one, plan in plans if self.agrees(plan, question)]
+        if agreeing:
+            horizon, plan = max(agreeing, key=lambda pair: pair[0])
+            return Reply(True, (plan,), horizon)
         if conflicts is not None and not question.given and max(self.hard.get(one, 0) for one in horizons) > conflicts:
             return UNKNOWN
         dead = self.dead is not None and last >= self.dead
