@@ -89,7 +89,7 @@ class FakeGrounding:
 
     @staticmethod
     def agrees(plan, question):
-        """Whether the plan is an answer to the question, whatever the horizons."""
+        """Return whether the plan is an answer to the question at any of its horizons."""
         given = all((action in plan) == value for action, value in question.given)
         return given and (not question.lacking or not plan.issuperset(question.lacking))
 

@@ -48,12 +48,12 @@ class Drive:
     """A navigator that drives a simulated robot whose pose it knows.
 
     It ticks every ``control`` steps of the world, receives a scan every ``scan`` steps, and its commands are ``late``
-    steps.
+    steps. It drives the robot of this ``name``, by default the first one.
     """
 
-    def __init__(self, world, limits=None, control=1, scan=1, late=0, **costmap):
+    def __init__(self, world, limits=None, control=1, scan=1, late=0, name=None, **costmap):
         self.world = world
-        self.robot = next(iter(world.robots.values()))
+        self.robot = next(iter(world.robots.values())) if name is None else world.robots[name]
         spec = self.robot.spec
         radius = inscribed_radius(spec.radius, spec.footprint)
         ways = path_radii(radius, spec.footprint)
@@ -78,17 +78,22 @@ class Drive:
 
     def step(self):
         """Advance by one step of the world; return the result if the goal ends."""
+        result = self.command()
+        self.collisions += self.world.step()
+        return result
+
+    def command(self):
+        """Perceive, find the next command, and send those that are due; return the result if the goal ends."""
         number, name, result = self.world.steps, self.robot.spec.name, None
         control, scan, late = self._rhythm
         if number % scan == 0:
             self.look()
-        if number % control == 0:
+        if number % control == 0 and self.navigator.active:
             tick = self.tick(control * self.world.spec.interval)
             self._under_way.append((number + late, tick.velocity))
             result = tick.result
         while self._under_way and self._under_way[0][0] <= number:
             self.world.command(name, *self._under_way.pop(0)[1])
-        self.collisions += self.world.step()
         return result
 
     def look(self):

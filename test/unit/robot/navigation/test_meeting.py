@@ -5,18 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from navigation_worlds import room
+from navigation_worlds import Drive, room
 
-from rosoclingo.robot.navigation import (
-    Costmap,
-    GridPlanner,
-    Navigator,
-    Pose2D,
-    RolloutFollower,
-    Velocity,
-    default_recoveries,
-    load_map,
-)
+from rosoclingo.robot.navigation import Costmap, Pose2D, Velocity, load_map
 from rosoclingo.robot.navigation.brake import brake
 from rosoclingo.robot.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
@@ -91,29 +82,6 @@ def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():
     assert not len(costmap.unmarked)
 
 
-class DelayedNavigator:
-    """A navigator that computes only in every third step, and whose commands arrive two steps late."""
-
-    def __init__(self, world, name, goal):
-        self.world, self.robot, self.result = world, world.robots[name], None
-        self.navigator = Navigator(Costmap(world.spec.grid), GridPlanner(), RolloutFollower(), default_recoveries())
-        self.navigator.set_goal(0.0, goal)
-        self._under_way = []
-
-    def step(self, number):
-        robot, laser, navigator = self.robot, self.robot.lasers[0], self.navigator
-        while self._under_way and self._under_way[0][0] <= number:
-            self.world.command(robot.spec.name, *self._under_way.pop(0)[1])
-        if number % 3 or self.result:
-            return
-        ranges = self.world.scan(robot.spec.name).astype(float)
-        if navigator.costmap.observe(robot.pose.compose(laser.spec.pose), laser.angles, ranges, laser.spec.range):
-            navigator.obstacles_changed()
-        tick = navigator.tick(self.world.time, robot.pose, Velocity(robot.v, robot.w), 0.1)
-        self._under_way.append((number + 2, tick.velocity))
-        self.result = tick.result
-
-
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("left", "right"), [(0.0, 0.0), (0.1, -0.1), (-0.3, -0.2)])
 def test_meeting_robots_pass_each_other_despite_late_control(left, right):
@@ -123,14 +91,13 @@ def test_meeting_robots_pass_each_other_despite_late_control(left, right):
         RobotSpec("bert", Pose2D(13.0, right, math.pi), lasers=(laser,)),
     )
     world = Simulation(WorldSpec(load_map(OFFICE), robots), watchdog=0.5)
-    drivers = [
-        DelayedNavigator(world, "anna", Pose2D(13.0, 0.0)),
-        DelayedNavigator(world, "bert", Pose2D(2.0, 0.0, math.pi)),
-    ]
+    goals, results = {"anna": Pose2D(13.0, 0.0), "bert": Pose2D(2.0, 0.0, math.pi)}, []
+    drives = [Drive(world, control=3, scan=3, late=2, name=name) for name in goals]
+    for drive, goal in zip(drives, goals.values()):
+        drive.navigator.set_goal(0.0, goal)
     collisions = []
-    for number in range(1200):
-        for driver in drivers:
-            driver.step(number)
+    while world.steps < 1200:
+        results += filter(None, [drive.command() for drive in drives])
         collisions += world.step()
     assert collisions == []
-    assert [driver.result.message for driver in drivers] == ["Goal reached."] * 2
+    assert [result.message for result in results] == ["Goal reached."] * 2

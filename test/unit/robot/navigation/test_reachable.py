@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from occupied_grids import distance
 from scipy.ndimage import label
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, GridPlanner, OccupancyGrid, PlanOutcome, Pose2D
@@ -46,13 +47,6 @@ class Truth:
         return there[goal], there[row : row + FINE + 1, column : column + FINE + 1].any()
 
 
-def distance(cells, x, y):
-    rows, columns = np.nonzero(cells == 100)
-    dx = np.maximum(np.maximum(columns * CELL - x, x - (columns + 1) * CELL), 0.0)
-    dy = np.maximum(np.maximum(rows * CELL - y, y - (rows + 1) * CELL), 0.0)
-    return float(np.hypot(dx, dy).min(initial=math.inf))
-
-
 @pytest.mark.slow
 @given(maps, st.floats(0.05, 0.25), st.tuples(parts, parts, parts))
 def test_reachable_goals_are_found_and_others_reported(cells, radius, chosen):
@@ -80,7 +74,7 @@ def check_path(cells, radius, points, ends, exact):
     assert np.hypot(*(points[-1] - ends[1][:2])) < (1e-6 if exact else 1.5 * CELL)
     for a, b in zip(points[:-1], points[1:]):
         for t in np.linspace(0.0, 1.0, 2 + int(np.hypot(*(b - a)) / 0.01)):
-            assert distance(cells, *(a + (b - a) * t)) >= radius - LACK - 1e-6
+            assert distance(cells == 100, *(a + (b - a) * t) / CELL) * CELL >= radius - LACK - 1e-6
 
 
 def test_reachable_reports_a_goal_in_unknown_cells():
