@@ -4,15 +4,26 @@ rospy counts a connection at the reading end first. Messages that are published 
 connection are lost. So this module asks the publishers for their connections.
 """
 
+import socket
 from contextlib import suppress
 from typing import Any, Dict, Iterable, List, Optional, Set
+from urllib.parse import urlsplit
 
 import rosgraph
 import rospy
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
-__all__ = ["connected_nodes", "is_connected", "is_delivered_to", "readers"]
+__all__ = ["close_dead", "connected_nodes", "is_connected", "is_delivered_to", "limit_silence", "on_reachable_hosts", "readers"]
+
+#: Seconds after which a connection to a host that does not respond is closed.
+SILENCE = 30
+
+#: Seconds between two probes of an idle connection.
+PROBE = 5
+
+#: Time limit in seconds for a host to respond to a connection.
+CONNECT_TIMEOUT = 5.0
 
 
 def is_delivered_to(reader: str, topic: str, publishers: Iterable[str] = (), allow_none: bool = False) -> bool:
@@ -50,6 +61,45 @@ def connected_nodes(topic: Any) -> Set[str]:
 def is_connected(subscriber: rospy.Subscriber, header: Any) -> bool:
     """Return whether the connection of a message with this `_connection_header` is open: one object per connection."""
     return any(one.header is header and one.socket is not None for one in subscriber.impl.connections)
+
+
+def limit_silence(subscriber: rospy.Subscriber, header: Any) -> None:
+    """Limit the silence of the connection with this `_connection_header`, as :func:`close_dead` does."""
+    for connection in subscriber.impl.connections:
+        if connection.header is header:
+            close_dead(connection)
+
+
+def close_dead(connection: Any) -> None:
+    """Let the kernel close a connection once the other host has not responded for SILENCE seconds.
+
+    rospy's own limit for an idle subscriber is 150 s, and a publisher with unsent messages waits for some 15 minutes.
+    After a shorter loss of the link, TCP delivers all messages.
+    """
+    options = {socket.TCP_KEEPIDLE: PROBE, socket.TCP_KEEPINTVL: PROBE, socket.TCP_USER_TIMEOUT: SILENCE * 1000}
+    with suppress(AttributeError, OSError):  # already closed, or no TCP socket
+        connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        for option, value in options.items():
+            connection.socket.setsockopt(socket.IPPROTO_TCP, option, value)
+
+
+def on_reachable_hosts(nodes: Iterable[str]) -> Set[str]:
+    """Return the nodes whose hosts respond to a connection, also by refusing it.  Raises FAULTS without a master."""
+    found: Set[str] = set()
+    dead: Set[Optional[str]] = set()
+    for node in nodes:
+        address = urlsplit(address_of(node))
+        if address.hostname in dead:
+            continue
+        try:
+            socket.create_connection((address.hostname or "", address.port or 0), CONNECT_TIMEOUT).close()
+        except ConnectionRefusedError:
+            found.add(node)
+        except OSError:
+            dead.add(address.hostname)
+        else:
+            found.add(node)
+    return found
 
 
 def _publishers(topic: str) -> List[str]:

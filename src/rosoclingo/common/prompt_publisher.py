@@ -14,6 +14,8 @@ import rospy
 from rospy.impl.tcpros_base import TransportTerminated
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
+from rosoclingo.common.connections import close_dead
+
 __all__ = ["prompt_publisher"]
 
 
@@ -87,8 +89,9 @@ def prompt_publisher(
 ) -> rospy.Publisher:
     """Return a rospy.Publisher that sends immediately; at most ``queue_size`` messages wait for a slow subscriber.
 
-    Each node that connects first gets the messages of ``greeting``. All publishers of the topic in this process share
-    the connections, so they send immediately too.
+    Each node that connects first gets the messages of ``greeting``. A dead connection of such a publisher is closed, so
+    that the node can connect again. All publishers of the topic in this process share the connections, so they send
+    immediately too.
     """
     if greeting is not None:
         more["subscriber_listener"] = _Greeting(greeting)
@@ -99,6 +102,8 @@ def prompt_publisher(
 
         def add_connection(connection: Any) -> bool:
             """Add and greet a connection under the lock: rospy lets other threads publish to it before the greeting."""
+            if greeting is not None:
+                close_dead(connection)
             with impl.publock:
                 return bool(add(PromptConnection(connection, queue_size)))
 

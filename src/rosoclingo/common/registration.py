@@ -15,7 +15,7 @@ import rosgraph
 import rospy
 from rospy.impl.registration import get_service_manager, get_topic_manager
 
-from rosoclingo.common.connections import connected_nodes
+from rosoclingo.common.connections import connected_nodes, on_reachable_hosts
 from rosoclingo.common.worker import ending
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
@@ -33,8 +33,9 @@ LOOKS = 4
 class Registration:
     """Periodically compares the master's entries with this node, and registers missing ones again.
 
-    The entries are topics, services and private parameters. For each publisher that the master lists and rospy is not
-    connected to, it triggers one connection attempt.
+    The entries are topics, services and private parameters. For each publisher that the master lists, that rospy is not
+    connected to and whose host responds, it triggers one connection attempt: rospy's own attempts can be up to a
+    minute apart.
 
     Create it after the node has read its parameters and created its topics and services. It runs in its own thread
     until the node shuts down, as a master can take seconds to respond.
@@ -46,7 +47,7 @@ class Registration:
         self._parameters: Optional[Dict[str, Any]] = None  # the node's initial parameters, once read
         self._ended = threading.Event()
         self._lacking: List[Entries] = [set() for _ in range(4)]  # at the last comparison
-        self._seen: Any = None  # own entries at the last request
+        self._seen: Any = None  # own entries and connected publishers at the last request
         self._looks = LOOKS  # remaining comparisons
         self._lost = False
         self._asked: Entries = set()  # publishers to which rospy was asked to connect
@@ -84,17 +85,27 @@ class Registration:
         if any(missing):
             self._lose("the ROS master was restarted and lacks entries of this node: registering them again")
             self._register(*missing)
-        # rospy itself retries a publisher that does not respond, so one subscription is enough
-        self._subscribe({(topic, kind) for topic, kind, _ in unheard - self._asked})
-        self._asked = (self._asked | unheard) & self._lacking[3]
+        # rospy itself retries a publisher that stops responding, so one subscription is enough
+        missed = unheard - self._asked
+        reachable = on_reachable_hosts({node for _, _, node in missed})
+        found = {one for one in missed if one[2] in reachable}
+        self._subscribe({(topic, kind) for topic, kind, _ in found})
+        self._asked = (self._asked & self._lacking[3]) | found
+        if found != missed:
+            self._looks = LOOKS
         if self._parameters is None:
             self._parameters = _parameters(self._name)
         self._lost = False
 
-    def _own(self) -> Tuple[Any, Any, Any]:
-        """Return publications and subscriptions with their types, services with their URIs: lists of pairs of str."""
+    def _own(self) -> Tuple[Any, Any, Any, Any]:
+        """Return publications and subscriptions with their types, services with their URIs, and connected publishers.
+
+        The first three are lists of pairs of str.
+        """
         topics = get_topic_manager()
-        return topics.get_publications(), topics.get_subscriptions(), get_service_manager().get_services()
+        subscriptions = topics.get_subscriptions()
+        heard = {topic: heard_nodes(topics.get_subscriber_impl(topic)) for topic, _ in subscriptions}
+        return topics.get_publications(), subscriptions, get_service_manager().get_services(), heard
 
     def _lose(self, text: str) -> None:
         if not self._lost:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
 import rospy
 
-from rosoclingo.common.connections import is_connected
+from rosoclingo.common.connections import is_connected, limit_silence
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.facts import Sender
 from rosoclingo.msg import InterfaceIO
@@ -64,6 +64,7 @@ class CommandInbox:
         if message.interface == CORE:
             for run in filter(None, map(run_in, message.facts)):
                 self._announced[node] = _Announced(run, header)
+                limit_silence(self._subscriber, header)
                 for follow in self._followers:
                     follow(run)
         read = self._readers.get(message.interface)
