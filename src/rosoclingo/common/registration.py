@@ -104,7 +104,7 @@ class Registration:
         """
         topics = get_topic_manager()
         subscriptions = topics.get_subscriptions()
-        heard = {topic: heard_nodes(topics.get_subscriber_impl(topic)) for topic, _ in subscriptions}
+        heard = {topic: connected_nodes(topics.get_subscriber_impl(topic)) for topic, _ in subscriptions}
         return topics.get_publications(), subscriptions, get_service_manager().get_services(), heard
 
     def _lose(self, text: str) -> None:

@@ -78,8 +78,8 @@ class Interface(abc.ABC):
             The core first announces its run to each subscriber, under the name `rosoclingo`: `_run("ID")`.
             Messages for other interfaces are ignored.
     Publishes:
-        in_rosoclingo (rosoclingo/InterfaceIO): the further facts of an answer, if any, and `_return(A,V,C)`. Each node
-            that connects first gets a message without facts, which announces the interface.
+        in_rosoclingo (rosoclingo/InterfaceIO): the further facts of an answer, if any, and `_return(A,V,C)`. A message
+            without facts announces the interface: first to each node that connects, and once a second of wall time.
         /diagnostics (diagnostic_msgs/DiagnosticArray): server, running actions, counts, the last failure and the last
             internal error, once a second and on change.
     Actions called:

@@ -9,6 +9,9 @@ from rosoclingo.msg import InterfaceIO
 # Limit in seconds of wall time that an answer waits for its receiver to connect.
 PATIENCE = 1.0
 
+# Seconds of wall time between two announcements.
+PERIOD = 1.0
+
 
 class _Waiting(NamedTuple):
     message: InterfaceIO
@@ -22,13 +25,15 @@ class Outbox:
 
     A node that has just started is connected in one direction before the other, and would lose an earlier answer.
     Messages bypass rospy's queue, because a node loses its queue at shutdown.
-    Each node that connects first gets a message with the interface's name.
+    A message with the interface's name and no facts announces the interface to each node that connects, and is repeated
+    every PERIOD.
     """
 
     def __init__(self, topic: str, interface: str) -> None:
-        announcement = InterfaceIO(interface=interface)
-        self._publisher = prompt_publisher(topic, InterfaceIO, greeting=lambda: [announcement])
+        self._announcement = InterfaceIO(interface=interface)
+        self._publisher = prompt_publisher(topic, InterfaceIO, greeting=lambda: [self._announcement])
         self._waiting: Deque[_Waiting] = deque()
+        self._announced = float("-inf")
 
     def put(self, message: InterfaceIO, reader: str, wall: float, wanted: Optional[Callable[[], bool]] = None) -> None:
         """Publish a message once the node `reader` is connected; `wall` is steady time in seconds.
@@ -40,7 +45,10 @@ class Outbox:
         self.flush(wall)
 
     def flush(self, wall: float) -> bool:
-        """Publish messages whose receivers are connected; return whether others still wait."""
+        """Publish messages whose receivers are connected; return whether others still wait.  Call it often."""
+        if wall - self._announced >= PERIOD:
+            self._announced = wall
+            self._publisher.publish(self._announcement)
         while self._waiting:
             message, reader, since, wanted = self._waiting[0]
             dropped = wanted is not None and not wanted()

@@ -15,6 +15,7 @@ from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.hypotheses import Impasse, Way
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
+from rosoclingo.reasoning.interface_watch import InterfaceWatch
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Preparations
@@ -43,6 +44,8 @@ class Core:
 
     The ``observer`` receives all events, in order. Times (``now``) are in seconds of any clock.
 
+    ``interfaces`` receives the announcements of interfaces and their messages; call its ``look`` as wall time passes.
+
     ``watch`` can end any search, and ``watch_recovery`` the search for goals to abort and for the reasons.
     ``watch_joining`` ends the wait for a plan with new goals while the current plan continues; None waits until the
     plan is found.
@@ -68,6 +71,8 @@ class Core:
         self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
         learns = settings.learn_durations
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle, learns)
+        limits = settings.interface_timeout, settings.lost_timeout
+        self.interfaces = InterfaceWatch(program, self._execution, observer, lambda: self.cycle, *limits)
         joining = None if self._execution.goes_on else watch_joining
         self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))

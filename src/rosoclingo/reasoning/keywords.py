@@ -20,6 +20,8 @@ CANCEL = "cancel"
 RUNNING = "_running"
 TAKES = "_takes"
 RUN = "_run"
+LOST = "_lost"
+BACK = "_back"
 
 #: The origin of the core's own facts for all interfaces.
 CORE = "rosoclingo"
@@ -35,6 +37,9 @@ NOW = Function("now")
 
 #: The return value of an action that did not return in time.
 TIMEOUT = Function("timeout")
+
+#: The return value of an action whose interface was lost.
+INTERFACE_LOST = Function("lost")
 
 #: The return value of a failed action without a reason.
 FAILURE = Function("failed")

@@ -134,11 +134,11 @@ class Dispatch:
             raise ReturnError("the action has returned already")
         self.returns.append(answer)
 
-    def expire(self, reason: Symbol) -> List[Tuple[Action, Return]]:
-        """Fail each action without a return for ``reason``; return the actions with their returns."""
-        expired = [(one, self.failure(one, reason)) for one in self.missing]
-        self.returns += [answer for _, answer in expired]
-        return expired
+    def fail(self, actions: Sequence[Action], reason: Symbol) -> List[Return]:
+        """Fail running actions for ``reason``; return their returns."""
+        failures = [self.failure(one, reason) for one in actions]
+        self.returns += failures
+        return failures
 
     def failure(self, action: Action, reason: Symbol) -> Return:
         """Make the return of an action that failed for ``reason``."""
@@ -356,15 +356,19 @@ class ExecutionMonitor:
         self._timed.clear()
         for dispatch in self._dispatches if limit > 0 else ():
             dispatch.started = min(dispatch.started, now)  # restart the wait if time has jumped back
-            if now - dispatch.started < limit:
-                continue
-            before, expired = dispatch.certain, dispatch.expire(TIMEOUT)
-            for action, _ in expired:
-                text = f"{action.atom} has not returned within {limit:g} s: it counts as failed"
-                self._emit(Problem(self._cycle(), text, action.interface_name))
-            for one in self._fresh(dispatch, before, [answer for _, answer in expired]):
-                with self._guarded(one.interface_name, str(one.atom)):
-                    self._feed_return(one.interface_name, one, dispatch)
+            if now - dispatch.started >= limit:
+                self.fail(dispatch.missing, TIMEOUT, f"has not returned within {limit:g} s")
+
+    def fail(self, actions: Sequence[Action], reason: Symbol, why: str) -> None:
+        """Fail running actions, as they were sent, for ``reason``; ``why`` is the verb of the problem that is reported."""
+        for dispatch in self._dispatches:
+            failing = [one for one in actions if one.cycle == dispatch.cycle]
+            before, answers = dispatch.certain, dispatch.fail(failing, reason)
+            for one in failing:
+                self._emit(Problem(self._cycle(), f"{one.atom} {why}: it counts as failed", one.interface_name))
+            for answer in self._fresh(dispatch, before, answers):
+                with self._guarded(answer.interface_name, str(answer.atom)):
+                    self._feed_return(answer.interface_name, answer, dispatch)
 
     def end_cycle(self) -> Tuple[Action, ...]:
         """End the cycle; return its executed actions."""

@@ -23,6 +23,10 @@ class CoreSettings:
             number of goals so that searches stay well below it.
         learn_durations: whether the median durations of successful actions are stated to a program that declares
             ``#external _takes/3``.
+        interface_timeout: seconds of wall time without a message, after which an interface is silent; 0 for never. Used
+            if the program declares ``_lost/2``.
+        lost_timeout: seconds of wall time for which an action of a silent interface can still return; then it fails
+            with ``lost``. 0 waits for ``action_timeout``.
 
     """
 
@@ -33,3 +37,5 @@ class CoreSettings:
     overtaking_limit: int = 20
     search_timeout: float = 10.0
     learn_durations: bool = True
+    interface_timeout: float = 10.0
+    lost_timeout: float = 60.0

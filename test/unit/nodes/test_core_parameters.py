@@ -35,6 +35,8 @@ def test_core_parameters_are_all_read(program):
         "preempt": True,
         "goals_at_once": 5,
         "overtaking_limit": 7,
+        "interface_timeout": 4,
+        "lost_timeout": 30,
         "plan": "shortest",
         "plan_time": 3,
         "journal": "~/kept",
@@ -47,7 +49,7 @@ def test_core_parameters_are_all_read(program):
         (program,),
         {"n": "4"},
         ("office1",),
-        CoreSettings(7, 5.0, True, 5, 7, 0.0),
+        CoreSettings(7, 5.0, True, 5, 7, 0.0, 4.0, 30.0),
         2.0,
         "shortest",
         3.0,
@@ -106,6 +108,8 @@ def test_core_parameters_limit_time_for_improvement(program):
         ("horizon_limit", 1.5, "must be an integer of at least 1"),
         ("horizon_limit", True, "must be an integer of at least 1"),
         ("action_timeout", -1, "must be seconds, 0 for no limit"),
+        ("interface_timeout", -1, "must be seconds, 0 for never"),
+        ("interface_timeout", 2.5, "announce themselves once a second: use at least 3"),
         ("action_timeout", "long", "must be seconds, 0 for no limit"),
         ("search_timeout", float("inf"), "must be seconds, 0 for no limit"),
         ("recovery_timeout", -0.1, "must be seconds, 0 for no limit"),
@@ -182,7 +186,8 @@ def test_core_parameters_defaults_match_the_document():
     real = {"horizon_limit": CoreSettings.horizon_limit, "action_timeout": CoreSettings.action_timeout}
     real.update(search_timeout=CoreSettings.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
     real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
-    real.update(overtaking_limit=CoreSettings.overtaking_limit)
+    real.update(overtaking_limit=CoreSettings.overtaking_limit, lost_timeout=CoreSettings.lost_timeout)
+    real.update(interface_timeout=CoreSettings.interface_timeout)
     real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time, journal=CoreParameters.journal)
     real.update(resume=CoreParameters.resume, required=CoreParameters.required)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real

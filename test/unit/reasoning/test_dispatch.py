@@ -28,7 +28,9 @@ class Actions:
 
     def expire(self, *expected):
         """Let all actions time out; expect these actions with their values, as PARAMETER:VALUE."""
-        found = [f"{one.parameter}:{answer.value}" for one, answer in self.dispatch.expire(TIMEOUT)]
+        missing = self.dispatch.missing
+        answers = self.dispatch.fail(missing, TIMEOUT)
+        found = [f"{one.parameter}:{answer.value}" for one, answer in zip(missing, answers)]
         assert found == list(expected)
 
     def missing(self, *expected):

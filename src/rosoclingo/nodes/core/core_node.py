@@ -91,6 +91,11 @@ class CoreNode:
             newest goals are queued. 0 for no limit.
         ~action_timeout (float, default 600.0): seconds of ROS time, counted no faster than wall time, after which an
             action without a return fails with ``_return(A,timeout,C)``. 0 for no limit.
+        ~interface_timeout (float, default 10.0): seconds of wall time without a message from an interface, after which
+            a program that declares ``#external _lost/2`` receives ``_lost(R,C)``, and ``_back(R,C)`` after the next
+            message. 0 for never. R is the first argument of the interface's name, else the name.
+        ~lost_timeout (float, default 60.0): seconds of wall time for which an action of a lost interface can still
+            return. Then it fails with ``_return(A,lost,C)``. 0 waits for ``~action_timeout``.
         ~recovery_timeout (float, default 5.0): seconds of the solver's processor time to search for the fewest goals
             to abort when there is no plan, and again for the reasons. Afterwards goals are queued instead. 0 for no
             limit. A check that has started still completes.
@@ -108,7 +113,8 @@ class CoreNode:
     Subscribes:
         in_rosoclingo (rosoclingo/InterfaceIO): facts of the interfaces, ``_return(A,V,C)`` and any declared external.
             ``now`` in place of the cycle makes the next actions depend on the fact.
-            A message without facts announces that its node serves the interface.
+            A message without facts announces that its node serves the interface. Each interface repeats it once a
+            second.
     Publishes:
         out_rosoclingo (rosoclingo/InterfaceIO): the actions of a cycle, one message for each interface. Not latched,
             but each new subscriber first gets the run of the core, ``_run("ID")`` for the interface ``rosoclingo``,
@@ -170,7 +176,7 @@ class CoreNode:
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
-        self._facts = FactIntake(self._core, self._register, self._worker)
+        self._facts = FactIntake(self._core, self._register, self._worker, self._topics.send_again)
         self._health = Health()
         self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
@@ -294,6 +300,7 @@ class CoreNode:
             rospy.logwarn_throttle(10.0, "waiting for /clock")
             return False
         self._core.poll(self._time())
+        self._core.interfaces.look(time.monotonic())
         self._send()
         while not self._ending and not self._facts.gather() and self._core.advance(self._time()):
             self._send()

@@ -1,10 +1,11 @@
 """The core's input of facts from the topic in_rosoclingo."""
 
 import time
-from typing import NamedTuple, Set, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Set, Tuple
 
 import rospy
 
+from rosoclingo.common.connections import limit_silence
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.nodes.core.bounded_queue import BoundedQueue
@@ -20,26 +21,40 @@ SLICE = 0.05
 #: Limit of one node's queued messages.
 MOST_WAITING = 20
 
+#: Limit of the remembered announcements, by node and interface.
+MOST_ANNOUNCED = 10000
+
 
 class _Sent(NamedTuple):
-    """A message of a node; without facts it announces that the node serves the interface."""
+    """A message of a node; without facts it announces that the node serves the interface.
+
+    ``connection`` is the header of its connection: one object per connection.
+    """
 
     node: str
     interface: str
     facts: Tuple[str, ...]
+    connection: Any
 
 
 class FactIntake:
     """Queues facts until the worker takes them; the topic's callback only enqueues.
+
+    Announcements are queued separately: they wake no worker and end no search. ``renewed`` is called with an interface
+    that announces itself over another connection than before.
 
     Attributes:
         gathering: decides whether the next update waits for messages that were sent together.
 
     """
 
-    def __init__(self, core: ResumableCore, register: InterfaceRegister, worker: Worker) -> None:
-        self._core, self._register, self._worker = core, register, worker
+    def __init__(
+        self, core: ResumableCore, register: InterfaceRegister, worker: Worker, renewed: Callable[[str], None]
+    ) -> None:
+        self._core, self._register, self._worker, self._renewed = core, register, worker, renewed
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
+        self._announcements: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
+        self._connections: Dict[Tuple[str, str], Any] = {}
         self.gathering = Gathering(time.monotonic())
 
     def connect(self) -> None:
@@ -62,18 +77,33 @@ class FactIntake:
 
     def _on_facts(self, message: InterfaceIO) -> None:
         node = message._connection_header["callerid"]
-        if self._queue.put(node, _Sent(node, shortened(message.interface), tuple(message.facts))):
+        sent = _Sent(node, shortened(message.interface), tuple(message.facts), message._connection_header)
+        if not message.facts:
+            self._announcements.put(node, sent)
+        elif self._queue.put(node, sent):
             self._worker.put(_wake)
 
     def take(self) -> None:
         """Pass queued facts to the core, for at most SLICE seconds; called by the worker."""
+        for message in self._announcements.take(len(self._announcements)):
+            self._announce(message)
         end = time.monotonic() + SLICE
         while self._queue and time.monotonic() < end:
             [message] = self._queue.take(1)
-            if message.facts:
-                self._core.receive(message.interface, message.facts)
-            else:
-                self._register.announce(message.node, message.interface)
+            self._core.interfaces.hear(message.interface)
+            self._core.receive(message.interface, message.facts)
+
+    def _announce(self, message: _Sent) -> None:
+        self._register.announce(message.node, message.interface)
+        self._core.interfaces.announce(message.interface)
+        key = message.node, message.interface
+        known = self._connections.get(key)
+        if known is message.connection or len(self._connections) > MOST_ANNOUNCED:
+            return
+        self._connections[key] = message.connection
+        limit_silence(self._inlet, message.connection)
+        if known is not None:
+            self._renewed(message.interface)
 
 
 def _wake() -> None:

@@ -22,6 +22,9 @@ PLANS = ("soon", "shortest")
 #: Values of the journal's folder: the default folder, and no journal; an empty value is NONE, too.
 AUTO, NONE = "auto", "none"
 
+#: The shortest value of the time-out of interfaces, in seconds.
+SHORTEST_SILENCE = 3.0
+
 #: The name of the facts of ``~places`` in messages.
 PLACES = "~places"
 
@@ -68,6 +71,8 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         horizon_limit=given.at("horizon_limit").whole(defaults.horizon_limit, low=1),
         search_timeout=given.at("search_timeout").number(defaults.search_timeout, low=0.0, wanted=limit),
         action_timeout=given.at("action_timeout").number(defaults.action_timeout, low=0.0, wanted=limit),
+        interface_timeout=_interface_timeout(given.at("interface_timeout"), defaults.interface_timeout),
+        lost_timeout=given.at("lost_timeout").number(defaults.lost_timeout, low=0.0, wanted=limit),
         preempt=given.at("preempt").flag(defaults.preempt),
         goals_at_once=given.at("goals_at_once").whole(defaults.goals_at_once, low=0),
         overtaking_limit=given.at("overtaking_limit").whole(defaults.overtaking_limit, low=0),
@@ -89,6 +94,14 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
     )
     given.check()
     return found
+
+
+def _interface_timeout(reader: Reader, default: float) -> float:
+    seconds = reader.number(default, low=0.0, wanted="seconds, 0 for never")
+    if 0 < seconds < SHORTEST_SILENCE:
+        fix = f"use at least {SHORTEST_SILENCE:g}, or 0 for never"
+        reader.fault(f"has to be longer, since interfaces announce themselves once a second: {fix}")
+    return seconds
 
 
 def load_program(parameters: CoreParameters) -> Tuple[ReactiveProgram, List[str]]:

@@ -87,6 +87,12 @@ class CoreTopics:
         for message in _messages(facts):
             self._out.publish(message)
 
+    def send_again(self, interface: str) -> None:
+        """Publish the running actions of an interface again: their returns can be lost with its former connection."""
+        for message in self._running:
+            if message.interface == interface:
+                self._out.publish(message)
+
     def return_taken(self, _event: object) -> None:
         """Update the running actions after a return."""
         self._look()

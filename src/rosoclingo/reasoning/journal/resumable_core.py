@@ -93,6 +93,7 @@ class ResumableCore(Core):
             **self._goals.record(),
             **self._feeder.record(),
             **self._execution.record(),
+            **self.interfaces.record(),
             "preemption": self._preemption.record(),
             **self._record_beliefs(),
             **self._log.record(self._planner.log),
@@ -119,5 +120,6 @@ class ResumableCore(Core):
         self._goals.restore(record)
         self._feeder.restore(record, self._goals.by_key)
         self._execution.restore(record)
+        self.interfaces.restore(record)
         self._preemption.restore(record["preemption"])
         self._announce.state = frozenset(map(symbol_of, keys_of(record, "believed"))) or None
