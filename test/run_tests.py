@@ -42,6 +42,7 @@ WAITING = (
     "core_defence",
     "core_killed",
     "core_start",
+    "hosts",
     "master_restarted",
     "office",
     "recorder",

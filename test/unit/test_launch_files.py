@@ -301,6 +301,14 @@ def test_launch_real_move_base_reads_every_parameter():
             assert all(set(value[layer][source]) <= KNOWN["source"] for source in sources)
 
 
+def test_launch_hosts_has_only_the_core_here():
+    config = load("hosts.launch", robot="10.0.0.2", env_loader="/home/robot/env.sh", sim="none")
+    machine = config.machines["robot"]
+    assert (machine.address, machine.env_loader) == ("10.0.0.2", "/home/robot/env.sh")
+    assert {one.name for one in config.nodes if one.machine_name is None} == {"rosoclingo"}
+    assert {one.name for one in config.nodes if one.machine_name == "robot"} >= {"move_base", "move_base_interface"}
+
+
 def test_launch_both_configurations_describe_same_robot():
     own, real = (
         yaml.safe_load((ROOT / "config" / name).read_text()) for name in ("navigation.yaml", "real_move_base.yaml")
