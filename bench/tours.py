@@ -116,7 +116,7 @@ class Event:
                 self.happen(lambda: world.set_door(self.door, False), lambda: world.set_door(self.door, True))
         elif world.time - self.since > self.wait and drive.robot.v > 0.3:
             pose, radius = drive.robot.pose, self.random.uniform(0.1, 0.25)
-            ahead = pose.moved(self.tour.variant.reach + radius + self.random.uniform(0.5, 1.2), 0.0, 1.0)
+            ahead = pose.advance(self.tour.variant.reach + radius + self.random.uniform(0.5, 1.2), 0.0, 1.0)
             thing = ObstacleSpec(f"sudden{world.steps}", ahead[:2], radius=radius)
             self.happen(lambda: world.put_obstacle(thing), lambda: world.remove_obstacle(thing.name))
 

@@ -61,11 +61,11 @@ class Bindings:
         """Return an error at a place."""
         return GologError(Fault(self._file, place.line or 1, place.column or 1, message, remedy))
 
-    def inner(self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables") -> Dict[str, str]:
+    def inner_scope(self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables") -> Dict[str, str]:
         """Return the names within a scope that binds ``variables``; raise GologError for duplicates."""
         return self._bind(names, variables, set(names), what)
 
-    def quantified(self, names: Names, variables: Sequence[SyntaxNode]) -> Dict[str, str]:
+    def quantifier_scope(self, names: Names, variables: Sequence[SyntaxNode]) -> Dict[str, str]:
         """Return the names within a quantifier; its variables differ from all others of the condition."""
         found = self._bind(names, variables, {*names, *self._quantified}, "variables")
         self._quantified.update(one.text for one in variables)
@@ -143,7 +143,7 @@ def instances(condition: SyntaxNode, names: Names, scope: Bindings) -> List[List
     """Return the alternatives under which ``some`` or a fluent has values, or ``all`` a counterexample."""
     if condition.kind == "compound":
         return alternatives(condition, names, scope)
-    inner = scope.quantified(names, parameters(condition))
+    inner = scope.quantifier_scope(names, parameters(condition))
     ways = [alternatives(one, inner, scope, not number) for number, one in enumerate(condition.parts[1:])]
     return _conjunction(condition, ways, scope)
 

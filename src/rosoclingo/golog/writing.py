@@ -95,7 +95,7 @@ class Writer:
         self.places.append((place.line or 1, place.column or 1))
 
     def _procedure(self, procedure: SyntaxNode) -> None:
-        names = self._scope.inner({}, parameters(procedure), "parameters")
+        names = self._scope.inner_scope({}, parameters(procedure), "parameters")
         written = [names[one.text] for one in parameters(procedure)]
         head = procedure.text + (f"({','.join(written)})" if written else "")
         body = self._statement(procedure.parts[-1], names)
@@ -184,7 +184,7 @@ class Writer:
     def _options(self, one: SyntaxNode, names: Names) -> str:
         """Write the rules for the options of a choice and return its name."""
         variables, condition, then = choice(one)
-        inner = self._scope.inner(names, variables)
+        inner = self._scope.inner_scope(names, variables)
         self._scope.begin()
         ways = alternatives(condition, inner, self._scope)
         body = self._statement(then, inner)

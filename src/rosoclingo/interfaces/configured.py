@@ -14,7 +14,7 @@ from rosoclingo.interfaces.config import InterfaceSpec
 from rosoclingo.interfaces.inquiry import Check
 from rosoclingo.interfaces.message_filling import FieldError, fill
 from rosoclingo.interfaces.templates import ActionScope, FillError, GoalEnd, evaluate
-from rosoclingo.interfaces.type_faults import loaded
+from rosoclingo.interfaces.type_faults import load_type
 from rosoclingo.interfaces.world import watch
 from rosoclingo.reasoning.keywords import Action
 
@@ -29,11 +29,11 @@ class ConfiguredInterface(Interface):
     def __init__(
         self, spec: InterfaceSpec, labels: LabelTable, *, worker: Worker, memory: Optional[Path] = DEFAULT_MEMORY
     ) -> None:
-        action = loaded(spec.type, spec.name)()
+        action = load_type(spec.type, spec.name)()
         rules = tuple(_with_constants(rule, action.action_result.result) for rule in spec.rules)
         self._spec = spec._replace(rules=rules)
         self._labels = labels
-        self._watch = watch(spec.done.topic, loaded(spec.done.type, f"{spec.name}.done.type")) if spec.done else None
+        self._watch = watch(spec.done.topic, load_type(spec.done.type, f"{spec.name}.done.type")) if spec.done else None
         super().__init__(
             spec.name,
             type(action),

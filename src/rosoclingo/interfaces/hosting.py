@@ -16,7 +16,7 @@ from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS
 from rosoclingo.interfaces.base import DEFAULT_MEMORY
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface
-from rosoclingo.interfaces.templates import labelled
+from rosoclingo.interfaces.templates import label_references
 from rosoclingo.interfaces.type_faults import type_faults
 
 _OWN = ("server", "timeout", "server_timeout", "pause", "retries", "repeatable")
@@ -80,7 +80,7 @@ def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ..
 def _warn(labels: LabelTable, specs: Tuple[InterfaceSpec, ...]) -> None:
     """Warn of settings that are suspicious, but valid."""
     for spec in specs:
-        if not labels and labelled(spec.goal):
+        if not labels and label_references(spec.goal):
             text = "%s: %s needs labels, but ~labels is empty: each of its actions will return unknown_label"
             rospy.logwarn(text, rospy.get_name(), spec.name)
 

@@ -123,7 +123,7 @@ def references(template: str) -> List[str]:
     return [match.group(1) for match in _INSIDE.finditer(template) if match.group(1) is not None]
 
 
-def labelled(template: Any) -> List[str]:
+def label_references(template: Any) -> List[str]:
     """Return references, as templates, to the terms that a template uses as labels."""
     steps = [reference.split(".") for _, text in texts_in(template) for reference in references(text)]
     return ["$" + ".".join(one[:-1]) for one in steps if one[1:] and one[-1] in LABEL_FIELDS and one[0] != "result"]

@@ -13,7 +13,7 @@ from rosoclingo.interfaces.message_filling import field_faults, field_types
 from rosoclingo.interfaces.templates import references
 
 
-def loaded(name: str, place: str, kind: str = "message") -> Any:
+def load_type(name: str, place: str, kind: str = "message") -> Any:
     """Return the class of a message or action; raises ConfigError."""
     try:
         found = genpy.message.get_message_class(name)
@@ -38,14 +38,14 @@ def type_faults(spec: InterfaceSpec) -> List[str]:
 def _done_faults(spec: InterfaceSpec) -> List[str]:
     if spec.done is None or not spec.done.type:
         return []
-    message = loaded(spec.done.type, f"{spec.name}.done.type")()
+    message = load_type(spec.done.type, f"{spec.name}.done.type")()
     return field_faults(message, spec.done.when, f"{spec.name}.done.when")
 
 
 def _action_faults(spec: InterfaceSpec) -> List[str]:
     if not spec.type:
         return []
-    action = loaded(spec.type, f"{spec.name}.type", "action")()
+    action = load_type(spec.type, f"{spec.name}.type", "action")()
     faults = field_faults(action.action_goal.goal, spec.goal, f"{spec.name}.goal")
     for index, rule in enumerate(spec.rules):
         faults += _rule_faults(rule, action.action_result.result, f"{spec.name}.returns[{index}]")

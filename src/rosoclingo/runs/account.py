@@ -93,7 +93,7 @@ class Account(RunView):
     @property
     def summary(self) -> Summary:
         """The summary up to now."""
-        goals = [record for _, record in self.tables["goals"].since(0)]
+        goals = [record for _, record in self.tables["goals"].changes_since(0)]
         places = self.tables["packages"].last
         believed = believed_places(self.believed, self.drawings, self.about["labels"].keys())
         packages = believed.things

@@ -48,7 +48,7 @@ class OrderForm(NamedTuple):
     goal: str
     choices: Tuple[Choice, ...]
 
-    def shown(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
+    def describe(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
         """Return the form for a page: its title, and its fields with their options.
 
         ``packages`` maps each package to its label, empty without one. ``apart`` lists the fields whose choice or place

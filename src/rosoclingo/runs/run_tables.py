@@ -18,7 +18,7 @@ POSES = 20000
 Point = Tuple[float, float]
 
 
-def simplified(points: Sequence[Point], tolerance: float = 0.03) -> List[Point]:
+def simplify(points: Sequence[Point], tolerance: float = 0.03) -> List[Point]:
     """Return the points of a path (m) without points close to the line between others (Douglas and Peucker)."""
     kept, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
     while spans:
@@ -81,7 +81,7 @@ class Table:
     def __getitem__(self, number: int) -> Record:
         return self._records[number]
 
-    def since(self, revision: int) -> List[Tuple[int, Record]]:
+    def changes_since(self, revision: int) -> List[Tuple[int, Record]]:
         """Return the records that have changed since a revision, with their numbers."""
         found = []
         for number, changed in reversed(self._changed.items()):

@@ -23,13 +23,13 @@ from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalReport, RunEvents, reason_of, reason_suffix
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplified
+from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplify
 from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
 #: The state of a client: the arguments of :meth:`RunView.changes` for its next request.
-Known = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
+ClientState = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
 
 #: The version of the format of :meth:`RunView.changes`.
 FORMAT = 1
@@ -286,7 +286,7 @@ class RunView(RunEvents):
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
         """Record the robot's planned path."""
         finite = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
-        kept = [[round(x, 2), round(y, 2)] for x, y in simplified(finite)]
+        kept = [[round(x, 2), round(y, 2)] for x, y in simplify(finite)]
         now, last = self._now(time), self.tables["paths"].last
         if last is None or last["points"][-1:] != kept[-1:] or now - last["time"] >= PATHS_APART:
             self.tables["paths"].add(time=now, points=kept)
@@ -311,7 +311,7 @@ class RunView(RunEvents):
         """The number of changes up to now."""
         return self._revision.number
 
-    def known(self) -> Known:
+    def client_state(self) -> ClientState:
         """Return the arguments of :meth:`changes` for changes after the present revision."""
         words = len(self._terms.entries), len(self._words.entries), len(self._shapes.entries)
         return self.revision, words, (self._track.thinned, len(self._track.poses))
@@ -323,18 +323,18 @@ class RunView(RunEvents):
 
     @property
     def full(self) -> bool:
-        """Whether the tables have more than MOST records, see :meth:`renewed`."""
+        """Whether the tables have more than MOST records, see :meth:`successor`."""
         words = self._words, self._terms, self._shapes
         return sum(map(len, self.tables.values())) + sum(len(one.entries) for one in words) > MOST
 
-    def renewed(self) -> "RunView":
+    def successor(self) -> "RunView":
         """Return a view that continues with the open goals and the present state only."""
         fresh = RunView(self.about)
         start = self._start or 0.0
         fresh.begin(self._run)
         fresh.drawings, fresh.sentences = self.drawings, self.sentences
         fresh._met, fresh._history = self._met, {*self._history, *self._goals}
-        for goal in (record for _, record in self.tables["goals"].since(0) if record["ended"] is None):
+        for goal in (record for _, record in self.tables["goals"].changes_since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
             for time, word, reason in goal["states"][1:]:
                 fresh._state(start + time, goal["id"], word, reason)
@@ -369,7 +369,7 @@ class RunView(RunEvents):
             "thinned": self._track.thinned,
             "first": known,
             "poses": [[round(one[0] - start, 2), *one[1:]] for one in self._track.poses[known:]],
-            **{name: table.since(revision) for name, table in self.tables.items()},
+            **{name: table.changes_since(revision) for name, table in self.tables.items()},
         }
 
     # ---- records ----------------------------------------------------------------------------------------------------

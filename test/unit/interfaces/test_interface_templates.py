@@ -20,7 +20,7 @@ from rosoclingo.interfaces.templates import (
     Now,
     evaluate,
     faults,
-    labelled,
+    label_references,
 )
 from rosoclingo.interfaces.values import read_atom, read_term
 
@@ -331,4 +331,4 @@ def test_template_that_passes_check_is_filled_or_refused(template, parameter):
     ],
 )
 def test_template_that_requires_labels(template, wanted):
-    assert labelled(template) == wanted
+    assert label_references(template) == wanted

@@ -131,7 +131,7 @@ def test_desk_counts_orders_of_an_earlier_view(counter):
         counter.order()
     for number in range(1, 6):
         counter.view.status(2.0, f"id {number}", 3, "")
-    counter.view = counter.view.renewed()
+    counter.view = counter.view.successor()
     assert sum("ordered" in counter.order() for _ in range(20)) == 5
 
 

@@ -42,7 +42,7 @@ class Desk:
 
         def change(view):
             view.packages(140.0, places.items())
-            self.served.extra = {"core": True, "orders": self.desk.shown(view)}
+            self.served.extra = {"core": True, "orders": self.desk.describe(view)}
 
         self.served.do(change)
 

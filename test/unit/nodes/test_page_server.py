@@ -199,7 +199,7 @@ def test_server_sends_another_view_as_a_whole(served):
         await next_message(client)
         served.do(lambda view: view.goal(140.0, "b", "g(b)"))
         await next_message(client)
-        served.view = served.view.renewed()
+        served.view = served.view.successor()
         found = await next_message(client)
         assert found["whole"]
         assert [goal["request"] for _, goal in found["goals"]] == ["g(b)"]

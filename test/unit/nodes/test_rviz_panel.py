@@ -3,7 +3,7 @@
 import pytest
 
 from rosoclingo.nodes.rviz.panel import LETTERS, LINES, WIDTH, Panel, goals_text, plan_text
-from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, PAPER, larger, plated, text_shape, text_width
+from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, PAPER, larger, text_shape, text_width, with_plate
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
 
@@ -103,11 +103,11 @@ def test_rviz_panel_larger_text_keeps_its_upper_edge():
 def test_rviz_panel_plate_is_as_wide_as_its_text():
     text = text_shape("labels", "map", "office1", (1.0, 2.0, 0.4))._replace(plate=PAPER)
     for one in (text, larger(text, 3.0)):
-        plate, above = plated(one)
+        plate, above = with_plate(one)
         assert above == one
         assert plate.scale[0] > text_width("office1", one.scale[2])
         assert plate.position[:2] == one.position[:2]
         assert plate.position[2] < one.position[2]
-    disc, _ = plated(text._replace(turns=True))
+    disc, _ = with_plate(text._replace(turns=True))
     assert (disc.kind, disc.scale[0]) == ("cylinder", disc.scale[1])
-    assert plated(text._replace(plate=None)) == [text._replace(plate=None)]
+    assert with_plate(text._replace(plate=None)) == [text._replace(plate=None)]

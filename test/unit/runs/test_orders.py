@@ -31,7 +31,7 @@ def forms(text=DELIVER):
 
 
 def test_orders_show_the_declared_form():
-    deliver, clean = (form.shown(LABELS, PACKAGES) for form in forms())
+    deliver, clean = (form.describe(LABELS, PACKAGES) for form in forms())
     assert deliver == {
         "title": "Deliver a package",
         "fields": [
@@ -89,8 +89,8 @@ def test_orders_require_different_places():
     with pytest.raises(OrderError, match="to: office2 is already 'from', choose another place"):
         deliver.fill({"package": "1", "to": "office2"}, LABELS, PACKAGES)
     (patrol,) = forms(PATROL)
-    assert "apart" not in patrol.shown(LABELS, PACKAGES)["fields"][0]
-    assert patrol.shown(LABELS, PACKAGES)["fields"][1]["apart"] == [{"field": "a", "places": None}]
+    assert "apart" not in patrol.describe(LABELS, PACKAGES)["fields"][0]
+    assert patrol.describe(LABELS, PACKAGES)["fields"][1]["apart"] == [{"field": "a", "places": None}]
     with pytest.raises(OrderError, match="a: office1 is already 'b'"):
         patrol.fill({"a": "office1", "b": "office1", "c": "office1"}, LABELS, PACKAGES)
     assert patrol.fill({"a": "office1", "b": "office2", "c": "office1"}, LABELS, PACKAGES).startswith("patrol")

@@ -9,7 +9,7 @@ from published_runs import GOAL, delivery
 from rosoclingo.runs import run_view
 from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
-from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplified
+from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplify
 from rosoclingo.runs.run_view import RunView
 
 
@@ -155,7 +155,7 @@ def test_view_does_not_bring_back_dropped_entries():
     view.goals(9.0, [])
     view.goals(10.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 1, "", 9.5)])
     assert len(records(view.changes(), "goals")) == 2
-    fresh = view.renewed()
+    fresh = view.successor()
     fresh.goals(11.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 3, "", 9.5)])
     assert [(goal["id"], goal["ended"]) for goal in records(fresh.changes(), "goals")] == [("b", 1.5)]
 
@@ -258,7 +258,7 @@ def test_view_accepts_beliefs_before_the_program():
     view.program(0.0, floor())
     view.program(0.0, floor())
     assert drawn(view) == [(1.0, [WAY, SHUT])]
-    assert drawn(view.renewed()) == [(1.0, [WAY, SHUT])]
+    assert drawn(view.successor()) == [(1.0, [WAY, SHUT])]
 
 
 def test_view_logs_malformed_declarations_once():
@@ -304,7 +304,7 @@ def test_view_that_continues_has_only_open_goals():
     view.goal(140.0, "b", "g(b)")
     view.feedback(141.0, "b", "waiting: much to do")
     view.clock(150.0)
-    fresh = view.renewed()
+    fresh = view.successor()
     found = fresh.changes()
     (goal,) = records(found, "goals")
     assert (goal["request"], goal["states"][-1]) == ("g(b)", [1.0, "waiting", "much to do"])
@@ -324,7 +324,7 @@ def test_view_has_a_limited_size(monkeypatch):
         view.goal(float(number), str(number), f"g({number})")
         view.status(float(number), str(number), 3, "")
     assert view.full
-    assert not view.renewed().full
+    assert not view.successor().full
 
 
 def test_view_labels_come_with_the_program():
@@ -397,11 +397,11 @@ def test_table_lists_changes_since_a_version():
     for letter in "abc":
         table.add(name=letter)
     before = revision.number
-    assert table.since(before) == []
+    assert table.changes_since(before) == []
     table.change(0)["name"] = "A"
     table.add(name="d")
-    assert table.since(before) == [(0, {"name": "A"}), (3, {"name": "d"})]
-    assert len(table.since(0)) == len(table) == 4
+    assert table.changes_since(before) == [(0, {"name": "A"}), (3, {"name": "d"})]
+    assert len(table.changes_since(0)) == len(table) == 4
 
 
 def test_long_path_has_few_poses_and_its_length():
@@ -422,7 +422,7 @@ def test_robot_at_rest_has_driven_no_distance():
 
 def test_path_keeps_its_corners():
     way = [(0.1 * one, 0.0) for one in range(11)] + [(1.0, 0.1 * one) for one in range(1, 11)]
-    assert simplified(way) == [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
-    assert simplified([]) == []
-    assert simplified([(1.0, 1.0)]) == [(1.0, 1.0)]
-    assert simplified([(1.0, 1.0)] * 5) == [(1.0, 1.0)] * 2
+    assert simplify(way) == [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
+    assert simplify([]) == []
+    assert simplify([(1.0, 1.0)]) == [(1.0, 1.0)]
+    assert simplify([(1.0, 1.0)] * 5) == [(1.0, 1.0)] * 2

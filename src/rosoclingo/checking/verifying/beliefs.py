@@ -81,7 +81,7 @@ class Beliefs:
         facts = (one.head for one in snapshot.permanent if one.head is not None and not one.body)
         executed = (one for cycle, actions in snapshot.closed.items() if cycle >= first for one in actions)
         inputs = (one for one in (*facts, *executed) if self._is_from(one, first))
-        visible = atoms.union(filter(self._is_visible, (self._shift.moved(one, -first) for one in inputs)))
+        visible = atoms.union(filter(self._is_visible, (self._shift.shift(one, -first) for one in inputs)))
         return Belief(visible, self._shift.phase(first, frozenset(map(signature_of, visible))))
 
     def _is_from(self, fact: clingo.Symbol, first: int) -> bool:
@@ -92,7 +92,7 @@ class Beliefs:
         """Yield the atoms of steps before ``first`` that later rules can see, with times relative to ``first``."""
         empty = 0
         for time in sorted((one for one in atoms.at if one is not None and one < first), reverse=True):
-            moved = [(self._shift.moved(atom, -first), literal) for atom, literal in atoms.at[time]]
+            moved = [(self._shift.shift(atom, -first), literal) for atom, literal in atoms.at[time]]
             seen = [one for one in moved if self._is_visible(one[0])]
             yield from seen
             empty = 0 if seen else empty + 1

@@ -6,7 +6,7 @@ from typing import Container, Dict, FrozenSet, Iterable, Iterator, List, Mapping
 from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.checking.verifying.scope import VerifyLimits
-from rosoclingo.checking.verifying.shared_solver import retimed
+from rosoclingo.checking.verifying.shared_solver import redate
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Clock
@@ -149,9 +149,9 @@ class Moves:
             return
         now = self._clock.at_present(fact, step).arguments[-1].number
         for cycle in range(now, max(self._program.first_step, now - self._limits.late) - 1, -1):
-            yield retimed(fact, cycle)
+            yield redate(fact, cycle)
         for cycle in range(now + 1, now + self._limits.early + 1):
-            yield retimed(fact, cycle)
+            yield redate(fact, cycle)
 
 
 class Achievement(NamedTuple):

@@ -93,7 +93,7 @@ class Streams:
     def learn(self, facts: Iterable[clingo.Symbol]) -> bool:
         """Add facts; return whether any of them is new, so that the program has to be regrounded."""
         before = len(self._known)
-        self._known.update(retimed(one, 1) for one in facts)
+        self._known.update(redate(one, 1) for one in facts)
         if len(self._known) > before:
             self._groundings.clear()
         return len(self._known) > before
@@ -162,7 +162,7 @@ class Streams:
         while end < last:
             end *= _GROWTH
         first = self.program.first_step
-        facts = frozenset(retimed(one, cycle) for one in self._known for cycle in range(first, end + 2))
+        facts = frozenset(redate(one, cycle) for one in self._known for cycle in range(first, end + 2))
         items = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
         snapshot = Snapshot(first, end, min_horizon=first, number=1, items=items)
         self._groundings.append(Grounding(self.program, snapshot, end, facts))
@@ -183,7 +183,7 @@ def _question(grounding: Grounding, snapshot: Snapshot, facts: FrozenSet[clingo.
     return Question(0, 0, tuple(given), kept=committed, disabled=disabled, shows=False, **_BRIEFLY)
 
 
-def retimed(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:
+def redate(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:
     """Return a fact with another ``cycle``, which is its last argument if that is a number."""
     if not fact.arguments or fact.arguments[-1].type is not clingo.SymbolType.Number:
         return fact

@@ -73,7 +73,7 @@ class TimeShift:
             self._time_of[atom] = next(numbers, None)
         return self._time_of[atom]
 
-    def moved(self, atom: clingo.Symbol, by: int) -> clingo.Symbol:
+    def shift(self, atom: clingo.Symbol, by: int) -> clingo.Symbol:
         """Return an atom with all its times ``by`` steps later."""
         places = self._places.get(signature_of(atom))
         if not places:

@@ -22,7 +22,7 @@ from rosoclingo.interfaces.checking.suspicious_values import (
 )
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.interfaces.config import InterfaceSpec, survey
-from rosoclingo.interfaces.templates import ActionScope, FillError, evaluate, labelled, term_with
+from rosoclingo.interfaces.templates import ActionScope, FillError, evaluate, label_references, term_with
 from rosoclingo.oclingo.errors import Fault, ProgressionError
 from rosoclingo.oclingo.program.likeness import likely_external, likely_word
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -165,7 +165,7 @@ def _type_faults(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> List[F
 
 def _label_queries(specs: Mapping[str, InterfaceSpec]) -> Dict[str, LabelQuery]:
     """Return the actions whose goals need labels."""
-    paths = {spec.name: labelled(spec.goal) for spec in specs.values()}
+    paths = {spec.name: label_references(spec.goal) for spec in specs.values()}
     return {name: _label_query(some) for name, some in paths.items() if some}
 
 

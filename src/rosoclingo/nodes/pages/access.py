@@ -25,23 +25,23 @@ class Access:
         self.proof = hashlib.sha256(token.encode("utf-8")).hexdigest() if token else ""
         self._names: Optional[FrozenSet[str]] = None if token else LOCAL
 
-    def named(self, host: str) -> bool:
+    def accepts_host(self, host: str) -> bool:
         """Return whether the page accepts the host name of a ``Host`` header."""
         found = _HOST.match(host)
         if found is None:
             return False
         return self._names is None or found.group(1).strip("[]").lower() in self._names
 
-    def known(self, token: str) -> bool:
+    def is_token(self, token: str) -> bool:
         """Return whether this is the token."""
-        return self.proven(hashlib.sha256(token.encode("utf-8")).hexdigest())
+        return self.is_proof(hashlib.sha256(token.encode("utf-8")).hexdigest())
 
-    def proven(self, proof: str) -> bool:
+    def is_proof(self, proof: str) -> bool:
         """Return whether this ``proof``, which a browser stores in place of the token, is valid."""
         return not self.proof or hmac.compare_digest(proof.encode("utf-8"), self.proof.encode("utf-8"))
 
     @staticmethod
-    def own(origin: Optional[str], host: str) -> bool:
+    def is_same_origin(origin: Optional[str], host: str) -> bool:
         """Return whether the request comes from a page of this host; browsers always send ``Origin``."""
         try:
             return origin is not None and urlsplit(origin).netloc.lower() == host.lower()

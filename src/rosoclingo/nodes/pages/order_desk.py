@@ -27,9 +27,9 @@ class OrderDesk:
         self._send, self._cancel = send, cancel
         self._keys: OrderedDict[str, str] = OrderedDict()  # by the goal's id
 
-    def shown(self, view: RunView) -> Sequence[Dict[str, Any]]:
+    def describe(self, view: RunView) -> Sequence[Dict[str, Any]]:
         """Return the forms for a page."""
-        return [form.shown(*_world(view)) for form in self._forms]
+        return [form.describe(*_world(view)) for form in self._forms]
 
     def take(self, message: Mapping[str, Any], view: RunView) -> Answer:
         """Process a request of a page; the answer has ``ordered``, ``canceled`` or ``fault``."""

@@ -17,7 +17,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from rosoclingo.nodes.pages.access import Access
 from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page
-from rosoclingo.runs.run_view import Known, RunView
+from rosoclingo.runs.run_view import ClientState, RunView
 
 __all__ = ["PageServer"]
 
@@ -140,9 +140,9 @@ class PageServer:
 def _check(handler: RequestHandler, server: PageServer) -> None:
     """Raise HTTPError for a request without access."""
     host = handler.request.host
-    if not server.access.named(host):
+    if not server.access.accepts_host(host):
         raise HTTPError(403, reason="Wrong host name")
-    if not server.access.proven(handler.get_cookie(COOKIE, "") or ""):
+    if not server.access.is_proof(handler.get_cookie(COOKIE, "") or ""):
         raise HTTPError(403, reason="Token needed: open the address in the node's log")
 
 
@@ -184,7 +184,7 @@ class _File(_Nothing):
             token = self.get_query_argument("token", None)
         except HTTPError:
             raise HTTPError(400, reason="The token is not UTF-8") from None
-        if self._file == "/" and token is not None and self._server.access.known(token):
+        if self._file == "/" and token is not None and self._server.access.is_token(token):
             self.set_cookie(COOKIE, self._server.access.proof, httponly=True, samesite="Lax")
             self.redirect("/")
             return
@@ -207,11 +207,11 @@ class _Viewer(WebSocketHandler):
 
     def forget(self) -> None:
         """Send the whole view next."""
-        self._known: Known = (-1, (0, 0, 0), (0, 0))
+        self._known: ClientState = (-1, (0, 0, 0), (0, 0))
 
     def check_origin(self, origin: str) -> bool:
         """Return whether the request comes from a page of this server."""
-        return Access.own(origin, self.request.host)
+        return Access.is_same_origin(origin, self.request.host)
 
     def prepare(self) -> None:
         """Refuse requests without access, and viewers above the limit."""
@@ -260,7 +260,7 @@ class _Viewer(WebSocketHandler):
             revision, words, poses = self._known
             changes = view.changes(max(0, revision), words, poses)
             texts[self._known] = json.dumps({**changes, **extra, "whole": revision < 0}, separators=(",", ":"))
-        text, self._known, self._sent, self._busy = texts[self._known], view.known(), seconds, True
+        text, self._known, self._sent, self._busy = texts[self._known], view.client_state(), seconds, True
         self._server.put(lambda: self._write(text))
 
     async def _write(self, text: str) -> None:

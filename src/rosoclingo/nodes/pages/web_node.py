@@ -95,10 +95,10 @@ class WebNode:
         """Limit the size of the view, and return further data for the page: the forms, and whether the core runs."""
         self._view.clock(rospy.get_time())
         if self._view.full:
-            self._topics.events = self._view = self._view.renewed()
+            self._topics.events = self._view = self._view.successor()
         plan = self._subscribers.get("~task_plan")
         core = plan is not None and plan.get_num_connections() > 0
-        return {"core": core, "orders": self._desk.shown(self._view)}
+        return {"core": core, "orders": self._desk.describe(self._view)}
 
     def _take(self, message: Dict[str, Any]) -> Dict[str, Any]:
         return self._desk.take(message, self._view)

@@ -7,7 +7,7 @@ import numpy as np
 
 from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
 
-__all__ = ["MapView", "bounds_of", "known", "text_factor", "view_of", "with_view"]
+__all__ = ["MapView", "bounds_of", "known_bounds", "text_factor", "view_of", "with_view"]
 
 USUAL = WIDTH  # width of a map for which texts and arrows have their default size
 PROPORTION = 1.4  # a window's width divided by its height
@@ -26,7 +26,7 @@ class MapView(NamedTuple):
     scale: float
 
 
-def known(cells: np.ndarray, resolution: float, origin: Tuple[float, float, float]) -> Bounds:
+def known_bounds(cells: np.ndarray, resolution: float, origin: Tuple[float, float, float]) -> Bounds:
     """Return the bounds of a map's known cells (int8, -1 unknown), else of the map; ``origin``: x, y (m), yaw (rad)."""
     rows, columns = np.nonzero(cells >= 0)
     if not len(rows):
@@ -45,7 +45,10 @@ def bounds_of(message: Any) -> Bounds:
     turn, corner = info.origin.orientation, info.origin.position
     yaw = math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
     origin = (corner.x, corner.y, yaw)
-    inner, outer = known(cells, info.resolution, origin), known(np.zeros_like(cells), info.resolution, origin)
+    inner, outer = (
+        known_bounds(cells, info.resolution, origin),
+        known_bounds(np.zeros_like(cells), info.resolution, origin),
+    )
     near = NEAR * text_factor(inner)
     x0, y0, x1, y1 = (edge if abs(edge - own) <= near else own for own, edge in zip(inner, outer))
     return x0, y0, x1, y1

@@ -16,7 +16,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.msg import GoalStates, PackageStates, State, TaskPlan
 from rosoclingo.nodes.rviz.map_view import Bounds, bounds_of, text_factor
 from rosoclingo.nodes.rviz.panel import Panel, goals_text, plan_text
-from rosoclingo.nodes.rviz.plain_shapes import Point, Shape, larger, plated
+from rosoclingo.nodes.rviz.plain_shapes import Point, Shape, larger, with_plate
 from rosoclingo.nodes.rviz.scene import (
     drawn_shapes,
     label_shapes,
@@ -122,7 +122,7 @@ class MarkersNode:
             return
         self._changed = False
         panel = self._panel()
-        shapes = [one for shape in self._shapes(panel) for one in plated(larger(shape, panel.factor))]
+        shapes = [one for shape in self._shapes(panel) for one in with_plate(larger(shape, panel.factor))]
         if shapes != self._shown:
             self._shown = shapes
             markers = [Marker(action=Marker.DELETEALL), *(_marker(one, index) for index, one in enumerate(shapes))]

@@ -16,9 +16,9 @@ __all__ = [
     "Point",
     "Shape",
     "larger",
-    "plated",
     "text_shape",
     "text_width",
+    "with_plate",
 ]
 
 Point = Tuple[float, float, float]
@@ -74,7 +74,7 @@ def _letter(letter: str) -> float:
     return _WIDTHS.get(letter, 0.23 if letter in _NARROW else 0.65 if letter in _WIDE else 0.46)
 
 
-def plated(shape: Shape) -> List[Shape]:
+def with_plate(shape: Shape) -> List[Shape]:
     """Return a shape, and its plate if it has one, as wide as the text.
 
     For a shape that turns with the robot, the plate is a disc, as rviz turns no text.

@@ -21,7 +21,7 @@ from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import Survey, places
 from rosoclingo.oclingo.program.times import time_positions
-from rosoclingo.oclingo.program.undefined import undefined
+from rosoclingo.oclingo.program.undefined import undefined_predicates
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
 
 PathLike = Union[str, Path]
@@ -221,7 +221,12 @@ class ReactiveProgram(LoadedProgram):
         if checks.uses_keywords(self.parts):
             faults += [one for one in odd if "volatile part" not in one.message] + late
             odd, late = [one for one in odd if one not in faults], []
-        self.remarks += [*odd, *late, *undefined(self.survey), *self._messages.new_remarks(self.parameter_at)]
+        self.remarks += [
+            *odd,
+            *late,
+            *undefined_predicates(self.survey),
+            *self._messages.new_remarks(self.parameter_at),
+        ]
         self.remarks += check_given_values(self.survey, self.constants)
         control, self._loaded = self._loaded, None
         if not faults and control is not None and suspicious_heads(self.parts, self.values):

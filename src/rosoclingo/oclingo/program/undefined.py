@@ -14,7 +14,7 @@ QUERY = Signature("query", 1)
 _PRIME = "'"
 
 
-def undefined(survey: Survey) -> List[Fault]:
+def undefined_predicates(survey: Survey) -> List[Fault]:
     """Return one warning for each predicate that the program uses although nothing can make it true."""
     found: List[Fault] = []
     defined = survey.known

@@ -43,12 +43,12 @@ class TextOutput:
         """Print to ``stream``, tables ``width`` characters wide; without ``echo`` updates are not printed."""
         self._stream, self._width, self._echo = stream, width, echo
 
-    def sent(self, update: StreamUpdate) -> None:
+    def print_update(self, update: StreamUpdate) -> None:
         """Print an update."""
         if self._echo:
             self._write(str(update))
 
-    def result(self, update: StreamUpdate, result: SolveResult) -> None:
+    def print_result(self, update: StreamUpdate, result: SolveResult) -> None:
         """Print the result of an update."""
         for warning in result.warnings:
             self._write(f"Warning: {warning}\n")
@@ -62,11 +62,11 @@ class TextOutput:
             self._write(f"Interrupted at horizon {result.horizon}; the update stays in force\n")
         self._write("\n")
 
-    def refused(self, update: StreamUpdate, text: str) -> None:
+    def print_refusal(self, update: StreamUpdate, text: str) -> None:
         """Print the error of a refused update."""
         self._write(f"Error: {text}\n\n")
 
-    def fault(self, place: str, text: str) -> None:
+    def print_fault(self, place: str, text: str) -> None:
         """Print the error in the text of an update; ``place`` is file, line and column."""
         self._write(f"{place}: {text}\n\n")
 
@@ -86,10 +86,10 @@ class JsonOutput:
     def __init__(self, stream: IO[str]) -> None:
         self._stream = stream
 
-    def sent(self, update: StreamUpdate) -> None:
+    def print_update(self, update: StreamUpdate) -> None:
         """Print nothing: the update is printed with its result."""
 
-    def result(self, update: StreamUpdate, result: SolveResult) -> None:
+    def print_result(self, update: StreamUpdate, result: SolveResult) -> None:
         """Print an update with its result."""
         self._write(
             update=str(update),
@@ -103,11 +103,11 @@ class JsonOutput:
             statistics=result.statistics,
         )
 
-    def refused(self, update: StreamUpdate, text: str) -> None:
+    def print_refusal(self, update: StreamUpdate, text: str) -> None:
         """Print a refused update with its error."""
         self._write(update=str(update), error=text)
 
-    def fault(self, place: str, text: str) -> None:
+    def print_fault(self, place: str, text: str) -> None:
         """Print the error in the text of an update."""
         self._write(place=place, error=text)
 

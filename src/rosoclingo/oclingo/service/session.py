@@ -122,7 +122,7 @@ class Session:
         for request in requests:
             if isinstance(request, ProgressionError):
                 self.failed = True
-                self._output.fault(f"{name}:{request.line}:{request.column}", request.message)
+                self._output.print_fault(f"{name}:{request.line}:{request.column}", request.message)
             elif request.stops:
                 return False
             else:
@@ -131,15 +131,15 @@ class Session:
 
     def _play(self, update: StreamUpdate) -> None:
         self._interrupted = False
-        self._output.sent(update)
+        self._output.print_update(update)
         try:
             result = self._search(self._with_bound(update))
         except SolverError as error:
             self.failed = True
-            self._output.refused(update, str(error))
+            self._output.print_refusal(update, str(error))
         else:
             self.unsatisfiable |= result.outcome is SolveOutcome.UNSATISFIABLE
-            self._output.result(update, result)
+            self._output.print_result(update, result)
 
     def _with_bound(self, update: StreamUpdate) -> StreamUpdate:
         """Return ``update`` with the default bound, unless it has one or inherits that of the previous update."""

@@ -31,7 +31,9 @@ def brake(velocity: Velocity, pose: Pose2D, points: np.ndarray, radius: float, f
         slower = Velocity(part * velocity.linear, velocity.angular)
         checks = [(TURN_TIMES, TURN_MARGIN), *([(DRIVE_TIMES, DRIVE_MARGIN)] if slower.linear else [])]
         if all(
-            (_gaps(pose.moved(*slower, float(time)), points, radius, footprint) >= np.minimum(margin, now) - 1e-6).all()
+            (
+                _gaps(pose.advance(*slower, float(time)), points, radius, footprint) >= np.minimum(margin, now) - 1e-6
+            ).all()
             for times, margin in checks
             for time in times
         ):

@@ -43,7 +43,7 @@ class Pose2D(NamedTuple):
             normalize_angle(self.yaw + part * turn),
         )
 
-    def moved(self, v: float, w: float, dt: float) -> "Pose2D":
+    def advance(self, v: float, w: float, dt: float) -> "Pose2D":
         """Return the pose after ``dt`` s at ``v`` m/s and ``w`` rad/s, on the exact arc of a differential drive."""
         half = 0.5 * w * dt
         # Chord of an arc of length v*dt; the series of sin(x)/x is used for (nearly) straight lines.

@@ -76,7 +76,7 @@ class LocalPlanner:
 
     def trajectory(self, pose: Pose2D, velocity: Velocity) -> np.ndarray:
         """Return the predicted points (n, 2; m) of a command, for display."""
-        return np.array([pose.moved(*velocity, time)[:2] for time in DISPLAY_TIMES])
+        return np.array([pose.advance(*velocity, time)[:2] for time in DISPLAY_TIMES])
 
 
 def inscribed_radius(radius: float, footprint: Sequence) -> float:

@@ -106,8 +106,8 @@ class Robot:
             return CLEAR
         grain = min(CHECK_DISTANCE, 0.5 * self._width / scale)
         part, hit = sweep(*around, outline, self._reach / scale, *pose, self.v / scale, self.w, dt, grain)
-        self.pose = self.pose.moved(self.v, self.w, dt * part)
-        self.odometry = self.odometry.moved(self.v * self.drift[0], self.w * self.drift[1], dt * part)
+        self.pose = self.pose.advance(self.v, self.w, dt * part)
+        self.odometry = self.odometry.advance(self.v * self.drift[0], self.w * self.drift[1], dt * part)
         self.stalled = hit != CLEAR
         if self.stalled:
             self.v = self.w = 0.0

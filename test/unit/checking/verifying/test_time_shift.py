@@ -40,7 +40,7 @@ def shift(text):
 )
 def test_time_shift_moves_times_and_no_other_numbers(atom, moved, time):
     one = shift("")
-    assert str(one.moved(parse_term(atom), -2)) == moved
+    assert str(one.shift(parse_term(atom), -2)) == moved
     assert one.time_of(parse_term(atom)) == time
     assert (one.readings, one.unclear) == ([], set())
 

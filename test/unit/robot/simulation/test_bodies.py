@@ -86,7 +86,7 @@ def check_the_way(world, name, before, v, w):
     if v * v < 1e-4 or robot.spec.radius <= spare:
         return
     for t in np.linspace(0.0, 1.0, 15):
-        pose = before.moved(v, w, 0.1 * part * t)
+        pose = before.advance(v, w, 0.1 * part * t)
         if before.distance(pose) > before.distance(robot.pose):
             break
         assert things.overlap_disc(pose.x, pose.y, robot.spec.radius - spare) == ""
