@@ -155,7 +155,7 @@ def play(program, way, steps=20):
     settings = CoreSettings(horizon_limit=steps)
     driver = Driver(settings=settings, program=program, solver=lambda one: SteeredSolver(one, chosen))
     for step in way:
-        for one in step.move.happenings:
+        for one in step.move.arrivals:
             if one.kind == GOAL:
                 driver.core.add_goal(one.text, one.text)
             elif one.kind == CANCEL:

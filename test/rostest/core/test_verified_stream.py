@@ -43,7 +43,7 @@ class VerifiedStream(unittest.TestCase):
         for step in defect.way:
             under_way = [self.hands.take() for _ in step.move.answers]
             self.assertEqual(under_way, [str(one.action.atom) for one in step.move.answers])
-            for one in step.move.happenings:
+            for one in step.move.arrivals:
                 if one.kind == GOAL:
                     self.client.send(one.text)
                 else:

@@ -57,7 +57,7 @@ def test_labels_error_lists_the_known_labels():
         ({"a": [math.nan, 2]}, "labels.a: must be .* in finite numbers, not .nan"),
         ({"a": {"x": 1, "y": 2, "frame": ""}}, "labels.a.frame: must be the name of a tf frame"),
         ({"a": {"x": 1, "y": 2, "frame": 3}}, "labels.a.frame: must be .*, not 3"),
-        ({"Office 1": [1, 2]}, "labels.Office 1: the name is no ASP term: write it in lower case without"),
+        ({"Office 1": [1, 2]}, "labels.Office 1: the name is not an ASP term: write it in lower case without"),
     ],
 )
 def test_labels_faults_name_their_place(data, fault):

@@ -85,7 +85,7 @@ def test_interface_config_with_all_keys_is_read():
         ({**TYPE, "returns": [{"facts": ["heard($text,now)"]}]}, r"arm.returns\[0\].facts\[0\]: .* inside a text"),
         (
             {**TYPE, "returns": [{"facts": ["seen", 'heard("${text},now)']}]},
-            r"arm.returns\[0\].facts\[1\]: .*no ground atom",
+            r"arm.returns\[0\].facts\[1\]: .*not a ground atom",
         ),
         ({**TYPE, "returns": [{"facts": ["heard(${text},Now)"]}]}, r"arm.returns\[0\].facts\[0\]: .*Now is a variable"),
         ({**TYPE, "done": {"topic": "state"}}, "arm.done.type: is missing: give a message type like"),

@@ -183,9 +183,9 @@ def test_goal_run_reset_time_restarts_the_deadline():
 @given(
     st.lists(st.one_of(st.sampled_from(list(ActionEvent)), st.tuples(st.floats(0, 20), st.floats(0, 20))), max_size=30)
 )
-def test_goal_run_ends_exactly_once(happenings):
+def test_goal_run_ends_exactly_once(arrivals):
     run, now, finished = Run(LIMITS, START), START, 0
-    for happening in happenings:
+    for happening in arrivals:
         if isinstance(happening, ActionEvent):
             if happening not in TRANSITIONS[run.phase]:
                 continue

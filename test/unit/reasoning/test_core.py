@@ -216,7 +216,7 @@ def test_core_remembers_cycles_that_an_open_request_saw():
         ("_return(walk,1,2)", "no action of cycle 2 is under way"),
         ("_return(swim,1,1)", "no action of 'swim'"),
         ("_return(walk,1)", "not of the form"),
-        ("_return(walk,1,soon)", "no positive integer"),
+        ("_return(walk,1,soon)", "not a positive integer"),
         *((fact, "reserved for the core") for fact in ("_request(do(run,9),2)", "_action_lib(walk,1,1)")),
         *((fact, "reserved for the core") for fact in ("_status(1,succeeded,1)", "_explain(1,tired,1)")),
         ("_cancel(walk,1,1)", "reserved for the core"),

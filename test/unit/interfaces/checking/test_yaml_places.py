@@ -34,7 +34,7 @@ def test_yaml_places_report_duplicate_keys(tmp_path, text, places):
 def test_yaml_places_fault_points_to_effective_key(tmp_path):
     found = read(tmp_path, "hall: [1, 2]\nyes: [1, 2]\nhall: [x]\n")
     assert found.fault("hall: must be numbers", "configuration").line == 3
-    assert found.fault("True: the name is no ASP term", "configuration").line == 2
+    assert found.fault("True: the name is not an ASP term", "configuration").line == 2
 
 
 def test_yaml_places_nested_aliases_take_no_time(tmp_path):

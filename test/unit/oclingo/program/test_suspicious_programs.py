@@ -16,14 +16,14 @@ def remarks(text, constants=None):
     [
         (
             "holds(a,1). b :- hold(X,1).\n",
-            "f.lp:1:18: no rule and no #external defines hold/2: it is never true (is holds/2",
+            "f.lp:1:18: no rule and no #external defines hold/2: it is never true (did you mean holds/2",
         ),
         ("b.\n:- not holds.\n", "f.lp:2:8: no rule and no #external defines holds/0: it is never true (write a rule"),
         ("a :- -b.\nb.\n", "f.lp:1:6: no rule and no #external defines -b/0"),
         ("a :- 1 { b(X) : c(X) }.\nb(1).\n", "f.lp:1:17: no rule and no #external defines c/1"),
         (
             "#show place/2.\nplaced(1,2).\n",
-            "f.lp:1:1: no rule and no #external defines place/2: it is never true (is placed/2",
+            "f.lp:1:1: no rule and no #external defines place/2: it is never true (did you mean placed/2",
         ),
         (
             "a :- start(1).\n_target(1,2).\n",
@@ -31,7 +31,7 @@ def remarks(text, constants=None):
         ),
         (
             "a :- hold(X).\nholds(1,2).\n",
-            "f.lp:1:6: no rule and no #external defines hold/1: it is never true (is holds/2",
+            "f.lp:1:6: no rule and no #external defines hold/1: it is never true (did you mean holds/2",
         ),
         ("a :- _return(b,c,1).\n", "f.lp:1:6: no rule and no #external defines _return/3"),
     ],

@@ -98,7 +98,7 @@ def test_world_file_with_several_lasers_and_textual_numbers(world):
         ({"robots": [{"pose": [1, 1], "colour": "red"}]}, r"robots\[0\]: unknown key 'colour'; keys are"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 0]]}]}, "three corners"),
         ({"robots": [{"pose": [1, 1], "laser": {"angle": 400}}]}, r"robots\[0\].laser.angle"),
-        ({"robots": [{"pose": [1, 1], "laser": {"beams": 1.5}}]}, "whole"),
+        ({"robots": [{"pose": [1, 1], "laser": {"beams": 1.5}}]}, "must be an integer"),
         ({"robots": [{"pose": [1, 1], "name": "a"}, {"pose": [2, 2], "name": "a"}]}, "robots: 'a' is used twice"),
         ({"doors": [{"name": "d", "from": [0, 0], "to": [1, 0], "open": "yes"}]}, r"doors\[0\].open: must be true"),
         ({"doors": [{"name": "", "from": [0, 0], "to": [1, 0]}]}, r"doors\[0\].name: must be a text"),
