@@ -122,7 +122,7 @@ def describe(text: str) -> Description:
 
 
 def read_entry(line: str) -> Entry:
-    """Read ``name (what it is), other (what it is): text``; a name without brackets has those of the next one."""
+    """Read ``name (kind), other (kind): text``; a name without brackets has those of the next one."""
     names: List[Tuple[str, str]] = []
     at = 0
     while True:

@@ -61,7 +61,7 @@ class State(NamedTuple):
 
 
 class Response(NamedTuple):
-    """One row of the table: what the core tries in a situation.
+    """One row of the table: a step of the core in a situation.
 
     Attributes:
         situation: the situation in which the row applies.

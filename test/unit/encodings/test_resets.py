@@ -56,7 +56,7 @@ SLOW_CORRECTIONS = {
         all a active succeeded""",
     "things aboard take their room": """
         facts _aboard(1,now) _aboard(2,now) _aboard(3,now); goal a goal(office1,office2,4)
-        says a ...the robot is full of what it could not put down since _aboard(1,1) was reported...
+        says a ...the robot is full of things that it could not put down since _aboard(1,1) was reported...
         facts _off(2,now); goal b goal(office1,office2,4); finish; all b active succeeded""",
     "goal of a vanished thing is aborted": """
         goal a goal(office1,office4,1); goal b goal(office2,office3,2); succeed; facts _off(1,now); finish

@@ -117,9 +117,10 @@ class _BaseAtoms:
                 yield clingo.Function(signature.name, one)
 
     def _queries(self, signature: Signature) -> Iterator[str]:
-        """Yield rules that derive the arguments of a predicate in rules, after the number of unbound variables.
+        """Yield rules that derive the arguments of a predicate in rules.
 
-        Atoms of the base part in the same body bind variables; the others range over the things of goals.
+        The first argument of a head is the number of unbound variables. Atoms of the base part in the same body bind
+        variables; the other variables range over the things of goals.
         """
         for parameter, statement, found in self._stepped:
             for one in found:

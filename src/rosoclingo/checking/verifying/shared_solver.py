@@ -36,7 +36,7 @@ _MOST = 16
 
 
 class SharedAnswer(NamedTuple):
-    """An answer: the actions of the present step, the shown atoms, the horizon, and what was read from the model."""
+    """An answer: the actions of the present step, the shown atoms, the horizon, and the sets read from the model."""
 
     actions: FrozenSet[clingo.Symbol]
     shown: FrozenSet[clingo.Symbol]

@@ -96,7 +96,7 @@ class TrialCore(ResumableCore):
             self._planner = self._planner.with_log(snapshot.log)
 
     def leave_failures(self, state: State) -> State:
-        """Leave failures to the program, as its reaction is what the verification checks."""
+        """Leave failures to the program: the verification checks its reaction."""
         self._execution.unhandled.clear()
         return self._judged(state, state.result)
 
