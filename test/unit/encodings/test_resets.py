@@ -63,7 +63,7 @@ SLOW_CORRECTIONS = {
         all a active aborted; says a ...package 1 is not on the robot; all b active succeeded
         goal c goal(office3,office4,1); finish; all c active succeeded""",
     **{f"two places at once: {facts}": f"""
-        goal a goal(office3,office4,1); facts {facts}; finish; problems 2; problem ... to be in two places...
+        goal a goal(office3,office4,1); facts {facts}; finish; problems 2; problem ...is reported at two places...
         {DETOUR}"""
        for facts in ("_at(office2,now) _at(office4,now)", "_aboard(1,now) _off(1,now)",
                      "_lies(1,office1,now) _lies(1,office2,now)", "_aboard(1,now) _lies(1,office2,now)")},
