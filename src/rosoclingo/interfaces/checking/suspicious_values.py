@@ -80,7 +80,8 @@ def labels_like_reasons(labels: Sequence[PlacedName], reasons: AbstractSet[str])
 def idle_drawings(survey: Survey) -> Iterator[Fault]:
     """Yield the ``_draws`` facts that draw nothing."""
     shown = [one.term for _, one, _ in survey.statements if one.ast_type == ASTType.ShowTerm]
-    names = {one.name for one in (*survey.known, *(one for one in shown if one.ast_type == ASTType.Function))}
+    functions = (one for one in shown if one.ast_type == ASTType.Function)
+    names = {one.name for one in (*survey.known, *survey.silenced, *functions)}
     for arity in (2, 3):
         for place in survey.defining.get(Signature(DRAWS, arity), ()):
             yield from _idle_drawing(place, names)

@@ -28,7 +28,14 @@ SEEDS = [
     ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "remove it"),
     ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
     # impossible values
-    ("mailbot", FAULTS, "tells(A,missing,R), _action_lib", "tells(A,@mising,R), _action_lib", "no-match", "is missing"),
+    (
+        "mailbot",
+        FAULTS,
+        "tells(A,missing,R), _action_lib",
+        "tells(A,@mising,R), _action_lib",
+        "no-match",
+        "did you mean missing",
+    ),
     ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "did you mean tap?"),
     ("garden", "garden.lp", "done(fill,can,t)", "done(@fil,can,t)", "no-match", "did you mean fill?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
@@ -110,10 +117,31 @@ SEEDS = [
     ("paper", "paper.lp", "cancel(Id),t).\nwaiting", "cancel(Id),t)@,\nwaiting", "syntax", "a comma stands where a"),
     ("garden", "garden.lp", "failed(t)       :- failed(A,P,V,t).", "failed(t) :- failed(A,P,V,t)@", "syntax", "a dot"),
     # constants and variables that occur once
-    ("mailbot", "office.lp", "corridor(office1,office2).", "corridor(office1,@offcie2).", "misspelt", "is office2"),
-    ("house", "home.lp", "door(kitchen,living_room).", "door(kitchen,@livingroom).", "misspelt", "is living_room"),
+    (
+        "mailbot",
+        "office.lp",
+        "corridor(office1,office2).",
+        "corridor(office1,@offcie2).",
+        "misspelt",
+        "did you mean office2",
+    ),
+    (
+        "house",
+        "home.lp",
+        "door(kitchen,living_room).",
+        "door(kitchen,@livingroom).",
+        "misspelt",
+        "did you mean living_room",
+    ),
     ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "did you mean home?"),
-    ("paper", "paper.lp", "aboard(Id,From,To,t), cancelled", "aboard(Id,From,@Too,t), cancelled", "misspelt", "is To"),
+    (
+        "paper",
+        "paper.lp",
+        "aboard(Id,From,To,t), cancelled",
+        "aboard(Id,From,@Too,t), cancelled",
+        "misspelt",
+        "did you mean To",
+    ),
     ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "_request(@cancel(me,Id),t).\nc", "misspelt", "cancel(Id)"),
     # swapped arguments, mismatched steps
     (
@@ -146,7 +174,7 @@ SEEDS = [
         "_request(cancel(P),t).\nbusy",
         "_request(@cancle(P),t).\nbusy",
         "misspelt",
-        "is cancel(...)",
+        "did you mean cancel(...)",
     ),
     ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "did you mean move_base?"),
     (

@@ -79,6 +79,15 @@ def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
     assert check_files(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
 
 
+@pytest.mark.slow
+@pytest.mark.once
+def test_robot_files_drawing_of_a_defined_predicate_has_no_finding(tmp_path, capsys):
+    office = "#program base. place(a). place(b). connection(a,b). start(a)."
+    files = {name: office if name == "office.lp" else text for name, text in texts("mailbot").items()}
+    del files["labels.yaml"], files["interfaces.yaml"], files["orders.yaml"]
+    assert check_files(tmp_path, files, capsys) == []
+
+
 #: System, file, its text, the replacement (@ marks the place of the finding), kind, words of the message.
 SEEDS = [
     ("mailbot", "office.lp", "office(office2)", "office(@offce2)", "no-label", "did you mean office2?"),
@@ -93,14 +102,21 @@ SEEDS = [
     ("mailbot", "labels.yaml", "{x: 9.9, y: 0.0, yaw", "{x: 9.9, y: 0.0, @jaw", "configuration", "unknown key 'jaw'"),
     ("garden", "labels.yaml", "tap: [2.5", "tap: ]@[2.5", "configuration", "invalid YAML"),
     ("mailbot", "interfaces.yaml", "pickup:", "@pick_up:", "idle-interface", "did you mean pickup?"),
-    ("mailbot", "delivery/rules.lp", "{ _action_lib(pickup,Id", "{ _action_lib(@picup,Id", "no-interface", "is pickup"),
+    (
+        "mailbot",
+        "delivery/rules.lp",
+        "{ _action_lib(pickup,Id",
+        "{ _action_lib(@picup,Id",
+        "no-interface",
+        "did you mean pickup",
+    ),
     (
         "mailbot",
         "interfaces.yaml",
         "retry_on: [server_lost]",
         "@retry_on: [serverlost]",
         "idle-reason",
-        "is server_lost",
+        "did you mean server_lost",
     ),
     ("garden", "interfaces.yaml", "fill:", "@fil:", "idle-interface", "did you mean fill?"),
     ("garden", "interfaces.yaml", "fill:", "fil:", "no-interface", "did you mean fil?"),
