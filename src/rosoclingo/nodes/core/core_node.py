@@ -251,9 +251,9 @@ class CoreNode:
         self._arrivals.add(key)
         self._handles.add(key, handle)
         self._keeper.add(key, ClientGoal(text, stamp_of(handle)))
-        self._worker.put(lambda: self._goal_arrived(key, text))
+        self._worker.put(lambda: self._add_goal(key, text))
 
-    def _goal_arrived(self, key: str, text: str) -> None:
+    def _add_goal(self, key: str, text: str) -> None:
         if key in self._arrivals:
             self._arrivals.discard(key)
             self._facts.gathering.goal_arrived(time.monotonic())
