@@ -1,13 +1,20 @@
 """Histories after serialization, streams to explain, and answers as texts."""
 
+import json
+
 from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import AcceptedUpdate, History
+from rosoclingo.planning.history import AcceptedUpdate, History, entry_from_message, entry_to_message
+
+
+def text_of(log):
+    """Return the entries of a history as lines of JSON."""
+    return "".join(json.dumps(entry_to_message(one), separators=(",", ":")) + "\n" for one in log.entries)
 
 
 def copied(log):
     """Return the history, parsed from its text."""
-    return History.parse(log.text())
+    return History().with_entries(*(entry_from_message(json.loads(line)) for line in text_of(log).splitlines()))
 
 
 def cut(solver):

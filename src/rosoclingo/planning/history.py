@@ -1,13 +1,11 @@
 """The history of a stream: a list of accepted updates, adopted plans and checkpoints.
 
 The history is the only state of a solver. A solver undoes an update by continuing from a shorter history. Workers, the
-journal and replay read the same list as lines of JSON.
+journal and replay read the same list.
 """
 
-import hashlib
-import json
 from dataclasses import dataclass
-from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import clingo
 
@@ -58,10 +56,7 @@ class Plan(NamedTuple):
 
     def delayed(self) -> "Plan":
         """Return the plan delayed by one cycle, for example to repeat a failed action."""
-        actions = (
-            clingo.Function(one.name, [*one.arguments[:2], clingo.Number(cycle_of(one) + 1)]) for one in self.actions
-        )
-        return Plan(frozenset(actions), self.horizon + 1)
+        return Plan(frozenset(delay(one, 1) for one in self.actions), self.horizon + 1)
 
     def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
         """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
@@ -76,6 +71,11 @@ class Plan(NamedTuple):
 def cycle_of(action: clingo.Symbol) -> int:
     """Return the cycle of an action."""
     return int(action.arguments[2].number)
+
+
+def delay(action: clingo.Symbol, cycles: int) -> clingo.Symbol:
+    """Return ``action`` some ``cycles`` later."""
+    return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) + cycles)])
 
 
 @dataclass(frozen=True)
@@ -125,14 +125,12 @@ class History:
 
     """
 
-    __slots__ = ("_key", "_line", "_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
+    __slots__ = ("_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
         """Append ``entry`` to the history ``before``; without arguments the history is empty."""
         self.before, self.entry = before, entry
         self._snapshot: Optional[Snapshot] = None
-        self._key: Optional[bytes] = None
-        self._line: Optional[str] = None
         self.length: int = 0 if before is None else before.length + isinstance(entry, AcceptedUpdate)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
@@ -158,11 +156,11 @@ class History:
 
     def snapshot(self, program: ReactiveProgram) -> Snapshot:
         """Return the snapshot of this history; this and all earlier histories cache theirs."""
+        if self._snapshot is not None:
+            return self._snapshot
         snapshot = Snapshot.initial(program)
-        for history in self._path(lambda one: one._snapshot is not None):
-            if history._snapshot is None:
-                history._snapshot = fold(snapshot, history.entry, program)
-            snapshot = history._snapshot
+        for history in self._path():
+            snapshot = history._snapshot = history._snapshot or fold(snapshot, history.entry, program)
         return snapshot
 
     @property
@@ -182,39 +180,14 @@ class History:
         return entries[::-1]
 
     @property
-    def key(self) -> bytes:
-        """A hash of the entries that determine the snapshot: all except adopted plans."""
-        key = b""
-        for history in self._path(lambda one: one._key is not None):
-            if history._key is None:
-                entry = history.entry
-                if entry is not None and not isinstance(entry, AdoptedPlan):
-                    earlier = b"" if isinstance(entry, Checkpoint) else key
-                    key = hashlib.sha256(earlier + history.line.encode("ascii")).digest()
-                history._key = key
-            key = history._key
-        return key
+    def key(self) -> Tuple[Entry, ...]:
+        """The entries that determine the snapshot: all except adopted plans. Equal keys stand for equal snapshots."""
+        return tuple(one for one in self.entries if not isinstance(one, AdoptedPlan))
 
-    def text(self) -> str:
-        """Return :attr:`entries` as lines of JSON."""
-        return "".join(history.line for history in self._path())
-
-    @property
-    def line(self) -> str:
-        """The last entry as a line of JSON; cached."""
-        if self._line is None:
-            self._line = "" if self.entry is None else entry_to_line(self.entry)
-        return self._line
-
-    @classmethod
-    def parse(cls, text: str) -> "History":
-        """Return the history with the entries in ``text``."""
-        return cls().with_entries(*(entry_from_message(json.loads(line)) for line in text.splitlines()))
-
-    def _path(self, is_start: Callable[["History"], bool] = lambda one: False) -> List["History"]:
-        """Return the histories from the last checkpoint, or the last one for which ``is_start`` holds, to this one."""
+    def _path(self) -> List["History"]:
+        """Return the histories from the last checkpoint to this one."""
         path = [self]
-        while path[-1].before is not None and not isinstance(path[-1].entry, Checkpoint) and not is_start(path[-1]):
+        while path[-1].before is not None and not isinstance(path[-1].entry, Checkpoint):
             path.append(path[-1].before)
         return path[::-1]
 
@@ -315,8 +288,3 @@ def entry_from_message(message: Message) -> Entry:
     if do == "adopt":
         return AdoptedPlan(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
     return Checkpoint(message["snapshot"])
-
-
-def entry_to_line(entry: Entry) -> str:
-    """Return ``entry`` as a line of JSON."""
-    return json.dumps(entry_to_message(entry), separators=(",", ":")) + "\n"

@@ -12,6 +12,9 @@ from rosoclingo.planning.snapshot import Past, Snapshot
 
 Message = Dict[str, Any]
 
+_NUMBERS = ("step", "horizon", "bound", "min_horizon", "number", "keep_from")
+"""The attributes of a snapshot that are numbers or None."""
+
 
 def symbols_to_text(symbols: Iterable[clingo.Symbol]) -> str:
     """Return ``symbols`` as text, separated by commas."""
@@ -34,14 +37,9 @@ def symbols_from_text(text: str) -> FrozenSet[clingo.Symbol]:
 def snapshot_to_message(snapshot: Snapshot) -> Message:
     """Return ``snapshot`` as a plain value; :func:`snapshot_from_message` reads it."""
     return {
-        "step": snapshot.step,
-        "horizon": snapshot.horizon,
-        "bound": snapshot.bound,
-        "min_horizon": snapshot.min_horizon,
-        "number": snapshot.number,
+        **{name: getattr(snapshot, name) for name in _NUMBERS},
         **_items_to_message(snapshot.items),
         "closed": [[cycle, symbols_to_text(executed)] for cycle, executed in snapshot.closed.items()],
-        "keep_from": snapshot.keep_from,
         "past": None if snapshot.past is None else _past_to_message(snapshot.past),
     }
 
@@ -49,14 +47,9 @@ def snapshot_to_message(snapshot: Snapshot) -> Message:
 def snapshot_from_message(message: Message) -> Snapshot:
     """Return the snapshot from the value of :func:`snapshot_to_message`."""
     return Snapshot(
-        step=message["step"],
-        horizon=message["horizon"],
-        bound=message["bound"],
-        min_horizon=message["min_horizon"],
-        number=message["number"],
+        **{name: message[name] for name in _NUMBERS},
         items=_items_from_message(message),
         closed={cycle: symbols_from_text(executed) for cycle, executed in message["closed"]},
-        keep_from=message["keep_from"],
         past=None if message["past"] is None else _past_from_message(message["past"]),
     )
 

@@ -8,6 +8,7 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from plain_walk import EARLY, next_update
 from recorded_streams import DOMAINS, Domain
+from stream_logs import text_of
 from stream_play import check_answer, delay_plan, stop_after
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, StreamUpdate, commitment
@@ -82,9 +83,9 @@ class Trip:
         update, plan, twin = self.next(), self.solver.log.plan, self.new_solver(log_limit=1000)
         twin.restore(self.whole)
         mine, its = self.solver.update(update), twin.update(update)
-        assert mine.outcome is its.outcome, self.whole.text()
+        assert mine.outcome is its.outcome, text_of(self.whole)
         assert {one.split()[1] for one in its.warnings} <= {one.split()[1] for one in mine.warnings}
-        assert self.plan_time is not None or mine.horizon == its.horizon, self.whole.text()
+        assert self.plan_time is not None or mine.horizon == its.horizon, text_of(self.whole)
         if mine.answers:
             assert its.horizon <= mine.horizon
             check_answer(self.solver, mine)
@@ -146,7 +147,7 @@ class Trip:
         known, first = set(snapshot.permanent), 0 if snapshot.past is None else snapshot.past.first
         for cycle, executed in snapshot.closed.items():
             for action in executed & self.committed:
-                assert cycle < first or commitment(action) in known, self.solver.log.text()
+                assert cycle < first or commitment(action) in known, text_of(self.solver.log)
         kept = {one for one in self.committed if one.arguments[2].number >= first}
         assert kept == {one for executed in snapshot.closed.values() for one in executed if one in kept}
 

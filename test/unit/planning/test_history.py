@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, function, without_undeclared
 from solver_reference import Parts, ShortestReference
-from stream_logs import copied, cut, texts
+from stream_logs import copied, cut, text_of, texts
 from stream_play import atoms, planner_of, play
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact, parse_atom, parse_update
@@ -165,7 +165,7 @@ def test_restored_history_continues_as_before(parts, updates, in_worker, data):
         for reader in (solver, PlanSolver(program, **options), *([ProcessSolver(pool)] if pool else [])):
             reader.restore(log if reader is solver else copied(log))
             check(result, reader.update(update))
-            assert reader.log.text() == solver.log.text()
+            assert text_of(reader.log) == text_of(solver.log)
 
 
 # ---- Entries ---------------------------------------------------------------------------------------------------------
@@ -186,7 +186,7 @@ def checkpoint_of(**values):
 def test_history_text_has_a_line_for_each_entry():
     log = History().with_entries(AcceptedUpdate(None, 1), accepted('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
     log = log.adopt(Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2, shortest=True))
-    assert log.text().splitlines() == [
+    assert text_of(log).splitlines() == [
         '{"do":"update","update":null,"horizon":1,"predicted":false}',
         '{"do":"update","update":"#step 2 : 3.\\ne(\\"a b\\").\\n#volatile.\\n:- c.\\n#end step.\\n","horizon":4,'
         '"predicted":false}',
@@ -195,7 +195,7 @@ def test_history_text_has_a_line_for_each_entry():
     assert copied(log).entries == log.entries
     assert copied(log).key == log.key == log.before.key != log.before.before.key
     assert (log.step, log.horizon, log.length) == (2, 4, 2)
-    assert History().text() == ""
+    assert text_of(History()) == ""
 
 
 @pytest.mark.parametrize(

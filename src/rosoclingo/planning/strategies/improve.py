@@ -18,11 +18,11 @@ from typing import Iterator, List, Optional, Tuple
 
 import clingo
 
-from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.history import Plan, cycle_of, delay
 from rosoclingo.planning.question import Question, Reply, StoppedError, Strategy
 from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.reorder import reordered
-from rosoclingo.planning.strategies.trim import moved, trimmed
+from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 Assumption = Tuple[clingo.Symbol, bool]
@@ -155,7 +155,7 @@ class Improvement:
         """
         actions = self._plan.rest(self._step + 1).actions
         before = [(action, True) for action in actions if cycle_of(action) < first]
-        after = [(moved(action, -earlier), True) for action in actions if cycle_of(action) >= end]
+        after = [(delay(action, -earlier), True) for action in actions if cycle_of(action) >= end]
         last = self._plan.horizon - earlier
         return Question(self._first, last, [*before, *after], conflicts=conflicts, best=not earlier)
 

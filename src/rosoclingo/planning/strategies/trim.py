@@ -9,9 +9,7 @@ plan no superfluous actions.
 from contextlib import suppress
 from typing import Generator, Optional
 
-import clingo
-
-from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.history import Plan, cycle_of, delay
 from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, StoppedError
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
@@ -66,9 +64,4 @@ def _plan_after(found: Reply, step: int) -> Plan:
 def _without_idling(plan: Plan, step: int) -> Plan:
     """Return ``plan``, which begins after ``step``, without idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
-    return plan._replace(actions=frozenset(moved(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
-
-
-def moved(action: clingo.Symbol, steps: int) -> clingo.Symbol:
-    """Return ``action`` delayed by ``steps`` steps."""
-    return clingo.Function(action.name, [*action.arguments[:2], clingo.Number(cycle_of(action) + steps)])
+    return plan._replace(actions=frozenset(delay(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))

@@ -8,6 +8,7 @@ import pytest
 from core_driver import ERRANDS, shortest, soon
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stream_logs import text_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
@@ -102,7 +103,7 @@ def _plain(event):
     if isinstance(event, PlanMade):
         return dataclasses.replace(event, ground=0.0, solve=0.0)
     if isinstance(event, GoalUnmet):
-        return dataclasses.replace(event, stream=event.stream._replace(log=event.stream.log.text()))
+        return dataclasses.replace(event, stream=event.stream._replace(log=text_of(event.stream.log)))
     return event
 
 
