@@ -25,7 +25,7 @@ class FakeGrounding:
     assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
     """
 
-    is_cyclic = False
+    is_cyclic, grows = False, True
 
     def __init__(self, plans, step=1, horizon=1, most=99, hard=None, **options):
         self.plans = [*plans.items()] if isinstance(plans, dict) else plans

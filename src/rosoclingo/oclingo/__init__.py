@@ -7,7 +7,6 @@ answers each. The package is pure Python on clingo, without ROS and without thre
 from rosoclingo.oclingo.errors import (
     DroppedError,
     Fault,
-    NotReadyError,
     OclingoError,
     ProgramError,
     ProgressionError,
@@ -41,7 +40,6 @@ __all__ = [
     "Fault",
     "Forget",
     "Literal",
-    "NotReadyError",
     "OclingoError",
     "ProgramError",
     "ProgressionError",

@@ -56,7 +56,3 @@ class SolverError(OclingoError):
 
 class DroppedError(SolverError):
     """A request was dropped because the solver was stopped, killed or crashed; its state is unchanged."""
-
-
-class NotReadyError(DroppedError):
-    """A request was stopped while a new solver process was still loading; the request can be repeated."""

@@ -85,7 +85,9 @@ class Grounding:
         deferred: statements whose heads are declared by later steps.
         closed_externals: externals that no statement can define any more; they are false.
         is_cyclic: whether a statement closes a positive loop. clingo detects loops only among rules that are added
-            together, so such a grounding must not grow.
+            together.
+        grows: whether the grounding can grow after a search: it is not cyclic, and no later step can define an atom
+            that an earlier step or a statement defines.
 
     """
 
@@ -97,12 +99,8 @@ class Grounding:
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
         dropped: Stop = never,
         predicts: bool = False,
-        whole: bool = False,
     ) -> None:
-        """Ground ``program`` up to ``horizon``, in pieces or as a ``whole``.
-
-        clingo accepts rules of several steps that define the same atom only if they are grounded as a whole. Raises
-        SolverError if clingo rejects the program.
+        """Ground ``program`` up to ``horizon``; raises SolverError if clingo rejects it.
 
         Args:
             program: the reactive logic program.
@@ -111,11 +109,12 @@ class Grounding:
             assumable: the facts that a question can disable.
             dropped: called between pieces; if it returns true, DroppedError is raised.
             predicts: whether replies contain predicted returns.
-            whole: whether to ground all steps in one call.
 
         """
         self.program, self.snapshot, self.messages = program, snapshot, Messages()
         self.is_cyclic = snapshot.closes_loops(program)
+        defined = program.head_signatures.intersection(map(signature_of, snapshot.heads))
+        self.grows = program.heads_apart and not self.is_cyclic and not defined
         self.past = snapshot.past or Past(program.first_step, frozenset())
         self.horizon = self.past.first - 1
         self.warnings = [*snapshot.warnings, *unused_facts(program, snapshot)]
@@ -135,7 +134,7 @@ class Grounding:
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self._clasp = self._load()
-        self._build(horizon, max(PIECE, horizon) if whole else PIECE)
+        self._build(horizon)
 
     # ---- Building ----------------------------------------------------------------------------------------------------
 
@@ -147,7 +146,7 @@ class Grounding:
                 self._control.add(*rule)
         return ClaspSearch(self._control, self.program)
 
-    def _build(self, horizon: int, size: int) -> None:
+    def _build(self, horizon: int) -> None:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
         snapshot = self.snapshot
         self._open_facts = self._declare_open()
@@ -155,7 +154,7 @@ class Grounding:
         self._externals.end_base()
         self._add_past(self.past.facts)
         self._ground_closed(horizon)
-        for last in pieces(self.horizon + 1, horizon, size, snapshot.keep_from):
+        for last in pieces(self.horizon + 1, horizon, PIECE, snapshot.keep_from):
             self._ground_to(last)
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
@@ -217,7 +216,7 @@ class Grounding:
 
         With known actions these steps are small: most of their atoms are facts or false.
         """
-        if not self.program.heads_apart or self.assumable or self.is_cyclic:
+        if not self.grows or self.assumable:
             return
         snapshot, first = self.snapshot, self.horizon + 1
         committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment}

@@ -54,7 +54,7 @@ class PlanningSolver(ABC):
 
     def solve(self, stopped: Optional[Stop] = None) -> SolveResult:
         """Search without an update (before the first one: at horizon 1)."""
-        return self._search(None, stopped or never)
+        return self.search(None, stopped or never)
 
     def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
         """Accept ``update`` and search for answers; extend the horizon until there is one or the bound is reached.
@@ -62,19 +62,24 @@ class PlanningSolver(ABC):
         A predicted update is answered without a search. If ``stopped`` ends the search, the update stays accepted.
         Raises SolverError if the update is refused and DroppedError if it is dropped; the history is unchanged then.
         """
-        return self._accept_predicted(update) or self._search(update, stopped or never)
+        return self._accept_predicted(update) or self.search(update, stopped or never)
 
     @abstractmethod
-    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
-        """Accept ``update``, if there is one, and search for answers."""
+    def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        """Accept ``update``, if there is one, and search for answers even if it is predicted."""
 
     @abstractmethod
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a better plan; return None after a stop or if nothing is left to try."""
 
-    @abstractmethod
     def compact(self, stopped: Optional[Stop] = None) -> None:
         """Append a checkpoint if many predicted updates followed the last one, unless stopped."""
+        if self.log.length > LONG_PREDICTED and self._known_answer is not None:
+            self.checkpoint(stopped or never)
+
+    @abstractmethod
+    def checkpoint(self, stopped: Stop = never) -> None:
+        """Append a checkpoint to the history, with past steps compacted if there are enough, unless stopped."""
 
     @abstractmethod
     def inquire(

@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 
 import clingo
 
-from rosoclingo.oclingo.errors import DroppedError, SolverError
+from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import reports_only_success
 from rosoclingo.oclingo.progression.updates import StreamUpdate
@@ -19,14 +19,14 @@ from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past, 
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
-from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
+from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
 from rosoclingo.planning.return_rules import is_predictable
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
 from rosoclingo.planning.strategies.shortest import SearchResult, shortest
-from rosoclingo.planning.strategies.soon import TimeLimit, TimeLimitedSearch
+from rosoclingo.planning.strategies.soon import TimeLimitedSearch
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 BLOCK = 8
@@ -85,7 +85,7 @@ class PlanSolver(PlanningSolver):
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
         self._plan_time = plan_time
         self._predicts = models == 1 and is_predictable(program)
-        self._hint, self._idles = 0, idles  # the hint is a likely horizon: the horizon of the last answer
+        self._idles = idles
         self._searched: Optional[_Cached] = None  # the last search; its key is that of the history
         self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts
         self._improvement: Optional[Improvement] = None
@@ -99,18 +99,18 @@ class PlanSolver(PlanningSolver):
 
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
-    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+    def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        """Accept ``update``, if there is one, and search for answers; raises like :meth:`update`."""
         before, start, began = self.snapshot, time.perf_counter(), time.process_time()
         check_horizon_limit(update, self.horizon, self._horizon_limit)
         runner = self._runner(before.with_update(update, self.program), stopped)
         self._searched, self._under_way = None, lambda: runner.horizon
         strategy: Strategy[SearchResult]
         if self._plan_time is None:
-            strategy = shortest(runner, self.models, self._hint)
+            strategy = shortest(runner, self.models, 0 if self.log.plan is None else self.log.plan.horizon)
         else:
-            predictable = update is not None and reports_only_success(update, before.permanent)
-            limit = TimeLimit(self._plan_time, predictable)
-            strategy = TimeLimitedSearch(runner, self.models, self.log.plan, limit).run()
+            succeeds = update is not None and reports_only_success(update, before.permanent)
+            strategy = TimeLimitedSearch(runner, self.models, self.log.plan, self._plan_time, succeeds).run()
         try:
             found = runner.run(strategy, stopped)
         except StoppedError:
@@ -130,7 +130,7 @@ class PlanSolver(PlanningSolver):
     ) -> SolveResult:
         reply, horizon = found.reply, runner.horizon
         if reply.satisfiable:
-            self._hint = horizon = reply.horizon
+            horizon = reply.horizon
         elif reply.hopeless:
             horizon = max(horizon, runner.last())
         return SolveResult(
@@ -154,17 +154,8 @@ class PlanSolver(PlanningSolver):
         """Return a runner for strategies that ask about ``snapshot``."""
 
         def build(snapshot: Snapshot, horizon: int) -> Grounding:
-            """Ground the program in pieces, or as a whole if clingo refuses pieces."""
-            arguments = self.program, snapshot, horizon, assumable, self._dropped
             predicts = self._predicts and not assumable
-            try:
-                return Grounding(*arguments, predicts)
-            except DroppedError:
-                raise
-            except SolverError:
-                if self.program.heads_apart:
-                    raise
-            return Grounding(*arguments, predicts, whole=True)
+            return Grounding(self.program, snapshot, horizon, assumable, self._dropped, predicts)
 
         idles = may_idle(self.program, halt) if self._idles is None else self._idles
         return StrategyRunner(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit)
@@ -281,13 +272,10 @@ class PlanSolver(PlanningSolver):
 
     # ---- Checkpoints -------------------------------------------------------------------------------------------------
 
-    def compact(self, stopped: Optional[Stop] = None) -> None:
-        """Append a checkpoint if many predicted updates followed the last one, unless stopped."""
-        if self.log.length > LONG_PREDICTED and not (stopped or never)():
-            self.checkpoint()
-
-    def checkpoint(self) -> None:
+    def checkpoint(self, stopped: Stop = never) -> None:
         """Append a checkpoint to the history; compact past steps if there are enough."""
+        if stopped():
+            return
         plan = self.log.plan
         if self._steps_to_check >= LEAST_STEPS and self.log.predicted and plan is not None:
             self._solve_again(plan)

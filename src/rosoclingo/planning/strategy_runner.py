@@ -5,7 +5,6 @@ from typing import Callable, List, Optional, TypeVar
 
 import clingo
 
-from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.grounding import PIECE, Grounding, pieces
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy
@@ -87,11 +86,14 @@ class StrategyRunner:
         return self.grounding.actions(first, last)
 
     def ground(self, horizon: int) -> None:
-        """Extend the grounding in pieces up to ``horizon``; raises StoppedError."""
-        for last in pieces(self.horizon + 1, horizon, horizon if self.grounding.is_cyclic else PIECE):
+        """Extend the grounding in pieces up to ``horizon``, or build a new one; raises StoppedError."""
+        for last in pieces(self.horizon + 1, horizon, PIECE if self.grounding.grows else horizon):
             if self.is_stopped():
                 raise StoppedError
-            self._extend(last)
+            if self.grounding.grows:
+                self.grounding.grow_to(last)
+            else:
+                self.grounding = self._build(self.snapshot.with_horizon(last, self.program), last)
 
     # ---- Implementation ----------------------------------------------------------------------------------------------
 
@@ -110,19 +112,3 @@ class StrategyRunner:
         if reply.satisfiable is None and stopped():
             raise StoppedError
         return reply
-
-    def _extend(self, horizon: int) -> None:
-        """Extend the grounding, or build a new one that forgets the same externals if it cannot grow.
-
-        Rules that define the same atom at several steps, or that close a loop, have to be ground in one call of clingo.
-        """
-        if not self.grounding.is_cyclic:
-            try:
-                self.grounding.grow_to(horizon)
-            except DroppedError:
-                raise
-            except SolverError:  # any other error occurs again
-                pass
-            else:
-                return
-        self.grounding = self._build(self.snapshot.with_horizon(horizon, self.program), horizon)

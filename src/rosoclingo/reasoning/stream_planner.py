@@ -12,7 +12,6 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import (
     DroppedError,
-    NotReadyError,
     SolveOutcome,
     SolverError,
     SolveResult,
@@ -307,24 +306,21 @@ class Planner:
 
     def _watched(self, ask: Callable[[Callable[[], bool]], T]) -> Tuple[T, Optional[Halt]]:
         """Run a search; return its result, and why it was stopped, None if it was not."""
-        while True:
-            look, halt = self._watch(), None
+        look, halt = self._watch(), None  # type: Callable[[], Optional[Halt]], Optional[Halt]
 
-            def stopped(look: Callable[[], Optional[Halt]] = look) -> bool:
-                """Return whether the search must end; keeps the first reason."""
-                nonlocal halt
-                halt = halt or look()
-                return halt is not None
+        def stopped() -> bool:
+            """Return whether the search must end; keeps the first reason."""
+            nonlocal halt
+            halt = halt or look()
+            return halt is not None
 
-            try:
-                return ask(stopped), halt
-            except NotReadyError:  # the search's time has not begun
-                continue
-            except DroppedError:
-                self.ended_by = halt.why if halt else ""
-                if halt and halt.disturbed:
-                    raise DisturbedError(halt.why, accepted=False) from None
-                raise
+        try:
+            return ask(stopped), halt
+        except DroppedError:
+            self.ended_by = halt.why if halt else ""
+            if halt and halt.disturbed:
+                raise DisturbedError(halt.why, accepted=False) from None
+            raise
 
     def _note(self, halt: Optional[Halt]) -> None:
         """Record why the search was stopped, if it was; raises DisturbedError after an arrival."""

@@ -9,7 +9,7 @@ from stream_play import play
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Expire, Volatile
-from rosoclingo.planning import solver as solver_module
+from rosoclingo.planning import planning_solver
 from rosoclingo.planning.history import History, Plan, cycle_of
 from rosoclingo.planning.prediction import success_of
 from rosoclingo.planning.solver import PlanSolver
@@ -238,7 +238,7 @@ def test_improved_plan_predicts_uncertain_returns_too(searches):
 
 def test_long_history_of_predicted_updates_is_compacted(compacts_at_once, monkeypatch, searches):
     """A reader grounds few steps, and its answers show the same executed actions."""
-    monkeypatch.setattr(solver_module, "LONG_PREDICTED", 4)
+    monkeypatch.setattr(planning_solver, "LONG_PREDICTED", 4)
 
     def walk(solver, steps):
         for _ in range(steps):

@@ -5,7 +5,7 @@ import signal
 from random import Random
 
 import pytest
-from core_driver import ERRANDS, Driver, FaultyDriver, shortest
+from core_driver import ERRANDS, Driver, FaultyDriver
 from core_programs import BATTERY, DOOMED, FAILED, IMPOSSIBLE, STATUS, fetch
 from core_scripts import play, scripts
 from hypothesis import example, given, settings
@@ -13,15 +13,13 @@ from hypothesis import strategies as st
 from stream_replay import check_replay
 from workloads import sized
 
-from rosoclingo.oclingo import DroppedError, NotReadyError, ReactiveProgram, SolveOutcome, SolverError, parse_updates
-from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, parse_updates
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import stream_planner
 from rosoclingo.reasoning.events import ActionsDispatched, GoalProgress, PlanMade, UpdateSent
 from rosoclingo.reasoning.input_feeder import PAUSE
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.reasoning.stream_planner import Halt
 
 ALONE = "#program cumulative(t).\n_action_lib(wake,up,t) :- t = 2.\n#program volatile(t).\n:- t < 2.\n"
 RAIN = ERRANDS + "#program volatile(t).\n:- _seen(rain), not _request(cancel(1),_).\n"
@@ -106,21 +104,6 @@ def test_core_handles_faults_of_the_solver(row):
 )  # fmt: skip
 def test_core_interrupts_the_first_search(text, script):
     play(FaultyDriver(text, start=False), script)
-
-
-def test_core_ignores_time_while_solver_is_prepared():
-    waits, looks = [], iter([Halt("too long")] * 3)
-
-    class Late(PlanSolver):
-        def update(self, update, stopped=None):
-            if len(waits) < 3:
-                waits.append(stopped())
-                raise NotReadyError("not ready")
-            return super().update(update, stopped)
-
-    driver = Driver(solver=lambda program: shortest(program, Late), watch=lambda: lambda: next(looks, None))
-    assert waits == [True] * 3
-    play(driver, "goal a do(walk,1); finish; is a succeeded; problems 0")
 
 
 def test_core_ends_all_goals_if_solver_accepts_nothing():

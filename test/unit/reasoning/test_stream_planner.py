@@ -5,7 +5,6 @@ from core_driver import ERRANDS
 
 from rosoclingo.oclingo import (
     DroppedError,
-    NotReadyError,
     ReactiveProgram,
     SolveOutcome,
     SolverError,
@@ -153,8 +152,8 @@ class LoggingSolver:
     Instead of accepting an update it raises the ``error``; it also has the answer to one inquiry ready.
     """
 
-    def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, late=0, verdict=None):
-        self.log, self.outcome, self.asks, self.late = History(), outcome, asks, late
+    def __init__(self, outcome=SolveOutcome.SATISFIABLE, asks=0, verdict=None):
+        self.log, self.outcome, self.asks = History(), outcome, asks
         self.verdict, self.inquired, self.error = verdict, [], None
 
     @property
@@ -165,9 +164,6 @@ class LoggingSolver:
         self.log = log
 
     def update(self, update, stopped):
-        if self.late:
-            self.late -= 1
-            raise NotReadyError("not yet")
         if self.error is not None:
             raise self.error
         for _ in range(self.asks):
@@ -385,6 +381,6 @@ def test_planner_reports_why_a_search_ended():
 
 
 def test_planner_without_watch_never_stops_a_search():
-    planner = Planner(lambda: LoggingSolver(asks=2, late=3), 8)
+    planner = Planner(lambda: LoggingSolver(asks=2), 8)
     assert planner.solve().outcome is SolveOutcome.SATISFIABLE
     assert planner.take(parse_update("#step 2. #endstep.")).outcome is SolveOutcome.SATISFIABLE

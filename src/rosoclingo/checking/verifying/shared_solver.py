@@ -19,7 +19,7 @@ from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedError
+from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedError, never
 from rosoclingo.planning.snapshot import Snapshot
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
@@ -206,7 +206,7 @@ class SharedSolver(PlanningSolver):
         """The snapshot of the history."""
         return self.log.snapshot(self._streams.program)
 
-    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+    def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         """Accept ``update`` and return an answer of the least horizon; raises SolverError and StoppedError."""
         update = update or StreamUpdate()
         snapshot, bound, plan = self._after(update), update.bound or 0, self.log.plan
@@ -237,7 +237,7 @@ class SharedSolver(PlanningSolver):
         return None
 
     @staticmethod
-    def compact(stopped: Optional[Stop] = None) -> None:
+    def checkpoint(stopped: Stop = never) -> None:
         """Leave the history as it is."""
 
     def inquire(

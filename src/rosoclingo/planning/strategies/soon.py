@@ -48,38 +48,27 @@ KEPT = 0.1
 """Fraction of the time limit for shorter plans if the last plan is still valid; the robot should not wait for them."""
 
 
-class TimeLimit:
-    """The time limit for one update, in processor time of this process, so that other processes do not affect plans.
-
-    Attributes:
-        predicted: whether the update only reports success; the search time for the last plan is spent already.
-
-    """
-
-    def __init__(self, seconds: float, predicted: bool = False) -> None:
-        """Allow ``seconds`` of processor time from now on."""
-        self._seconds, self.predicted = seconds, predicted
-        self._start = time.process_time()
-
-    def plan_is_kept(self, shortest: bool) -> None:
-        """Reduce the limit: the last plan, proven ``shortest`` or not, is still valid and is improved while it runs."""
-        self._seconds *= 0.0 if self.predicted and not shortest else KEPT
-
-    def is_over(self) -> bool:
-        """Return whether to accept the best plan so far."""
-        return time.process_time() - self._start >= self._seconds
-
-
 class TimeLimitedSearch:
     """The search for a plan after one update."""
 
-    def __init__(self, runner: StrategyRunner, models: int, plan: Optional[Plan], time_limit: TimeLimit) -> None:
-        """Prepare the search for ``models`` answers, 0 for all; ``plan`` is the last plan.
+    def __init__(
+        self, runner: StrategyRunner, models: int, plan: Optional[Plan], seconds: float, succeeds: bool = False
+    ) -> None:
+        """Prepare the search.
 
         After the time limit, the result is the best plan so far, or else the first plan found. If further steps can
         invalidate an answer, each horizon is decided before the next one.
+
+        Args:
+            runner: the runner of the strategy, which has the snapshot and its grounding.
+            models: the number of answers to compute, 0 for all.
+            plan: the last plan.
+            seconds: the time limit in processor time of this process, so that other processes do not affect plans.
+            succeeds: whether the update only reports success; the search time for the last plan is spent already.
+
         """
-        self._runner, self._models, self._plan, self._time = runner, models, plan, time_limit
+        self._runner, self._models, self._plan = runner, models, plan
+        self._seconds, self._succeeds, self._start = seconds, succeeds, time.process_time()
         self._program, self._idles = runner.program, runner.block > 1
         self._least = runner.min_horizon  # all lower horizons are refuted
         self._claimed: Optional[int] = None  # the least horizon according to the program
@@ -98,7 +87,7 @@ class TimeLimitedSearch:
                 reply = yield from self._find()
                 if not reply.satisfiable:
                     return SearchResult(reply)
-            answered, self._deadline = time.process_time(), self._time.is_over
+            answered, self._deadline = time.process_time(), self._is_late
             yield from self._shorten()
             yield from self._finish()
         except StoppedError:
@@ -118,9 +107,9 @@ class TimeLimitedSearch:
         for plan in (rest, delayed):
             reply = yield from self._ask_exactly(plan)
             if reply.satisfiable:
-                if plan is rest:
-                    self._time.plan_is_kept(self._plan.shortest)
-                if plan is rest and self._time.predicted:
+                if plan is rest:  # it is improved while it runs
+                    self._seconds *= 0.0 if self._succeeds and not plan.shortest else KEPT
+                if plan is rest and self._succeeds:
                     self._best = reply
                 else:
                     yield from self._adopt(reply)
@@ -149,7 +138,7 @@ class TimeLimitedSearch:
         while True:
             reply = yield from self._ask_for_any(factor)
             if reply.satisfiable is None and self._idles:
-                reply = yield from (self._ask_unadvised(factor) if self._program.advises else self._ask_for_least())
+                reply = yield from self._ask_for_shortest(factor)
             if reply.satisfiable:
                 yield from self._adopt(reply)
                 return reply
@@ -174,21 +163,14 @@ class TimeLimitedSearch:
         conflicts = self._few_conflicts(last) * (1 if grows else factor)
         return (yield from self._ask(self._least, last, conflicts))
 
-    def _ask_unadvised(self, factor: int) -> _Asks[Reply]:
-        """Ask for a plan without ``#heuristic``, which can mislead, at the shortest horizons that are not refuted."""
-        reply = UNKNOWN
-        for last in [*self._earlier_ends, self._end]:
-            if last >= self._least and last - self._runner.step < FEW_STEPS:
-                reply = yield from self._ask(self._least, last, factor * self._few_conflicts(last), advised=False)
-                if reply.satisfiable is not False or reply.hopeless:
-                    break
-        return reply
-
-    def _ask_for_least(self) -> _Asks[Reply]:
-        """Ask for the least horizon that is not refuted, until a question reaches its limit of conflicts."""
-        reply = UNKNOWN
-        while self._least <= self._end:
-            reply = yield from self._ask(self._least, self._least, LEAST_CONFLICTS)
+    def _ask_for_shortest(self, factor: int) -> _Asks[Reply]:
+        """Ask for the shortest horizons that are not refuted, without ``#heuristic``, which can mislead."""
+        reply, advises = UNKNOWN, self._program.advises
+        for last in [*self._earlier_ends, self._end] if advises else range(self._least, self._end + 1):
+            if last < self._least or (advises and last - self._runner.step >= FEW_STEPS):
+                continue
+            conflicts = factor * self._few_conflicts(last) if advises else LEAST_CONFLICTS
+            reply = yield from self._ask(self._least, last, conflicts, advised=not advises)
             if reply.satisfiable is not False or reply.hopeless:
                 break
         return reply
@@ -219,9 +201,9 @@ class TimeLimitedSearch:
         """Search for shorter plans and refute the least horizon, in turns, until the bounds meet or time is up."""
         conflicts = CONFLICTS
         claimed = min(self._claimed or 0, self._best.horizon)
-        if self._least < claimed and not self._time.is_over():
+        if self._least < claimed and not self._is_late():
             yield from self._try(self._least, claimed - 1, conflicts)
-        while self._least < self._best.horizon and not self._time.is_over():
+        while self._least < self._best.horizon and not self._is_late():
             first, last = self._least, self._best.horizon - 1
             few = last - self._runner.step < FEW_STEPS
             for advised in (True, False) if self._program.advises and few else (True,):
@@ -251,6 +233,10 @@ class TimeLimitedSearch:
             self._best = yield from cheaper(self._best, self._runner, self._runner.step, (), None, self._deadline)
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
+
+    def _is_late(self) -> bool:
+        """Return whether to accept the best plan so far."""
+        return time.process_time() - self._start >= self._seconds
 
     def _ask(
         self, first: int, last: int, conflicts: Optional[int], given: Optional[Assumptions] = None, advised: bool = True

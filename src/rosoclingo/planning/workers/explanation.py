@@ -4,7 +4,7 @@ from typing import NamedTuple, Optional
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.explaining.questions import Stream, stream_to_message
+from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.pool import WorkerPool
@@ -37,9 +37,9 @@ def explain_in_worker(
             return stopped() or elapsed() >= seconds
 
         try:
-            reply = pool.ask(WorkerRequest("explain", (stream_to_message(stream),)), is_over)
+            reply = pool.ask(WorkerRequest("explain", (stream.update, stream.steps), stream.log), is_over)
         except DroppedError as error:
             if is_over():
                 raise DroppedError(f"no explanation was found in {seconds:g} s") from None
             raise SolverError(f"the explaining process was lost: {error}") from None
-    return Explanation(**reply.value) if reply.value else None
+    return Explanation(*reply.value) if reply.value else None

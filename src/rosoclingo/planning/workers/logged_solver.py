@@ -38,15 +38,8 @@ class LoggedSolver:
         """Continue from the history ``log``."""
         self.log = log
 
-    def solve(self, stopped: Stop) -> SolveResult:
-        """Search without an update."""
-        return self._search(None, stopped)
-
-    def update(self, update: StreamUpdate, stopped: Stop) -> SolveResult:
-        """Accept ``update`` and search for answers; raises like :class:`ReactiveSolver`."""
-        return self._search(update, stopped)
-
-    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+    def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        """Accept ``update``, if there is one, and search for answers; raises like :class:`ReactiveSolver`."""
         entries = self.log.entries_after(self._read)
         if entries is None:
             self._solver, self._read = ReactiveSolver(self._program, **self._options), History()

@@ -33,8 +33,8 @@ class WorkerPool:
 
     A stop ends a search with the outcome INTERRUPTED; the update stays accepted. clingo does not react to a stop while
     it grounds. After a second, the worker drops the grounding between two pieces; after ``patience`` seconds, the pool
-    kills the worker. In both cases, and after repeated crashes, the update is dropped and DroppedError is raised. A
-    stop while a worker loads the program raises NotReadyError.
+    kills the worker. In both cases, and after repeated crashes, the update is dropped and DroppedError is raised. While
+    a worker loads the program, a stop has no effect.
 
     """
 
@@ -92,7 +92,7 @@ class WorkerPool:
 
     @property
     def cpu_time(self) -> float:
-        """Seconds of processor time that active workers have used."""
+        """Seconds of processor time that active workers have used, without loading the program."""
         return self._cpu_time + (0.0 if self._active is None else self._active.cpu_time)
 
     def stopwatch(self) -> Callable[[], float]:
@@ -110,7 +110,7 @@ class WorkerPool:
         self.close()
 
     def start(self, stopped: Stop = never) -> None:
-        """Wait until a worker is ready; raises like a search, and NotReadyError after a stop."""
+        """Wait until a worker is ready, or until ``stopped``; raises like a search."""
         self._run(lambda worker: worker.wait_until_ready(stopped), stopped)
 
     def close(self) -> None:

@@ -1,14 +1,12 @@
 """A solver that runs in worker processes."""
 
-from contextlib import suppress
 from typing import Any, FrozenSet, Optional, Sequence
 
 import clingo
 
-from rosoclingo.oclingo.errors import NotReadyError
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
-from rosoclingo.planning.planning_solver import LONG_PREDICTED, PlanningSolver
+from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import Reply, Stop, never
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.protocol import WorkerReply
@@ -46,17 +44,12 @@ class ProcessSolver(PlanningSolver):
         """
         if self.log.plan is None or self.log.plan.shortest:
             return None
-        reply = self._ask_idle("improve", stopped)
+        reply = self._pool.ask(self._request("improve"), stopped or never, idle=True)
         return None if reply.value is None else self._adopt_reply(reply)
 
-    def compact(self, stopped: Optional[Stop] = None) -> None:
-        """Append a checkpoint if many predicted updates have followed the last one.
-
-        The worker computes it, with past steps compacted. A stop does not wait for the worker.
-        """
-        if self.log.length > LONG_PREDICTED and self._known_answer is not None:
-            log = self._ask_idle("checkpoint", stopped).log
-            self._replace_log(log or self.log)
+    def checkpoint(self, stopped: Stop = never) -> None:
+        """Append a checkpoint that the worker computes. A stop does not wait for the worker."""
+        self._replace_log(self._pool.ask(self._request("checkpoint"), stopped, idle=True).log or self.log)
 
     def inquire(
         self,
@@ -69,17 +62,12 @@ class ProcessSolver(PlanningSolver):
         reply: Reply = self._pool.ask(self._request("inquire", update, assumable, disabled), stopped or never).value
         return reply
 
-    def _search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+    def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
+        """Accept ``update``, if there is one, and search for answers; raises like :meth:`update`."""
         return self._adopt_reply(self._pool.ask(self._request("search", update, False), stopped))
 
     def _request(self, name: str, *arguments: Any) -> WorkerRequest:
         return WorkerRequest(name, arguments, self.log)
-
-    def _ask_idle(self, name: str, stopped: Optional[Stop]) -> WorkerReply:
-        """Return the reply to an optional command; an empty reply after a stop."""
-        with suppress(NotReadyError):
-            return self._pool.ask(self._request(name), stopped or never, idle=True)
-        return WorkerReply()
 
     def _adopt_reply(self, reply: WorkerReply) -> SolveResult:
         """Adopt the history and the answer in ``reply``; return the answer."""

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, Optional, Tuple
 
-from rosoclingo.oclingo.errors import NotReadyError, SolverError
+from rosoclingo.oclingo.errors import SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.planning.history import History
@@ -83,7 +83,7 @@ class SolverWorker:
         self._channel = Channel(ours)
         self._open = 0  # number of commands that have not sent their last reply
         self._reply: Optional[WorkerReply] = None  # the reply to the last command
-        self._cpu_time, self._first_memory = 0.0, 0
+        self._last_clock, self._loading_time, self._first_memory = 0.0, 0.0, 0
         self.is_ready, self.reached = False, 0
         self.request: Optional[WorkerRequest] = None
         self.log: Optional[History] = None
@@ -113,10 +113,8 @@ class SolverWorker:
 
     @property
     def cpu_time(self) -> float:
-        """Seconds of processor time that the process has used."""
-        with suppress(OSError):
-            self._cpu_time = time.clock_gettime((~self.pid << 3) | 2)  # see clock_getcpuclockid(3)
-        return self._cpu_time
+        """Seconds of processor time that the process has used since it loaded the program."""
+        return self._clock() - self._loading_time if self.is_ready else 0.0
 
     def has_grown(self) -> bool:
         """Return whether the process uses much more memory than at the first call; clingo never frees symbols."""
@@ -154,19 +152,17 @@ class SolverWorker:
         self.request = self._reply = None
 
     def wait_until_ready(self, stopped: Stop) -> None:
-        """Wait until the program is loaded; raises NotReadyError after a stop."""
-        while not self.is_ready:
-            if not self._receive(POLL) and stopped():
-                raise NotReadyError("stopped before the solver was ready: nothing was solved; resend the update")
+        """Wait until the program is loaded, or until ``stopped``."""
+        while not self.is_ready and not stopped():
+            self._receive(POLL)
 
     def ask(self, request: WorkerRequest, stopped: Stop, idle: bool = False) -> WorkerReply:
         """Return the last reply to ``request``, with the history after it; begin the request if necessary.
 
-        A stop interrupts the command. A command that improves its first answer is interrupted at once. An ``idle``
-        command is optional work: a stop abandons it, and the reply is empty. Raises WorkerLostError if the worker
-        ignores a stop, and SolverError if it refuses the command.
+        A stop interrupts the command, but not before the program is loaded. A command that improves its first answer
+        is interrupted at once. An ``idle`` command is optional work: a stop abandons it, and the reply is empty. Raises
+        WorkerLostError if the worker ignores a stop, and SolverError if it refuses the command.
         """
-        self.wait_until_ready(stopped)
         if not self.has_begun(request):
             self.begin(request)
         reply = self._wait(stopped, idle)
@@ -184,7 +180,7 @@ class SolverWorker:
             if self._receive(POLL):
                 continue
             if interrupted is None:
-                if self._reply is None and not stopped():
+                if self._reply is None and not (stopped() and (idle or self.is_ready)):
                     continue
                 if idle:
                     self.abandon()
@@ -238,8 +234,15 @@ class SolverWorker:
         if self._open == 1:
             self._reply = message
         self._open -= message.is_last
-        self.is_ready = True
+        if not self.is_ready:
+            self._loading_time, self.is_ready = self._clock(), True
         return True
+
+    def _clock(self) -> float:
+        """Return the seconds of processor time that the process has used."""
+        with suppress(OSError):
+            self._last_clock = time.clock_gettime((~self.pid << 3) | 2)  # see clock_getcpuclockid(3)
+        return self._last_clock
 
     def _raise_lost(self) -> NoReturn:
         self.kill()

@@ -12,7 +12,7 @@ import socket
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Dict, FrozenSet, Iterator, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, FrozenSet, Iterator, Optional, Sequence, Tuple, Union
 
 import clingo
 
@@ -23,6 +23,7 @@ from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History
 from rosoclingo.planning.question import Reply
+from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.channel import CONNECTION, Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
 from rosoclingo.planning.workers.protocol import Interrupt, SearchProgress, WorkerCommand, WorkerReply
@@ -90,10 +91,9 @@ class WorkerMain:
 
     def search(self, update: Optional[StreamUpdate], improves: bool) -> SolveResult:
         """Accept an update and search for a plan; if it ``improves``, shorten the plan until interrupted."""
-        solver, stopped = self._solver, self._is_interrupted
-        result = solver.solve(stopped) if update is None else solver.update(update, stopped)
+        result = self._solver.search(update, self._is_interrupted)
         with suppress(SolverError):  # the first plan remains valid
-            while improves and result.answers and not stopped():
+            while improves and result.answers and not self._is_interrupted():
                 self._channel.send(self._reply(result, is_last=False))
                 better = self.improve()
                 if better is None:
@@ -116,18 +116,18 @@ class WorkerMain:
         reply = self._planner.inquire(update, assumable, disabled, self._is_interrupted)
         return Reply(reply.satisfiable, core=reply.core)
 
-    def explain(self, stream: Dict[str, Any]) -> Optional[Dict[str, Any]]:
-        """Explain why there is no plan; return None if there is one."""
+    def explain(self, update: StreamUpdate, steps: int) -> Optional[Tuple[str, Message]]:
+        """Explain, in words and as a value for JSON, why there is no plan; return None if there is one."""
         from rosoclingo.planning.explaining.explainer import explain  # noqa: PLC0415 rarely needed
-        from rosoclingo.planning.explaining.questions import stream_from_message  # noqa: PLC0415
+        from rosoclingo.planning.explaining.questions import Stream  # noqa: PLC0415
         from rosoclingo.planning.minimal_sets import UndecidedError  # noqa: PLC0415
 
         os.nice(NICENESS)
         try:
-            found = explain(self._program, stream_from_message(stream), self._is_interrupted)
+            found = explain(self._program, Stream(self._start, update, steps), self._is_interrupted)
         except UndecidedError:
             raise DroppedError("stopped before a cause was found") from None
-        return None if found is None else {"text": found.text(), "message": found.to_message()}
+        return None if found is None else (found.text(), found.to_message())
 
     @property
     def _planner(self) -> "PlanSolver":

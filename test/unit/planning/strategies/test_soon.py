@@ -15,7 +15,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import soon
-from rosoclingo.planning.strategies.soon import TimeLimit, TimeLimitedSearch
+from rosoclingo.planning.strategies.soon import TimeLimitedSearch
 
 FOREVER = float("inf")
 
@@ -48,8 +48,9 @@ def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted
     """Return the plan's horizon (False: no plan, None: stopped), whether it is proven, and the questions."""
     world = FakeGrounding(plans, **options)
     with clock(world.time):
-        limit = TimeLimit(seconds, predicted)
-        found, asked = world.run(lambda runner: TimeLimitedSearch(runner, models, last, limit).run(), block)
+        found, asked = world.run(
+            lambda runner: TimeLimitedSearch(runner, models, last, seconds, predicted).run(), block
+        )
     if found is None:
         return None, False, asked
     return found.reply.satisfiable and found.reply.horizon, found.proven, asked

@@ -9,9 +9,9 @@ from children import ended, kill, wait_until_prepared
 from plain_walk import RESTING, next_update, onward
 
 from rosoclingo.oclingo import ReactiveProgram, SolverError, parse_atom, parse_update
+from rosoclingo.planning import planning_solver
 from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.workers import process_solver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 
@@ -225,7 +225,7 @@ def test_predicted_update_does_not_wait_for_the_worker(alone, between):
 @pytest.mark.slow
 def test_worker_appends_checkpoint_after_predicted_updates(alone, monkeypatch):
     """A stop does not wait for the checkpoint, and another worker can read it."""
-    monkeypatch.setattr(process_solver, "LONG_PREDICTED", 3)
+    monkeypatch.setattr(planning_solver, "LONG_PREDICTED", 3)
     here, solver = PlanSolver(PROGRAM, plan_time=60.0), ProcessSolver(alone)
 
     def length():
