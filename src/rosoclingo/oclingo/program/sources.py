@@ -3,8 +3,9 @@
 import os
 import re
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import Position
@@ -178,21 +179,33 @@ class Collector:
 def _parse(
     source: Source, text: str, found: Directives, faults: List[Fault], translation: Optional[Translation] = None
 ) -> ParsedSource:
-    name, messages = source.name, Messages()
+    name, plain = source.name, take_directives(text, source.name, found)
     try:
-        statements = parse(take_directives(text, name, found), messages.log)
-    except RuntimeError as error:
-        faults.extend(locate_missing_dot(_named(fault, name), text) for fault in messages.faults(error))
+        if translation is None:
+            return ParsedSource(source, [*_parse_file(plain, name)])
+        origin = translation.place
+        return ParsedSource(source, _parse_text(plain, lambda one: Position(name, *origin(one.line))))
+    except ProgramError as error:
+        faults.extend(locate_missing_dot(_named(fault, name), text) for fault in error.faults)
         return ParsedSource(source, [])
 
-    def place(one: Position) -> Position:
-        """Return the position in the original file."""
-        line, column = (one.line, one.column) if translation is None else translation.place(one.line)
-        return Position(name, line, column)
 
+@lru_cache(maxsize=32)
+def _parse_file(text: str, name: str) -> Sequence[Node]:
+    """Return the statements of a file; cached, since programs with common files are loaded repeatedly."""
+    return _parse_text(text, lambda one: Position(name, one.line, one.column))
+
+
+def _parse_text(text: str, place: Callable[[Position], Position]) -> List[Node]:
+    """Return the statements of ``text``, with positions replaced by ``place`` of them; raises ProgramError."""
+    messages = Messages()
+    try:
+        statements = parse(text, messages.log)
+    except RuntimeError as error:
+        raise ProgramError(messages.faults(error)) from None
     for statement in statements:
         statement.move(place)
-    return ParsedSource(source, statements)
+    return statements
 
 
 def _remark(name: str, text: str) -> Fault:
