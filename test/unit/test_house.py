@@ -67,11 +67,19 @@ def faults(paths, check):
     return {name: one for name, one in found.items() if one}
 
 
+def statements(node):
+    """Yield the statements below a node; a walk over all expressions takes ten times as long."""
+    for field in ("body", "handlers", "orelse", "finalbody"):
+        for child in getattr(node, field, ()):
+            yield child
+            yield from statements(child)
+
+
 @lru_cache(maxsize=None)
 def nodes_of(path):
     """Return the imports, functions and classes of a file."""
     kinds = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
-    return [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, kinds)]
+    return [node for node in statements(ast.parse(path.read_text())) if isinstance(node, kinds)]
 
 
 @lru_cache(maxsize=None)
