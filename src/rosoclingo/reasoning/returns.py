@@ -360,7 +360,7 @@ class ExecutionMonitor:
                 self.fail(dispatch.missing, TIMEOUT, f"has not returned within {limit:g} s")
 
     def fail(self, actions: Sequence[Action], reason: Symbol, why: str) -> None:
-        """Fail running actions, as they were sent, for ``reason``; ``why`` is the verb of the problem that is reported."""
+        """Fail running actions, as they were sent, for ``reason``; ``why`` is the verb of the reported problem."""
         for dispatch in self._dispatches:
             failing = [one for one in actions if one.cycle == dispatch.cycle]
             before, answers = dispatch.certain, dispatch.fail(failing, reason)

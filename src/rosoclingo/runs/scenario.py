@@ -139,6 +139,8 @@ def _event(reader: Reader) -> ScenarioEvent:
             reader.fault("give one of {}".format(", ".join(VERBS)))
         if time.given == cycle.given:
             reader.fault("give either 'time' or 'cycle'")
+        if delay.given and not cycle.given:
+            delay.fault("is only for events with a 'cycle'")
         if fields.given and verb != "call":
             fields.fault("is only for 'call'")
     return event

@@ -107,7 +107,10 @@ def test_scenario_optional_keys_have_defaults():
 
 def test_scenario_reports_all_faults_at_once(tmp_path):
     path = tmp_path / "own.yaml"
-    path.write_text("events: [{time: 1, requst: g(1)}, {cycle: 0, cancel: 1}]\nexpect: {goals: [won]}\nlunch: house")
+    path.write_text(
+        "events: [{time: 1, requst: g(1)}, {cycle: 0, cancel: 1}, {time: 1, delay: 1, cancel: 1}]\n"
+        "expect: {goals: [won]}\nlunch: house"
+    )
     with pytest.raises(ScenarioError) as error:
         Scenario.from_file(path)
     assert [line.replace(f"scenario {path}: ", "") for line in str(error.value).splitlines()] == [
@@ -115,6 +118,7 @@ def test_scenario_reports_all_faults_at_once(tmp_path):
         "keys are request, cancel, facts, call, time, cycle, delay, with, client, origin",
         "events[0]: give one of request, cancel, facts, call",
         "events[1].cycle: must be an integer of at least 1, not 0",
+        "events[2].delay: is only for events with a 'cycle'",
         "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'won'",
         "unknown key 'lunch' (did you mean launch?); keys are title, events, packages, expect, timeout, launch",
     ]
