@@ -1,10 +1,10 @@
-"""A core without ROS for benches: its solver runs in worker processes, as in the node, and a bench plays the world."""
+"""Cores without ROS for benches: their solver runs in worker processes, as in the node, and a bench plays the robot."""
 
 import time
 from pathlib import Path
 
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.program.sources import Source
+from planning_domains import check
+
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning.core import Core
@@ -19,28 +19,24 @@ MOST_IDLE = 600
 """Limit of seconds without an action: the core defers updates that its solver could not accept."""
 
 
-def mailbot_program(floor):
-    """Return the mailbot's program with a floor from deliveries.py."""
-    return ReactiveProgram([Source.from_file(ENCODINGS / "mailbot.lp"), Source(floor.name, floor.instance)])
-
-
 def processor_clock(pid):
     """Return the clock of the processor time of a process, like clock_getcpuclockid(3) on Linux."""
     return (~pid << 3) | 2
 
 
-def returned(action, value=None):
-    """Return the text of an action's return, by default its success."""
-    return f"_return({action.interface},{value or action.parameter},{action.cycle})"
-
-
 class PooledCore:
-    """A core whose solver runs in worker processes."""
+    """A core whose solver runs in worker processes.
+
+    Attributes:
+        outcomes: goal -> outcome, of the goals that have ended.
+
+    """
 
     def __init__(self, program, plan_time=0.0, settings=None, standby=True):
         self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=standby)
         watches = {"watch": self.watch, "watch_joining": self.watch_joining}
         self.core = Core(program, lambda: ProcessSolver(self.process), self.note, settings or CoreSettings(), **watches)
+        self.outcomes = {}
 
     def __enter__(self):
         self.process.start()
@@ -54,13 +50,25 @@ class PooledCore:
     def __exit__(self, *error):
         self.process.close()
 
+    @property
+    def used(self):
+        """Seconds of processor time that this process and the solver have used."""
+        return time.process_time() + self.process.cpu_time
+
     def advance(self, now=0.0):
         """Advance the core until it has sent actions or has nothing to do."""
         while self.core.advance(now):
             pass
 
+    def answer(self, *facts, value=None):
+        """Report facts and the returns of the awaited actions: their success, or ``value``."""
+        returns = (f"_return({one.interface},{value or one.parameter},{one.cycle})" for one in self.core.awaited)
+        self.core.receive("bench", [*facts, *returns])
+
     def note(self, event):
         """Receive an event of the core."""
+        if isinstance(event, GoalChanged) and event.outcome is not None:
+            self.outcomes[event.key] = event.outcome
 
     def watch_joining(self):
         """Stop planning for new goals after a moment, as in the node; they are admitted later."""
@@ -76,110 +84,115 @@ class TooLongError(Exception):
     """There is no plan for all goals in the time limit."""
 
 
-class ActingCore(PooledCore):
-    """A core whose actions a world executes; all of them succeed.
+class Robot(PooledCore):
+    """A core with the program of a planning task, and the world that executes its actions and checks its plans.
 
     Attributes:
-        longest: the longest processor time, in seconds, until the next action is sent.
+        executed: the number of executed steps.
+        longest: the longest processor time of the solver, in seconds, until the next action is sent.
         still: the longest wall time, in seconds, between a return and the next action of a plan in force.
-        waited: the largest number of queued goals while an action was running.
+        queued: the largest number of queued goals while an action was running.
 
     """
 
-    def __init__(self, program, plan_time, search_timeout=0.0, all_seconds=0.0):
-        super().__init__(program, plan_time, CoreSettings(search_timeout=search_timeout))
-        self._limit, self._all_seconds, self._idle, self._returned = search_timeout, all_seconds, 0, None
-        self.improving, self.longest, self.still, self.waited, self.now = 0.0, 0.0, 0.0, 0, 0.0
+    def __init__(self, task, plan_time=0.0, search_timeout=0.0, limit=0.0):
+        """``limit`` is the processor time of a search in seconds, after which it raises TooLongError."""
+        super().__init__(task.program, plan_time, CoreSettings(search_timeout=search_timeout))
+        self.task, self.world = task, task.world_type(task)
+        self._timeout, self._limit, self._admitted, self._now, self._returned = search_timeout, limit, set(), 0.0, None
+        self.executed, self.longest, self.still, self.queued, self.improving = 0, 0.0, 0.0, 0, 0.0
 
-    def execute(self, actions):
-        """Execute the actions of a cycle in the world; raises RuleError."""
-        raise NotImplementedError
-
-    def steps(self):
-        """Check the plan with a copy of the world, and return the number of its steps; raises RuleError."""
-        raise NotImplementedError
-
-    @property
-    def used(self):
-        """Seconds of processor time that the solver has used."""
-        return self.process.cpu_time
+    def ask(self, numbers=None):
+        """Send goals of the task, by default all."""
+        for number in range(1, len(self.task.goals) + 1) if numbers is None else numbers:
+            self.core.add_goal(str(number), self.task.goals[number - 1].term)
 
     @property
-    def unknown(self):
+    def waiting(self):
         """The number of queued goals, which are not admitted yet."""
         return sum(not goal.fed for goal in self.core.live_goals)
 
     def plan(self):
         """Advance the core until it has sent actions or has nothing to do; return the remaining steps of the plan."""
-        begin = self.used
-        self.advance(self.now)
-        self.longest = max(self.longest, self.used - begin)
-        self.waited = max(self.waited, self.unknown)
+        begin = self.process.cpu_time
+        self.advance(self._now)
+        self.longest = max(self.longest, self.process.cpu_time - begin)
+        self.queued = max(self.queued, self.waiting)
         return self.steps()
 
-    def plan_until_action(self):
-        """Plan until the core sends actions or all goals have ended; return whether actions were sent.
+    @property
+    def busy(self):
+        """Whether goals are queued or not met in the world."""
+        return self.waiting or not self.world.at_rest
 
-        If the solver could not accept an update, the core retries it after some idle seconds.
-        """
+    def plan_until_action(self):
+        """Plan until the core sends actions; it retries an update that its solver could not accept after a second."""
         self.plan()
-        while self.core.live_goals and not self.core.awaited:
-            self._idle += 1
-            if self._idle > MOST_IDLE:
-                raise SystemExit(f"no action in {MOST_IDLE} s, although {len(self.core.live_goals)} goals are open")
-            self.now += 1.0
-            if self._returned is not None:
-                self._returned -= 1.0
-            self.core.poll(self.now)
+        for _ in range(MOST_IDLE):
+            if self.core.awaited:
+                return
+            self._now += 1.0
+            self._returned = self._returned and self._returned - 1.0
+            self.core.poll(self._now)
             self.plan()
-        return bool(self.core.awaited)
+        raise SystemExit(f"no action in {MOST_IDLE} s, although {len(self.core.live_goals)} goals are open")
+
+    def steps(self):
+        """Check the plan in the world, and return the number of its steps; raises RuleError."""
+        for number, goal in ((int(goal.key), goal) for goal in self.core.live_goals):
+            if goal.fed != (number in self._admitted):  # a plan does not serve queued goals
+                (self.world.ask if goal.fed else self.world.cancel)(number)
+                self._admitted ^= {number}
+        plan = {}
+        for action in sorted(self.core.plan.after(self.core.cycle - 1), key=lambda action: action.cycle):
+            plan.setdefault(action.cycle, []).append((action.interface_name, str(action.parameter)))
+        if self.core.awaited:
+            check(self.world, list(plan.values()))
+        return len(plan)
 
     def improve(self, seconds):
-        """Improve the plan while an action runs; yield the used seconds with each better plan."""
-        begin = self.used
+        """Improve the plan while an action runs; yield the used seconds and the steps of each better plan."""
+        begin = self.process.cpu_time
 
         def over():
-            return self.used - begin >= seconds
+            return self.process.cpu_time - begin >= seconds
 
         while self.core.improve(over) and not over():  # a stopped search does not show whether it is exhausted
-            yield self.used - begin
-        self.improving += self.used - begin
-
-    def prepare(self, seconds):
-        """Let the standby worker plan for queued goals while an action of ``seconds`` runs."""
-        if self.unknown:
-            self.core.prepare()
-        if not self.process.is_prefetching:
-            return
-        clock = processor_clock(self.process.standby_pid)
-        begin = time.clock_gettime(clock)
-        while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
-            time.sleep(0.01)
+            yield self.process.cpu_time - begin, self.steps()
+        self.improving += self.process.cpu_time - begin
 
     def act(self, seconds):
-        """Execute the awaited actions and return them after ``seconds``; raises RuleError."""
-        self.now += seconds
-        actions, in_force = self.core.awaited, self.core.plan.after(self.core.cycle)
-        self.execute(actions)
-        self._returned = time.perf_counter() if in_force else None
-        for action in actions:
-            self.core.receive("bench", [returned(action)])
+        """Execute the awaited actions in ``seconds``, and plan for queued goals meanwhile; raises RuleError."""
+        for _ in self.improve(seconds):
+            pass
+        if self.waiting:
+            self.core.prepare()
+        if self.process.is_prefetching:
+            clock = processor_clock(self.process.standby_pid)
+            begin = time.clock_gettime(clock)
+            while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
+                time.sleep(0.01)
+        self.world.do([(one.interface_name, str(one.parameter)) for one in self.core.awaited])
+        self.executed, self._now = self.executed + 1, self._now + seconds
+        self._returned = time.perf_counter() if self.core.plan.after(self.core.cycle) else None
+        self.answer()
 
     def watch(self):
-        """Return the stop function of a search: as in the node, but with a limit of processor time."""
-        begin, queue = self.used, self.core.queue
-        limit = self._limit * queue.patience
+        """Return the stop function of a search: as in the node, but with limits of processor time."""
+        begin, queue = self.process.cpu_time, self.core.queue
+        limit = self._timeout * queue.patience
 
         def look():
-            if 0 < self._all_seconds <= self.used - begin:
+            spent = self.process.cpu_time - begin
+            if 0 < self._limit <= spent:
                 raise TooLongError
-            too_long = 0 < limit <= self.used - begin and not queue.unhurried
-            return Halt(f"it took longer than {limit:g} s") if too_long else None
+            return Halt(f"it took longer than {limit:g} s") if 0 < limit <= spent and not queue.unhurried else None
 
         return look
 
     def note(self, event):
         """Measure how long the robot stands still, and check that no feasible goal fails."""
+        super().note(event)
         if isinstance(event, ActionsDispatched) and self._returned is not None:
             self.still, self._returned = max(self.still, time.perf_counter() - self._returned), None
         if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):

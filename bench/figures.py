@@ -1,13 +1,16 @@
-"""Figures of benches: their file format, and the table that compares two versions.
+"""Figures of benches: the command line of a bench, the file format, and the table that compares two versions.
 
-Each bench has the options ``--short`` and ``--json FILE``. The file has one JSON object a line, with the fields of
-`Figure`.
+Each bench calls `main` with a function that yields its figures. Its command line has the options ``--short`` and
+``--json FILE``. The file has one JSON object a line, with the fields of `Figure`.
 """
 
+import argparse
 import json
+import os
+import resource
 import statistics
 from pathlib import Path
-from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 TENTH = 0.1  # larger differences of a ratio from 1 are marked
 
@@ -23,6 +26,15 @@ class Figure(NamedTuple):
     value: float
     unit: str
     better: str = "lower"
+
+
+class Option(NamedTuple):
+    """An option of a bench: its default gives the type, a list takes several values; ``short`` is for short forms."""
+
+    default: Any
+    help: str
+    short: Any = None
+    choices: Optional[Sequence[Any]] = None
 
 
 class Row(NamedTuple):
@@ -59,15 +71,34 @@ class Row(NamedTuple):
         return word if apart else word + "?"
 
 
-def parse(parser, **short):
-    """Parse the command line of a bench; with ``--short`` the values in ``short`` replace the defaults."""
+def parse(doc: str, options: Dict[str, Option], words: Optional[Sequence[str]] = None) -> argparse.Namespace:
+    """Parse the command line of a bench; with ``--short``, the short values replace the defaults."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
         "--short", action="store_true", help="run the short form, at most two minutes; other options override it"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures as JSON lines to FILE")
-    if parser.parse_known_args()[0].short:
-        parser.set_defaults(**short)
-    return parser.parse_args()
+    short = parser.parse_known_args(words)[0].short
+    for name, (default, text, value, choices) in options.items():
+        flag, default = "--" + name.replace("_", "-"), value if short and value is not None else default
+        if isinstance(default, bool):
+            parser.add_argument(flag, action="store_true", default=default, help=text)
+        else:
+            nargs, first = ("+", default[0] if default else "") if isinstance(default, list) else (None, default)
+            text += " (default: %(default)s)"
+            parser.add_argument(flag, type=type(first), nargs=nargs, default=default, choices=choices, help=text)
+    return parser.parse_args(words)
+
+
+def main(doc: str, measure: Callable[[argparse.Namespace], Iterable[Figure]], shown: bool = True, **options: Option):
+    """Run a bench: parse its options, and print the figures of ``measure`` unless it prints them (not ``shown``)."""
+    chosen, found = parse(doc, options), []
+    for figure in measure(chosen):
+        found.append(figure)
+        if shown:
+            print(f"{figure.name:<60} {number(figure.value):>9} {figure.unit}", flush=True)
+    print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
+    write(chosen.json, found)
 
 
 def write(path: Optional[Path], figures: Sequence[Figure]) -> None:
@@ -91,10 +122,17 @@ def read(path: Path) -> List[Figure]:
     return figures
 
 
-def turns(sides: Sequence[str], rounds: int) -> Iterator[str]:
-    """Yield the sides in turns, so that other load on the machine affects them equally."""
-    for _ in range(rounds):
-        yield from sides
+def quantiles(name: str, values: Sequence[float], unit: str) -> Iterator[Figure]:
+    """Yield the median and the 99th percentile of some values."""
+    ordered = sorted(values)
+    yield Figure(f"{name}, median", statistics.median(ordered), unit)
+    yield Figure(f"{name}, 99 %", ordered[int(0.99 * (len(ordered) - 1))], unit)
+
+
+def children_time() -> float:
+    """Return the processor time (s) of all child processes that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def rows(bench: str, here: Sequence[Sequence[Figure]], there: Sequence[Sequence[Figure]] = ()) -> List[Row]:

@@ -14,13 +14,13 @@ So each task is solved with several sets of names, and the figures are medians.
 Run it in the built workspace: ./dev exec python3 bench/golog.py --blocks 18
 """
 
-import argparse
 import random
 import statistics
 import time
 from pathlib import Path
 
-from figures import Figure, parse, write
+from figures import Figure, Option, main
+from planning_domains.tasks import towers
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.sources import Source
@@ -84,14 +84,6 @@ proc control {
 KINDS = {"alone": "tower", "free": "run(free,1)", "control": "run(control,1)"}
 
 
-def towers(blocks, dice, tall=0.6):
-    """Return random towers as block -> block or table below it; ``tall`` is the probability of a block."""
-    order, found = dice.sample(range(1, blocks + 1), blocks), {}
-    for number, block in enumerate(order):
-        found[block] = order[number - 1] if number and dice.random() < tall else "table"
-    return found
-
-
 def renamed(first, last, dice):
     """Return the same towers with shuffled names of the blocks."""
     names = dict(zip(sorted(first), dice.sample(sorted(first), len(first))), table="table")
@@ -133,30 +125,11 @@ def check(moves, first, last):
     assert below == {str(one): str(under) for one, under in last.items()}, "the plan does not lead to the goal"
 
 
-def main():
-    """Solve the tasks with each kind of program and print the times."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--blocks", type=int, default=18, help="number of blocks (default: %(default)s)")
-    parser.add_argument(
-        "--tall",
-        type=float,
-        default=0.6,
-        metavar="P",
-        help="probability that a block stands on another (default: %(default)s)",
-    )
-    parser.add_argument("--tasks", type=int, default=3, help="number of tasks (default: %(default)s)")
-    parser.add_argument("--names", type=int, default=5, help="sets of names for each task (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the tasks (default: %(default)s)")
-    parser.add_argument(
-        "--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), help="kinds of programs (default: all)"
-    )
-    parser.add_argument(
-        "--limit", type=float, default=300.0, metavar="S", help="processor time of one search (default: %(default)s s)"
-    )
-    options = parse(parser, tasks=1, blocks=15, limit=30.0)
+def measure(options):
+    """Solve the tasks with each kind of program; yield the median times."""
     dice, times = random.Random(options.seed), {kind: [] for kind in options.kinds}
     for task in range(1, options.tasks + 1):
-        given = [towers(options.blocks, dice, options.tall) for _ in range(2)]
+        given = [towers(range(1, options.blocks + 1), dice) for _ in range(2)]
         for number in range(options.names):
             first, last = renamed(*given, random.Random(number)) if number else given
             for kind in options.kinds:
@@ -166,14 +139,22 @@ def main():
                     check(moves, first, last)
                 length = "no plan in time" if moves is None else f"{len(moves)} moves"
                 print(f"task {task}: {kind:8} {seconds:8.2f} s, {length}", flush=True)
-    found = [Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s") for kind in options.kinds]
+    for kind in options.kinds:
+        yield Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s")
     if {"alone", "control"} <= set(options.kinds):
         ratio = [one / other for one, other in zip(times["alone"], times["control"])]
-        median, least = statistics.median(ratio), min(ratio)
-        print(f"time without over with control knowledge: median {median:.1f}, least {least:.1f}")
-        found.append(Figure("alone over control", statistics.median(ratio), "times", "higher"))
-    write(options.json, found)
+        yield Figure("alone over control", statistics.median(ratio), "times", "higher")
+        yield Figure("alone over control, least", min(ratio), "times", "higher")
 
 
 if __name__ == "__main__":
-    main()
+    main(
+        __doc__,
+        measure,
+        blocks=Option(18, "number of blocks", 15),
+        tasks=Option(3, "number of tasks", 1),
+        names=Option(5, "sets of names for each task"),
+        seed=Option(1, "seed of the tasks"),
+        kinds=Option([*KINDS], "kinds of programs", choices=[*KINDS]),
+        limit=Option(300.0, "seconds of processor time for one search", 30.0),
+    )

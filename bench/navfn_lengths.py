@@ -12,11 +12,9 @@ costs to cells near walls, so that navfn makes detours.
 import argparse
 import itertools
 import json
-import statistics
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Iterable, List, NamedTuple
 
 import numpy as np
 
@@ -86,16 +84,8 @@ def costs_of(costmap: Costmap) -> np.ndarray:
     return np.where(shown == 100, 254, costs).astype(np.uint8)
 
 
-class Way(NamedTuple):
-    """Two cells (column, row, column, row), and the lengths (m) by this package's planner and by the command places."""
-
-    cells: List[int]
-    planned: float
-    estimated: float
-
-
-def ways_of(costmap: Costmap, costs: np.ndarray) -> List[Way]:
-    """Return paths between random cells."""
+def ways_of(costmap: Costmap, costs: np.ndarray) -> np.ndarray:
+    """Return paths between random cells: column, row, column, row, and the lengths (m) of planner and places."""
     random, planner, found = np.random.default_rng(1), GridPlanner(), []
     free = np.argwhere(costs < 253)
     while len(found) < PAIRS:
@@ -104,27 +94,16 @@ def ways_of(costmap: Costmap, costs: np.ndarray) -> List[Way]:
         plan = planner.plan(costmap, *poses, 0.0)
         estimated = navfn_lengths(costmap, poses[0], poses[1:])[0]
         if plan.outcome is PlanOutcome.FOUND and plan.length > 2.0 and estimated is not None:
-            found.append(Way([int(number) for one in ends for number in one[::-1]], plan.length, estimated))
-    return found
+            found.append([*ends[0][::-1], *ends[1][::-1], plan.length, estimated])
+    return np.array(found)
 
 
-def lengths_of(caller: Path, costs: np.ndarray, ways: List[Way], resolution: float, file: Path) -> List[float]:
+def lengths_of(caller: Path, costs: np.ndarray, cells: np.ndarray, resolution: float, file: Path) -> np.ndarray:
     """Return navfn's lengths (m) for the same paths."""
-    numbers = [[*costs.shape[::-1], len(ways)], *(one.cells for one in ways)]
-    parts = [np.array(row, dtype=np.int32).tobytes() for row in numbers]
-    file.write_bytes(b"".join([parts[0], costs.tobytes(), *parts[1:]]))
+    size = np.array([*costs.shape[::-1], len(cells)], dtype=np.int32)
+    file.write_bytes(size.tobytes() + costs.tobytes() + cells.astype(np.int32).tobytes())
     out = subprocess.run([str(caller), str(file)], check=True, capture_output=True, text=True).stdout
-    return [float(line) * resolution for line in out.split() if line[0].isdigit()]
-
-
-def report(what: str, ours: Iterable[float], theirs: List[float]) -> None:
-    """Print the ratios of two lists of lengths."""
-    ratios = [mine / its for mine, its in zip(ours, theirs)]
-    near = sum(abs(ratio - 1.0) <= 0.03 for ratio in ratios)
-    print(
-        f"{what} over navfn's, {len(ratios)} paths: {min(ratios):.3f} to {max(ratios):.3f}, "
-        f"median {statistics.median(ratios):.3f}; {near} within 3 %"
-    )
+    return resolution * np.array([float(line) for line in out.split() if line[0].isdigit()])
 
 
 def main() -> None:
@@ -133,24 +112,27 @@ def main() -> None:
     parser.add_argument("devel", type=Path, help="the devel space of a workspace with the navigation stack")
     parser.add_argument("--write", action="store_true", help=f"write {LENGTHS.relative_to(ROOT)}")
     options = parser.parse_args()
-    kept = []
+    lines = []
     with tempfile.TemporaryDirectory() as folder:
         caller = compiled(options.devel.resolve(), Path(folder))
         for name, inflation in itertools.product(("office", "house"), INFLATIONS):
-            limits = CostmapLimits(0.18, *inflation)
-            costmap = Costmap(load_map(ROOT / "worlds" / f"{name}.yaml"), limits)
+            costmap = Costmap(load_map(ROOT / "worlds" / f"{name}.yaml"), CostmapLimits(0.18, *inflation))
             costs = costs_of(costmap)
             ways = ways_of(costmap, costs)
-            theirs = lengths_of(caller, costs, ways, costmap.resolution, Path(folder) / "map.bin")
-            where = f"{name}, inflation_radius {inflation[0]}, cost_scaling_factor {inflation[1]}:"
-            report(f"{where} lengths of places", (one.estimated for one in ways), theirs)
-            report(f"{where} lengths of move_base's planner", (one.planned for one in ways), theirs)
-            # With wide inflation, two paths can cost nearly the same and differ in length.
-            if inflation is not INFLATIONS[-1]:
-                kept += [[name, *inflation, *one.cells, round(its, 3)] for one, its in zip(ways, theirs)]
+            theirs = lengths_of(caller, costs, ways[:, :4], costmap.resolution, Path(folder) / "map.bin")
+            for what, ours in (("move_base's planner", ways[:, 4]), ("places", ways[:, 5])):
+                ratios = ours / theirs
+                near = np.count_nonzero(abs(ratios - 1.0) <= 0.03)
+                print(
+                    f"{name}, inflation_radius {inflation[0]}, cost_scaling_factor {inflation[1]}: lengths of {what} "
+                    f"over navfn's, {PAIRS} paths: {ratios.min():.3f} to {ratios.max():.3f}, "
+                    f"median {np.median(ratios):.3f}; {near} within 3 %"
+                )
+            if inflation is not INFLATIONS[-1]:  # with wide inflation, paths of equal cost can differ in length
+                pairs = zip(ways[:, :4].astype(int).tolist(), theirs)
+                lines += [json.dumps([name, *inflation, *cells, round(its, 3)]) for cells, its in pairs]
     if options.write:
-        rows = ",\n".join(json.dumps(row) for row in kept)
-        LENGTHS.write_text(f"[\n{rows}\n]\n")
+        LENGTHS.write_text("[\n" + ",\n".join(lines) + "\n]\n")
 
 
 if __name__ == "__main__":

@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
-"""Measures the solver on the mailbot's program: offices in a row, random requests, 60 cycles each.
+"""Measures the solver on the mailbot's program: offices in a row, random requests, the first plan and updates.
 
-For each number of offices and requests, the table shows the time of the first plan (s) and of updates (ms): the median,
-the slowest update with new requests (a search) and without, and the medians of the first and the last ten cycles. Each
-cycle commits and returns the action of the previous cycle. New requests arrive when all earlier ones are met.
+Each cycle commits and returns the action of the previous cycle. New requests arrive when all earlier ones are met; such
+an update needs a search. The other updates are predicted. Wall time, without ROS.
+
+Run it in the built workspace: ./dev exec python3 bench/oclingo.py
 """
 
-import argparse
 import random
 import statistics
 import time
-from typing import Tuple
 
-from acting_core import mailbot_program
 from deliveries import row
-from figures import Figure, parse, write
+from figures import Figure, Option, main
 
 from rosoclingo.oclingo import SolveOutcome, StreamUpdate, commitment, fact, parse_term
 from rosoclingo.oclingo.progression.updates import CloseCycles, Expire
@@ -25,86 +23,57 @@ BOUND = 200
 
 
 class Robot:
-    """A core and a robot that never fails, with one update a cycle."""
+    """A solver and a robot that never fails, with one update a cycle."""
 
-    def __init__(self, offices: int, requests: int, seed: int) -> None:
-        self.solver = PlanSolver(mailbot_program(row(offices)))
-        self.random = random.Random(seed)
-        self.offices, self.requests, self.ids = offices, requests, 0
-        self.cycle = 0
-        self.plan = {}
-        self.solver.solve()
+    def __init__(self, offices, requests, seed):
+        self._solver, self._random = PlanSolver(row(offices).program), random.Random(seed)
+        self._offices, self._requests, self._ids = offices, requests, 0
+        self._cycle, self._plan = 0, {}
+        self._solver.solve()
 
-    def new_requests(self) -> list:
-        items = []
-        for _ in range(self.requests):
-            self.ids += 1
-            start, end = self.random.sample(range(1, self.offices + 1), 2)
-            goal = f"goal(office{start},office{end},{self.ids})"
-            items.append(fact(parse_term(f"_request({goal},{self.cycle + 1})")))
-        return items
+    def _requested(self):
+        for _ in range(self._requests):
+            self._ids += 1
+            start, end = self._random.sample(range(1, self._offices + 1), 2)
+            yield fact(parse_term(f"_request(goal(office{start},office{end},{self._ids}),{self._cycle + 1})"))
 
-    def step(self) -> Tuple[float, bool]:
-        """Play one cycle; return the seconds of its update, and whether it had new requests."""
-        before = self.plan.get(self.cycle)
-        self.cycle += 1
-        items = []
-        if before is not None:
-            items.append(commitment(before))
-        asks = not any(cycle >= self.cycle for cycle in self.plan)
-        if asks:
-            items += self.new_requests()
-        if before is not None:
-            name, what, cycle = before.arguments
-            items.append(fact(parse_term(f"_return({name},{what},{cycle})")))
-        if self.cycle > 1:
-            items += [CloseCycles(self.cycle - 1, self.cycle - 1), Expire(self.cycle - 1)]
+    def step(self):
+        """Play one cycle; return the milliseconds of its update, and whether it had new requests."""
+        action = self._plan.get(self._cycle)
+        self._cycle += 1
+        asks = not any(cycle >= self._cycle for cycle in self._plan)
+        items = [*([commitment(action)] if action else ()), *(self._requested() if asks else ())]
+        if action:
+            items.append(fact(parse_term("_return({},{},{})".format(*action.arguments))))
+        if self._cycle > 1:
+            items += [CloseCycles(self._cycle - 1, self._cycle - 1), Expire(self._cycle - 1)]
         start = time.perf_counter()
-        result = self.solver.update(StreamUpdate(self.cycle, BOUND, tuple(items)))
+        result = self._solver.update(StreamUpdate(self._cycle, BOUND, tuple(items)))
         seconds = time.perf_counter() - start
-        assert result.outcome is SolveOutcome.SATISFIABLE, result
-        actions = [one for one in result.answers[0] if one.name == "_action_lib"]
-        self.plan = {one.arguments[2].number: one for one in actions}
-        return seconds, asks
+        if result.outcome is not SolveOutcome.SATISFIABLE:
+            raise SystemExit(f"no plan: {result}")
+        self._plan = {one.arguments[2].number: one for one in result.answers[0] if one.name == "_action_lib"}
+        return 1000 * seconds, asks
 
 
-def run(offices: int, requests: int, cycles: int, seed: int) -> list:
-    """Print one line of the table; return its figures."""
-    robot = Robot(offices, requests, seed)
-    times = [robot.step() for _ in range(cycles)]
-    later = [1000 * one for one, _ in times[1:]]
-    searches = [1000 * one for one, asks in times[1:] if asks]
-    others = [1000 * one for one, asks in times[1:] if not asks]
-    figures = (
-        times[0][0],
-        statistics.median(later),
-        max(searches, default=0.0),
-        max(others, default=0.0),
-        statistics.median(later[:10]),
-        statistics.median(later[-10:]),
-    )
-    line = "{:8d} {:9d} {:11.3f} {:11.2f} {:19.2f} {:7.2f} {:10.2f} {:14.2f}"
-    print(line.format(offices, requests, *figures), flush=True)
-    what = f"{offices} offices, {requests} requests: "
-    return [Figure(what + "first plan", 1000 * figures[0], "ms"), Figure(what + "update", figures[1], "ms")]
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "--offices", type=int, nargs="+", default=[4, 10, 20], help="numbers of offices (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--requests", type=int, nargs="+", default=[1, 3, 5], help="numbers of requests (default: %(default)s)"
-    )
-    parser.add_argument("--cycles", type=int, default=60, help="cycles of each run (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the requests (default: %(default)s)")
-    options = parse(parser, offices=[4, 10], requests=[1, 3], cycles=40)
-    print("offices  requests  first [s]  median [ms]  worst: search [ms]  other  first ten  last ten [ms]")
-    pairs = [(offices, requests) for offices in options.offices for requests in options.requests]
-    found = [one for pair in pairs for one in run(*pair, options.cycles, options.seed)]
-    write(options.json, found)
+def measure(options):
+    """Yield the figures for each number of offices and requests."""
+    for offices in options.offices:
+        for requests in options.requests:
+            robot = Robot(offices, requests, options.seed)
+            first, *later = (robot.step() for _ in range(options.cycles))
+            what = f"{offices} offices, {requests} requests: "
+            yield Figure(what + "first plan", first[0], "ms")
+            yield Figure(what + "update", statistics.median(one for one, _ in later), "ms")
+            yield Figure(what + "slowest search", max((one for one, asks in later if asks), default=0.0), "ms")
 
 
 if __name__ == "__main__":
-    main()
+    main(
+        __doc__,
+        measure,
+        offices=Option([4, 10, 20], "numbers of offices", [4, 10]),
+        requests=Option([1, 3, 5], "numbers of requests", [1, 3]),
+        cycles=Option(60, "cycles of each run", 40),
+        seed=Option(1, "seed of the requests"),
+    )

@@ -11,14 +11,13 @@ Exit codes: 0 for success, 1 if a bench failed or the other commit cannot be bui
 """
 
 import argparse
-import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
 import figures
 
@@ -41,25 +40,27 @@ class BenchError(Exception):
     """A bench has failed; the message contains the cause."""
 
 
-class Checkout:
-    """This checkout, or the tree of another commit, with the folder of the benches and the start of the command."""
+class Checkout(NamedTuple):
+    """This checkout, or the tree of another commit: the folders of the benches and of logs, and the command's start."""
 
-    def __init__(self, name: str, folder: Path, start: Sequence[str], logs: Path) -> None:
-        self.name, self._folder, self._start, self._logs = name, folder, start, logs
+    name: str
+    folder: Path
+    start: Sequence[str]
+    logs: Path
 
     def measure(self, bench: str) -> List[figures.Figure]:
         """Run the short form of a bench; raises BenchError."""
-        handle, name = tempfile.mkstemp(prefix=f"{bench}-{self.name}-", suffix=".log", dir=str(self._logs))
+        handle, name = tempfile.mkstemp(prefix=f"{bench}-{self.name}-", suffix=".log", dir=str(self.logs))
         os.close(handle)
         log = Path(name)
         result = log.with_suffix(".json")
-        command = [*self._start, str(self._folder / f"{bench}.py"), "--short", "--json", str(result)]
-        ended = run(command, log, LIMIT, os.environ)
-        if ended.code is None:
+        command = [*self.start, str(self.folder / f"{bench}.py"), "--short", "--json", str(result)]
+        code = run(command, log, LIMIT, os.environ).code
+        if code is None:
             raise BenchError(f"it did not end within {LIMIT:.0f} s; output: {log}")
-        if ended.code != 0:
+        if code != 0:
             last = log.read_text(errors="replace").rstrip().splitlines()[-SHOWN:]
-            raise BenchError("\n    ".join([f"exit code {ended.code}; complete output: {log}", *last]))
+            raise BenchError("\n    ".join([f"exit code {code}; complete output: {log}", *last]))
         try:
             return figures.read(result)
         except (OSError, figures.FigureError) as error:
@@ -68,8 +69,7 @@ class Checkout:
 
 def git(*arguments: str) -> bytes:
     """Return the output of a git command for this checkout; raises subprocess.CalledProcessError."""
-    command = ["git", "-C", str(ROOT), *arguments]
-    return subprocess.run(command, check=True, capture_output=True).stdout
+    return subprocess.run(["git", "-C", str(ROOT), *arguments], check=True, capture_output=True).stdout
 
 
 def commit_named(text: str) -> str:
@@ -83,40 +83,18 @@ def commit_named(text: str) -> str:
         raise argparse.ArgumentTypeError(why) from None
 
 
-def make_once(target: Path, make: Callable[[Path], object]) -> None:
-    """Create a folder by ``make`` unless it exists.
-
-    The folder appears only when complete, even if another run creates it at the same time.
-    """
-    target.parent.mkdir(parents=True, exist_ok=True)
-    if target.exists():
-        return
-    with tempfile.TemporaryDirectory(dir=str(target.parent)) as name:
-        draft = Path(name) / "draft"
-        make(draft)
-        try:
-            draft.rename(target)
-        except OSError:
-            if not target.exists():
-                raise
-
-
-def export(commit: str, folder: Path) -> None:
-    """Write the files of a commit to a folder."""
-    folder.mkdir()
-    subprocess.run(["tar", "-x", "-C", str(folder)], check=True, input=git("archive", commit))
-
-
 def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
     """Build another commit by its own ``./dev`` unless it is built already; raises BenchError."""
-    tree, ours = base / commit[:12], ROOT / "bench"
-    make_once(tree, lambda folder: export(commit, folder))
-    files = [path for path in sorted(ours.rglob("*.*")) if path.suffix in (".py", ".lp", ".pddl")]
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:8]
-    lent = tree / f"bench-{digest}"  # next to its own folder, so that "../src" belongs to that commit
-    make_once(
-        lent, lambda folder: shutil.copytree(str(ours), str(folder), ignore=shutil.ignore_patterns("__pycache__"))
-    )
+    tree = base / commit[:12]
+    if not tree.exists():
+        base.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=str(base)) as draft:
+            archive = git("archive", commit, f"--prefix={tree.name}/")
+            subprocess.run(["tar", "-x", "-C", draft], check=True, input=archive)
+            (Path(draft) / tree.name).rename(tree)
+    lent = tree / "bench-here"  # next to its own folder, so that "../src" belongs to that commit
+    shutil.rmtree(str(lent), ignore_errors=True)
+    shutil.copytree(str(ROOT / "bench"), str(lent))
     os.environ["ROSOCLINGO_HOME"] = str(base)
     start = [str(tree / "dev"), "exec"]
     try:
@@ -127,22 +105,26 @@ def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
 
 
 def compare(bench: str, here: Checkout, there: Optional[Checkout], rounds: int) -> List[figures.Row]:
-    """Run a bench for one checkout, or for two in turns; raises BenchError if it fails in this checkout."""
-    runs: Dict[str, list] = {"here": [], "there": []}
-    sides = {"here": here} if there is None else {"here": here, "there": there}
-    missing = False
-    for side in figures.turns(list(sides), rounds):
-        if side == "there" and missing:
+    """Run a bench for one checkout, or for two in turns, so that other load on the machine affects both equally.
+
+    Raises BenchError if it fails in this checkout, or after it has run in the other one.
+    """
+    ours: List[Sequence[figures.Figure]] = []
+    theirs: List[Sequence[figures.Figure]] = []
+    for _ in range(rounds):
+        report(f"{bench}: {here.name}")
+        ours.append(here.measure(bench))
+        if there is None:
             continue
-        report(f"{bench}: {sides[side].name}")
+        report(f"{bench}: {there.name}")
         try:
-            runs[side].append(sides[side].measure(bench))
+            theirs.append(there.measure(bench))
         except BenchError as failed:
-            if side == "here" or runs["there"]:
+            if theirs:
                 raise
-            missing = True
-            report(f"{bench}: not available in {sides[side].name}: {failed}")
-    return figures.rows(bench, runs["here"], runs["there"])
+            report(f"{bench}: not available in {there.name}: {failed}")
+            there = None
+    return figures.rows(bench, ours, theirs)
 
 
 def report(text: str) -> None:
@@ -155,7 +137,7 @@ def measure_all(options, logs: Path) -> int:
     if options.against:
         there = other_checkout(options.against, options.work / "against", logs)
     found, failures = [], 0
-    for bench in options.names or BENCHES:
+    for bench in options.names:
         try:
             found += compare(bench, here, there, options.rounds)
         except BenchError as failed:
@@ -164,7 +146,7 @@ def measure_all(options, logs: Path) -> int:
     print(figures.table(found, there and there.name))
     print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
     if failures:
-        report(f"error: {failures} of {len(options.names or BENCHES)} failed")
+        report(f"error: {failures} of {len(options.names)} failed")
     return min(failures, 1)
 
 
@@ -186,6 +168,7 @@ def command_line():
     for name in options.names:
         if name not in BENCHES:
             parser.error(f"no such bench: {name}; the benches are {' '.join(BENCHES)}")
+    options.names = options.names or BENCHES
     fewest = FEWEST if options.against else 1
     options.rounds = fewest if options.rounds is None else options.rounds
     if options.rounds < fewest:
@@ -196,7 +179,7 @@ def command_line():
 def main() -> int:
     options = command_line()
     if options.work is None:
-        print(*(options.names or BENCHES))
+        print(*options.names)
         return 0
     (options.work / "bench").mkdir(exist_ok=True)
     logs = Path(tempfile.mkdtemp(dir=str(options.work / "bench")))

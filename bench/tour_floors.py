@@ -5,7 +5,6 @@ from typing import List, NamedTuple
 
 import numpy as np
 from navigation_worlds import room
-from planner import office
 
 from rosoclingo.robot.navigation import OccupancyGrid, Pose2D
 from rosoclingo.robot.simulation import DoorSpec
@@ -33,8 +32,27 @@ def small_floor(random, resolution: float = 0.05) -> Floor:
     return Floor(room(10.0, 10.0, resolution, walls), doors)
 
 
+def office(height: int, width: int, seed: int, room: int = 60) -> OccupancyGrid:
+    """Return a map of rooms (6 m) with doors (1.1 m) and furniture, at 0.1 m a cell."""
+    random = np.random.default_rng(seed)
+    cells = np.zeros((height, width), dtype=np.int8)
+    cells[:2] = cells[-2:] = 100
+    cells[:, :2] = cells[:, -2:] = 100
+    for a, size, other in ((0, height, width), (1, width, height)):
+        turned = cells if a == 0 else cells.T
+        for wall in range(room, size - room // 2, room):
+            turned[wall : wall + 2] = 100
+            for part in range(0, other, room):
+                if random.random() < 0.9:
+                    door = part + random.integers(8, room - 20)
+                    turned[wall : wall + 2, door : door + 11] = 0
+    for row, column in zip(random.integers(5, height - 15, 250), random.integers(5, width - 15, 250)):
+        cells[row : row + random.integers(3, 9), column : column + random.integers(3, 9)] = 100
+    return OccupancyGrid(cells, 0.1)
+
+
 def office_floor(seed: int, resolution: float = 0.1) -> Floor:
-    """Return the floor of bench/planner.py, 54 x 58.7 m, with the doors found in its walls."""
+    """Return an office of 54 x 58.7 m, with the doors found in its walls."""
     grid, doors = office(587, 540, seed), []
     for turned, cells in ((False, grid.cells), (True, grid.cells.T)):
         for wall in range(60, cells.shape[0] - 30, 60):

@@ -16,16 +16,15 @@ A goal that must be reached and is aborted counts as MISSED.
 Run it in the built workspace: ./dev exec python3 bench/tours.py
 """
 
-import argparse
 import math
 import statistics
 import sys
 import time
 from pathlib import Path
-from typing import NamedTuple, Tuple
+from typing import Iterator, List, NamedTuple, Tuple
 
 import numpy as np
-from figures import Figure, parse, write
+from figures import Figure, Option, main, quantiles
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
@@ -176,7 +175,6 @@ class Tour:
         world = Simulation(spec._replace(robots=tuple(robots)))
         self.drive = Timed(world, control=variant.control, scan=2, late=variant.late)
         self.standing = [robot.pose for robot in world.robots.values()][1:]
-        self.slowness = []
         self.aborts = []
 
     @staticmethod
@@ -225,8 +223,6 @@ class Tour:
             return f"NO END within {LIMIT} s: {tuple(here)} -> {tuple(goal)}"
         took = self.drive.world.time - since
         if result.outcome is NavigationOutcome.REACHED:
-            if not eventful and way.length > 2.0:
-                self.slowness.append(took / (way.length / SPEED))
             return "reached"
         self.aborts.append(took)
         what = "" if event is None or not event.happened else f" ({event.door or 'thing'} {event.distance:.1f} m ahead)"
@@ -254,50 +250,67 @@ class Timed(Drive):
         return tick
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--small", type=int, default=20, help="number of small floors (default: %(default)s)")
-    parser.add_argument("--offices", type=int, default=2, help="number of office floors (default: %(default)s)")
-    parser.add_argument("--goals", type=int, default=5, help="goals on each floor (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the first floor (default: %(default)s)")
-    parser.add_argument("--events", type=int, default=4, help="drives in ten with an event (default: %(default)s)")
-    parser.add_argument(
-        "--plain", action="store_true", help="use a disc, straight maps without roughness, and control at 10 Hz"
-    )
-    parser.add_argument("--body", choices=BODIES, help="body of the robot on all floors")
-    arguments = parse(parser, small=3, offices=0, goals=3, plain=True)
-    counts = dict.fromkeys(("reached", "impossible", "either", "MISSED", "NO END"), 0)
-    begin, collisions, simulated, slowness, aborts, costs = time.time(), 0, 0.0, [], [], []
-    kinds = ["small"] * arguments.small + ["office"] * arguments.offices
-    for seed, kind in enumerate(kinds, arguments.seed):
+def far_apart(grid: OccupancyGrid, low: float = 60.0, high: float = 80.0) -> Iterator[List[Pose2D]]:
+    """Yield pairs of poses with a path of ``low`` to ``high`` m between them."""
+    costmap, planner, random = Costmap(grid, CostmapLimits()), GridPlanner(), np.random.default_rng(3)
+    free = np.argwhere(costmap.clearance > 3.0)
+    while True:
+        ends = [Pose2D(*grid.centre(*free[random.integers(len(free))])) for _ in range(2)]
+        if ends[0].distance(ends[1]) > 0.6 * low and low <= planner.plan(costmap, *ends).length <= high:
+            yield ends
+
+
+def plan_times(grid: OccupancyGrid, count: int) -> List[float]:
+    """Return the ms that a new planner takes for each of ``count`` plans over 60 to 80 m."""
+    costmap, planner, times = Costmap(grid, CostmapLimits()), GridPlanner(), []
+    for _, ends in zip(range(count), far_apart(grid)):
+        planner.plan(costmap, ends[0], ends[0])
+        begin = time.perf_counter()
+        planner.plan(costmap, *ends)
+        times.append(1e3 * (time.perf_counter() - begin))
+    return times
+
+
+def measure(options) -> Iterator[Figure]:
+    """Drive the tours and print the goals that were not reached; yield the figures."""
+    ends, aborts, costs, collisions, simulated, begin = [], [], [], 0, 0.0, time.time()
+    kinds = ["small"] * options.small + ["office"] * options.offices
+    for seed, kind in enumerate(kinds, options.seed):
         random = np.random.default_rng(seed)
-        variant = Variant() if arguments.plain else varied(kind, random)
-        if arguments.body:
-            variant = variant._replace(footprint=BODIES[arguments.body])
+        variant = Variant() if options.plain else varied(kind, random)
+        if options.body != "varied":
+            variant = variant._replace(footprint=BODIES[options.body])
         floor = variant.floor(kind, random, seed)
-        tour = Tour(floor, variant, random, 6 if kind == "small" else 60, arguments.events / 10.0)
-        for number in range(arguments.goals):
+        tour = Tour(floor, variant, random, 6 if kind == "small" else 60, options.events / 10.0)
+        for number in range(options.goals):
             text = tour.go()
-            counts[text.split(",")[0].split(" within")[0]] += 1
+            ends.append(text.split(",")[0].split(" within")[0])
             if text != "reached":
                 print(f"{kind} {seed} {number} {tuple(variant)}: {text}", flush=True)
         for collision in tour.drive.collisions[:1]:
             print(f"{kind} {seed} {tuple(variant)}: COLLISION {collision}", flush=True)
-        collisions += len(tour.drive.collisions)
-        simulated += tour.drive.world.time
-        slowness, aborts, costs = slowness + tour.slowness, aborts + tour.aborts, costs + tour.drive.costs
-    print(", ".join(f"{name} {count}" for name, count in counts.items()), f"collisions {collisions}", sep=", ")
-    wall = time.time() - begin
-    print(f"{simulated:.0f} simulated s in {wall:.0f} s; longest abort {max(aborts, default=0.0):.0f} s")
-    if slowness:
-        print(f"time over length / {SPEED} m/s: median {statistics.median(slowness):.2f}, worst {max(slowness):.2f}")
-    costs = 1e6 * np.array(costs)
-    print(f"a control period takes {np.median(costs):.0f} us (median), {np.percentile(costs, 99):.0f} us (99 %)")
-    found = [Figure("control period", float(np.median(costs)), "us"), Figure("collisions", collisions, "")]
-    found.append(Figure("reached", counts["reached"], "goals", "higher"))
-    found.append(Figure("missed, or no end", counts["MISSED"] + counts["NO END"], "goals"))
-    write(arguments.json, [*found, Figure("pace", simulated / wall, "simulated s per s", "higher")])
+        aborts, costs = aborts + tour.aborts, costs + tour.drive.costs
+        collisions, simulated = collisions + len(tour.drive.collisions), simulated + tour.drive.world.time
+    pace = simulated / (time.time() - begin)
+    for end in ("reached", "impossible", "either", "MISSED", "NO END"):
+        yield Figure(end, ends.count(end), "goals", "higher" if end == "reached" else "lower")
+    yield Figure("collisions", collisions, "")
+    yield Figure("longest abort", max(aborts, default=0.0), "simulated s")
+    yield from quantiles("control period", [1e6 * one for one in costs], "us")
+    yield Figure("pace", pace, "simulated s per s", "higher")
+    yield Figure("a plan over 60 to 80 m", statistics.median(plan_times(office_floor(3).grid, options.plans)), "ms")
 
 
 if __name__ == "__main__":
-    main()
+    main(
+        __doc__,
+        measure,
+        small=Option(20, "number of small floors", 3),
+        offices=Option(2, "number of office floors", 0),
+        goals=Option(5, "goals on each floor", 3),
+        seed=Option(0, "seed of the first floor"),
+        events=Option(4, "drives in ten with an event"),
+        plain=Option(False, "use a disc, straight maps without roughness, and control at 10 Hz", True),
+        body=Option("varied", "body of the robot on all floors", choices=["varied", *BODIES]),
+        plans=Option(20, "plans over 60 to 80 m", 10),
+    )

@@ -7,13 +7,12 @@ given depth, within a limit of processor time; the figure is the depth that was 
 Run it in the built workspace: ./dev exec python3 bench/verify.py
 """
 
-import argparse
 import re
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Tuple
 
-from figures import Figure, parse, write
+from figures import Figure, Option, main
 
 from rosoclingo.checking.verifying.scope import EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
@@ -44,36 +43,29 @@ SUBJECTS = {
 def load(files):
     """Return the program in ``files``; of a document, the first program in it."""
     sources = [Source.from_file(ROOT / name) for name in files]
-    texts = [
-        re.search(r"```prolog\n(.*?)```", one.text, re.DOTALL) if one.name.endswith(".md") else None for one in sources
-    ]
-    return ReactiveProgram([replace(one, text=text.group(1)) if text else one for one, text in zip(sources, texts)])
+    programs = (re.search(r"```prolog\n(.*?)```", one.text, re.DOTALL) for one in sources)
+    return ReactiveProgram([replace(one, text=found[1]) if found else one for one, found in zip(sources, programs)])
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "--programs", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), help="programs to verify (default: all)"
-    )
-    parser.add_argument("--seconds", type=float, default=1200.0, help="processor time for each (default: %(default)g)")
-    parser.add_argument("--quick", action="store_true", help="verify to smaller depths")
-    options = parse(parser, quick=True, seconds=60.0)
-    found = []
+def measure(options):
+    """Verify the programs and print the verdicts; yield the figures."""
     for name in options.programs:
         subject = SUBJECTS[name]
-        depth = subject.short if options.quick else subject.depth
-        limits, selection = VerifyLimits(events=depth), EventSelection(most=subject.each)
-        verdict = verify(load(subject.files), selection, limits, options.seconds)
+        limits = VerifyLimits(events=subject.short if options.quick else subject.depth)
+        verdict = verify(load(subject.files), EventSelection(most=subject.each), limits, options.seconds)
         print(f"{name}:\n{verdict.text()}", flush=True)
         if verdict.defects:
             raise SystemExit(f"{name}: the program has defects")
-        found += [
-            Figure(f"{name}, depth", verdict.progress.proven, "events", "higher"),
-            Figure(f"{name}, states", verdict.progress.states, "", "higher"),
-            Figure(f"{name}, time", verdict.seconds, "s of processor"),
-        ]
-    write(options.json, found)
+        yield Figure(f"{name}, depth", verdict.progress.proven, "events", "higher")
+        yield Figure(f"{name}, states", verdict.progress.states, "", "higher")
+        yield Figure(f"{name}, time", verdict.seconds, "s of processor")
 
 
 if __name__ == "__main__":
-    main()
+    main(
+        __doc__,
+        measure,
+        programs=Option([*SUBJECTS], "programs to verify", choices=[*SUBJECTS]),
+        seconds=Option(1200.0, "processor time for each", 60.0),
+        quick=Option(False, "verify to smaller depths", True),
+    )

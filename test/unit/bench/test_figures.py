@@ -1,6 +1,5 @@
 """How the benches' figures are written, collected and shown."""
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -10,7 +9,7 @@ import pytest
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 # ruff: noqa: E402
 
-from figures import Figure, FigureError, Row, number, parse, read, rows, table, turns, write
+from figures import Figure, FigureError, Option, Row, main, number, parse, quantiles, read, rows, table, write
 
 UPDATE, PACE = Figure("an update", 2.5, "ms"), Figure("pace", 60.0, "s per s", "higher")
 
@@ -19,20 +18,52 @@ def row(here, there, better="lower"):
     return Row("solver", "an update", "ms", better, tuple(here), tuple(there))
 
 
-def command_line(monkeypatch, *words):
-    monkeypatch.setattr(sys, "argv", ["bench", *words])
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--goals", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    return parse(parser, goals=3)
+OPTIONS = {
+    "goals": Option(300, "number of goals", 3),
+    "plan_time": Option(1.0, "a time"),
+    "kinds": Option(["free", "alone"], "kinds", choices=["free", "alone"]),
+    "plain": Option(False, "a flag", True),
+}
 
 
 @pytest.mark.parametrize(
-    ("words", "goals"), [([], 300), (["--short"], 3), (["--short", "--goals", "7"], 7), (["--goals", "7"], 7)]
+    ("words", "goals", "plain"),
+    [
+        ([], 300, False),
+        (["--short"], 3, True),
+        (["--short", "--goals", "7"], 7, True),
+        (["--goals", "7", "--plain"], 7, True),
+    ],
 )
-def test_figures_short_form_replaces_only_defaults(monkeypatch, words, goals):
-    options = command_line(monkeypatch, *words)
-    assert (options.goals, options.seed) == (goals, 1)
+def test_figures_short_form_replaces_only_defaults(words, goals, plain):
+    options = parse("a bench", OPTIONS, words)
+    assert (options.goals, options.plain) == (goals, plain)
+    assert (options.plan_time, options.kinds) == (1.0, ["free", "alone"])
+
+
+def test_figures_options_have_types_of_their_defaults(capsys):
+    options = parse("a bench", OPTIONS, ["--plan-time", "2", "--kinds", "alone"])
+    assert (options.plan_time, options.kinds) == (2.0, ["alone"])
+    assert isinstance(options.plan_time, float)
+    for words in (["--goals", "many"], ["--kinds", "bound"], ["--kinds"]):
+        with pytest.raises(SystemExit):
+            parse("a bench", OPTIONS, words)
+        assert words[0] in capsys.readouterr().err
+
+
+def test_figures_of_a_bench_are_printed_and_written(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(sys, "argv", ["bench", "--json", str(tmp_path / "figures")])
+    main("a bench", lambda options: iter([UPDATE, PACE._replace(value=options.goals)]), **OPTIONS)
+    assert read(tmp_path / "figures") == [UPDATE, PACE._replace(value=300.0)]
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert lines[:2] == [["an", "update", "2.5", "ms"], ["pace", "300", "s", "per", "s"]]
+
+
+def test_figures_quantiles_of_values():
+    assert list(quantiles("a cycle", range(101, 0, -1), "ms")) == [
+        Figure("a cycle, median", 51, "ms"),
+        Figure("a cycle, 99 %", 100, "ms"),
+    ]
 
 
 def test_figures_are_read_as_written(tmp_path):
@@ -63,11 +94,6 @@ def test_figures_report_a_malformed_line(tmp_path, line):
         file.write(line + "\n")
     with pytest.raises(FigureError, match="figures:2: "):
         read(tmp_path / "figures")
-
-
-def test_figures_alternate_between_both_sides():
-    assert list(turns(["here", "there"], 3)) == ["here", "there"] * 3
-    assert list(turns(["here"], 2)) == ["here", "here"]
 
 
 def test_figures_collect_runs_by_name():

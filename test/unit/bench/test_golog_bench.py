@@ -16,7 +16,7 @@ import golog  # noqa: E402
 def test_golog_bench_control_knowledge_keeps_a_shortest_plan():
     dice = random.Random(3)
     for _ in range(3):
-        first, last = golog.towers(5, dice), golog.towers(5, dice)
+        first, last = golog.towers(range(1, 6), dice), golog.towers(range(1, 6), dice)
         found = {kind: golog.plan_of(kind, golog.program_of(kind, first, last), 60.0)[0] for kind in golog.KINDS}
         assert len({len(moves) for moves in found.values()}) == 1, found
         for moves in found.values():

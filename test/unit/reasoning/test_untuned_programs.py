@@ -69,14 +69,15 @@ def steps_of_answer(result):
 
 def ask_all(task):
     """Return a solver's first update, with all goals."""
-    return parse_update("#step 1 : 100.\n" + "".join(f"_request({goal},2).\n" for goal in task.goals) + "#endstep.")
+    requests = "".join(f"_request({goal.term},2).\n" for goal in task.goals)
+    return parse_update(f"#step 1 : 100.\n{requests}#endstep.")
 
 
 @lru_cache(maxsize=None)
 def reference(kind, seed):
     """Return a shortest plan, found by plain clingo."""
     task = task_of(kind, seed)
-    return shortest_plan([source.text for source in task.sources], task.goals)
+    return shortest_plan([source.text for source in task.sources], [goal.term for goal in task.goals])
 
 
 class Run:
@@ -92,7 +93,7 @@ class Run:
         self._driver = Driver(program=task.program, solver=self._made, settings=CoreSettings(), watch=self._watch)
         self.core = self._driver.core
         for number, goal in enumerate(task.goals, 1):
-            self.core.add_goal(str(number), goal)
+            self.core.add_goal(str(number), goal.term)
         self._go_on()
 
     def _made(self, program):
