@@ -1,10 +1,10 @@
 """Conversion of snapshots and symbols to plain values for JSON, and back."""
 
-from typing import Any, Dict, FrozenSet, Iterable, List, Sequence, Tuple, Union
+from typing import Any, Dict, FrozenSet, Iterable, Iterator, List, Sequence
 
 import clingo
 
-from rosoclingo.oclingo.progression.lifetimes import FOREVER, Lifetime, Term
+from rosoclingo.oclingo.progression.lifetimes import Term
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
@@ -38,7 +38,7 @@ def snapshot_to_message(snapshot: Snapshot) -> Message:
     """Return ``snapshot`` as a plain value; :func:`snapshot_from_message` reads it."""
     return {
         **{name: getattr(snapshot, name) for name in _NUMBERS},
-        **_items_to_message(snapshot.items),
+        "items": [*map(_item_to_row, snapshot.items)],
         "closed": [[cycle, symbols_to_text(executed)] for cycle, executed in snapshot.closed.items()],
         "past": None if snapshot.past is None else _past_to_message(snapshot.past),
     }
@@ -48,54 +48,34 @@ def snapshot_from_message(message: Message) -> Snapshot:
     """Return the snapshot from the value of :func:`snapshot_to_message`."""
     return Snapshot(
         **{name: message[name] for name in _NUMBERS},
-        items=_items_from_message(message),
+        items=tuple(_items_from_rows(message["items"])),
         closed={cycle: symbols_from_text(executed) for cycle, executed in message["closed"]},
         past=None if message["past"] is None else _past_from_message(message["past"]),
     )
 
 
-def _items_to_message(items: Sequence[StateItem]) -> Message:
-    """Return statements, their updates and lifetimes, and the other items with their places; FOREVER is left out."""
-    entries = [one for one in items if isinstance(one, TimedStatement)]
-    lifetimes = [[place, _lifetime_to_value(one.lifetime)] for place, one in enumerate(entries)]
-    return {
-        "statements": "\n".join(str(one.statement) for one in entries),
-        "updates": [one.update for one in entries],
-        "lifetimes": [one for one in lifetimes if one[1] != FOREVER],
-        "others": [
-            [place, *_other_to_values(one)] for place, one in enumerate(items) if not isinstance(one, TimedStatement)
-        ],
-    }
+def _item_to_row(item: StateItem) -> List[Any]:
+    if isinstance(item, TimedStatement):
+        lifetime = [str(item.lifetime.term)] if isinstance(item.lifetime, Term) else item.lifetime
+        return [str(item.statement), item.update, lifetime]
+    if isinstance(item, ForgottenSteps):
+        return [item.first, item.last, symbols_to_text(item.spared)]
+    return [symbols_to_text(item.atoms)]
 
 
-def _items_from_message(message: Message) -> Tuple[StateItem, ...]:
-    lifetimes = {place: _lifetime_from_value(value) for place, value in message["lifetimes"]}
-    pairs = zip(_statements_from_text(message["statements"]), message["updates"])
-    items: List[StateItem] = [
-        TimedStatement(one, lifetimes.get(place, FOREVER), number) for place, (one, number) in enumerate(pairs)
-    ]
-    for place, text, steps in message["others"]:
-        atoms = symbols_from_text(text)
-        items.insert(place, ForgottenSteps(steps[0], steps[1], atoms) if steps else ClosedHeads(atoms))
-    return tuple(items)
-
-
-def _other_to_values(one: Union[ForgottenSteps, ClosedHeads]) -> List[Any]:
-    if isinstance(one, ClosedHeads):
-        return [symbols_to_text(one.atoms), []]
-    return [symbols_to_text(one.spared), [one.first, one.last]]
-
-
-def _statements_from_text(text: str) -> List[Statement]:
-    return [item for item in parse_update(f"{text}\n#endstep.").items if isinstance(item, Statement)]
-
-
-def _lifetime_to_value(lifetime: Lifetime) -> Any:
-    return [symbols_to_text([lifetime.term])] if isinstance(lifetime, Term) else lifetime
-
-
-def _lifetime_from_value(value: Any) -> Lifetime:
-    return Term(symbol_list(value[0])[0]) if isinstance(value, list) else value
+def _items_from_rows(rows: Sequence[List[Any]]) -> Iterator[StateItem]:
+    """Yield the items of a snapshot; one call of the parser reads all statements."""
+    texts = [row[0] for row in rows if len(row) > 1 and isinstance(row[0], str)]
+    update = parse_update("\n".join([*texts, "#endstep."]))
+    statements = (one for one in update.items if isinstance(one, Statement))
+    for row in rows:
+        if len(row) == 1:
+            yield ClosedHeads(symbols_from_text(row[0]))
+        elif isinstance(row[0], int):
+            yield ForgottenSteps(row[0], row[1], symbols_from_text(row[2]))
+        else:
+            lifetime = Term(clingo.parse_term(row[2][0])) if isinstance(row[2], list) else row[2]
+            yield TimedStatement(next(statements), lifetime, row[1])
 
 
 def _past_to_message(past: Past) -> Message:
