@@ -19,17 +19,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client, ManualInterfaces
 from interface_helpers import Process, init_node, wait_to_hear, wait_until
 
-#: The messages of a flood, with a running number.
-FLOODS = {"undeclared": "reading({})", "declared": "_seen({})", "garbage": "x{}((", "returns": "_return(walk,{},1)"}
+#: The facts of two flooding nodes, with a running number.
+FLOODS = {"sensor": ("_seen({})", "reading({})"), "stray": ("x{}((", "_return(walk,{},1)")}
 
 
 def flood(kind):
-    """Run as the node that floods the core."""
+    """Run as the node that floods the core: without a queue, it sends as fast as the core reads."""
     rospy.init_node("flood", anonymous=True)
-    publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=10)
+    publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=None)
     numbers = itertools.count()
-    while not rospy.is_shutdown():
-        publisher.publish(InterfaceIO("sensor", [FLOODS[kind].format(next(numbers)) for _ in range(500)]))
+    for fact in itertools.cycle(FLOODS[kind]):
+        if rospy.is_shutdown():
+            break
+        publisher.publish(InterfaceIO(kind, [fact.format(next(numbers)) for _ in range(500)]))
 
 
 class Flood(unittest.TestCase):
@@ -54,21 +56,21 @@ class Flood(unittest.TestCase):
         """Return the number of problems so far."""
         return int(self.reports[-1]["problems"]) if self.reports else 0
 
-    def goes_on_during(self, kinds, number):
+    def test_goals_are_served_during_a_flood_of_facts(self):
         wait_until(lambda: self.reports, "a report")
-        before, updates = self.problems(), len(self.updates)
+        before = self.problems()
 
         def taken():
-            """Return how many facts of the flood the core has accepted or ignored."""
-            return self.problems() - before + sum(one.count("_seen(") for one in self.updates[updates:])
+            """Return how many facts of the floods the core has accepted or ignored."""
+            return self.problems() - before + sum(one.count("_seen(") for one in self.updates)
 
-        commands = [[sys.executable, str(Path(__file__).resolve()), "--flood", kind] for kind in kinds]
+        commands = [[sys.executable, str(Path(__file__).resolve()), "--flood", kind] for kind in FLOODS]
         with Process(*commands[0]) as one, Process(*commands[1]) as other:
             wait_until(lambda: taken() > 2000, "the flood")
-            goal = self.client.send(f"do(walk,{number})")
+            goal = self.client.send("do(walk,10)")
             self.hands.succeed(self.hands.take())
             goal.ends_as(GoalStatus.SUCCEEDED)
-            goal = self.client.send(f"do(walk,{number + 1})")
+            goal = self.client.send("do(walk,11)")
             command = self.hands.take()
             goal.cancelled()
             self.hands.succeed(command)
@@ -78,12 +80,7 @@ class Flood(unittest.TestCase):
             for process in (one, other):
                 process.signal(signal.SIGKILL)
         self.assertIn("is ignored", self.reports[-1]["last error"])
-
-    def test_goals_are_served_during_declared_and_undeclared_facts(self):
-        self.goes_on_during(["declared", "undeclared"], 10)
-
-    def test_goals_are_served_during_garbage_and_stray_returns(self):
-        self.goes_on_during(["garbage", "returns"], 20)
+        self.assertTrue(any("_seen(" in one for one in self.updates))
 
 
 if __name__ == "__main__":
