@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Parts of the robot end or are killed on its way: time goes back, a server is replaced; requests are met."""
+"""On its way the robot is stopped by a cancel, and its parts end or are killed: time goes back; requests are met."""
 
 import os
 import signal
@@ -12,12 +12,52 @@ import rosnode
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from rosoclingo.msg import PackageStates, PickupAction, PickupGoal
+from rosoclingo.msg import InterfaceIO, PackageStates, PickupAction, PickupGoal
+from rosoclingo.srv import SetSpeed
+
+from rosoclingo.reasoning.keywords import CORE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, executable, init_node, kill, wait_for_server
+from core_helpers import Client
+from interface_helpers import PATIENCE, executable, init_node, kill, wait_for_server, wait_to_hear
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
+
+
+class Preemption(unittest.TestCase):
+    """With ~preempt the robot stops at once if its goal is cancelled while it drives; at normal speed."""
+
+    def setUp(self):
+        self.set_speed(1.0)
+        self.addCleanup(self.set_speed, 3.0)
+
+    @staticmethod
+    def set_speed(speed):
+        rospy.wait_for_service("simulator/set_speed", PATIENCE)
+        rospy.ServiceProxy("simulator/set_speed", SetSpeed)(speed)
+
+    def test_cancel_while_driving_stops_the_robot(self):
+        office2 = rospy.get_param("/rosoclingo/labels")["office2"]
+        commands = []
+
+        def note(message):
+            """Record the messages to interfaces, except those that announce the run."""
+            if message.interface != CORE:
+                commands.extend(message.facts)
+
+        subscriber = rospy.Subscriber("out_rosoclingo", InterfaceIO, note)
+        self.addCleanup(subscriber.unregister)
+        wait_to_hear(subscriber)
+        robot, client = Driver(), Client()
+        goal = client.send("goal(office3,office2,1)")
+        robot.wait(lambda: robot.speed[0] > 0.2)
+        goal.cancel()
+        status, result = goal.wait()
+        self.assertEqual(status, PREEMPTED, result)
+        self.assertEqual(commands, ["_action_lib(move_base,office2,1)", "_cancel(move_base,office2,1)"])
+        self.assertGreater(abs(robot.pose[0] - office2["x"]), 0.5, "it went all the way")
+        robot.wait(lambda: robot.speed == (0.0, 0.0))
+        self.assertGreater(abs(robot.pose[0] - office2["x"]), 0.5)
 
 
 class TimeJump(unittest.TestCase):
@@ -106,7 +146,7 @@ class Killed(unittest.TestCase):
 class Suite(unittest.TestSuite):
     def __init__(self):
         super().__init__()
-        for case in (TimeJump, Killed):
+        for case in (Preemption, TimeJump, Killed):
             self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
 
 
