@@ -1,0 +1,213 @@
+"""The fleet encoding, driven by the core: a world in plain Python executes the actions and refuses collisions."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from core_driver import Driver, shortest, soon
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shipped import ENCODINGS
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.reasoning.events import ActionsDispatched
+from rosoclingo.reasoning.settings import CoreSettings
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
+
+from deliveries import Floor, Request  # noqa: E402
+from fleet_world import FleetWorld  # noqa: E402
+
+RUNS = settings(max_examples=max(1, settings.default.max_examples // 3))
+RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
+STAR = ((1, 2), (1, 3), (1, 4))
+
+
+def program(corridors, starts, room=1, **constants):
+    """Return the fleet's program on a floor."""
+    offices = sorted({one for pair in corridors for one in pair})
+    facts = [f"office(office{one}). room(office{one},{room})." for one in offices]
+    facts += [f"corridor(office{a},office{b})." for a, b in corridors]
+    facts += [f"start({robot},office{office})." for robot, office in starts.items()]
+    floor = Source("floor", "#program base.\n" + "\n".join(facts) + "\n")
+    return ReactiveProgram(
+        [Source.from_file(ENCODINGS / "fleet.lp"), floor], {key: str(one) for key, one in constants.items()}
+    )
+
+
+class Fleet(Driver):
+    """A core whose actions the world begins; the test ends each of them, in any order.
+
+    Attributes:
+        under_way: robot -> action.
+
+    """
+
+    def __init__(self, corridors, starts, room=1, solver=soon, **constants):
+        floor = Floor("test", max(max(pair) for pair in corridors), frozenset(corridors))
+        used = dict(sorted(starts.items())[: constants.get("robots")])
+        self.world, self.under_way, self._seen = FleetWorld(floor, used, room), {}, 0
+        super().__init__(program=program(corridors, starts, room, **constants), solver=solver, settings=CoreSettings())
+
+    def run(self):
+        """Advance, and begin the actions that the core has sent."""
+        super().run()
+        events = self.journal.of(ActionsDispatched)
+        for action in [one for event in events[self._seen :] for one in event.actions]:
+            robot = str(action.interface.arguments[0])
+            self.world.begin(robot, action.interface.name, int(re.sub(r"\D", "", str(action.parameter))))
+            self.under_way[robot] = action
+        self._seen = len(events)
+        return self
+
+    def ask(self, number, start, end):
+        """Send a goal."""
+        self.world.ask([Request(number, start, end)])
+        return self.goal(str(number), f"goal(office{start},office{end},{number})")
+
+    def take_back(self, number):
+        """Cancel a goal."""
+        self.world.cancel(number)
+        return self.cancel(str(number))
+
+    def end(self, robot):
+        """Let the action of a robot succeed."""
+        action = self.under_way.pop(robot)
+        self.world.end(robot)
+        return self.facts(f"_return({action.interface},{action.parameter},{action.cycle})")
+
+    def break_off(self, robot, reason="failed"):
+        """Let the action of a robot fail."""
+        action = self.under_way.pop(robot)
+        self.world.fail(robot)
+        return self.facts(f"_return({action.interface},{reason},{action.cycle})")
+
+    def end_all(self):
+        """Let all actions succeed until none is under way; robots end in turns."""
+        for _ in range(500):
+            if not self.under_way:
+                return self
+            self.end(next(iter(self.under_way)))
+        raise AssertionError("the fleet does not come to rest")
+
+    def last(self, number):
+        """Return the last state of a goal."""
+        return self.states(str(number))[-1]
+
+
+def test_fleet_robots_act_at_the_same_time():
+    fleet = Fleet(RING, {"r1": 1, "r2": 4})
+    fleet.ask(1, 1, 2)
+    fleet.core.add_goal("2", "goal(office4,office5,2)")
+    fleet.world.ask([Request(2, 4, 5)])
+    fleet.end("r1").end_all()
+    assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
+    assert fleet.world.at["r2"] == 5
+
+
+def test_fleet_uses_the_first_robots():
+    fleet = Fleet(RING, {"r1": 1, "r2": 4, "r3": 5}, robots=1)
+    fleet.ask(1, 4, 5).end_all()
+    assert (fleet.last(1), fleet.world.at["r1"]) == ("succeeded", 5)
+
+
+def test_fleet_makes_way_at_a_dead_end():
+    """The robot in the middle of a star has to leave it before the other one can pass."""
+    fleet = Fleet(STAR, {"r1": 1, "r2": 2}, solver=shortest)
+    fleet.ask(1, 3, 4).ask(2, 2, 4).end_all()
+    assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
+
+
+def test_fleet_passes_in_a_row_with_room_for_two():
+    row = ((1, 2), (2, 3))
+    fleet = Fleet(row, {"r1": 1, "r2": 2}, room=2, solver=shortest)
+    assert fleet.ask(1, 1, 3).end_all().last(1) == "succeeded"
+
+
+def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
+    fleet = Fleet(RING, {"r1": 1, "r2": 4})
+    fleet.ask(1, 1, 2).end("r1")  # on board of r1
+    fleet.ask(2, 6, 5)
+    fleet.facts("_lost(r1,now)")
+    assert fleet.last(1) == "aborted"
+    assert "package 1 is on robot r1, which is out of service" in fleet.message("1")
+    fleet.under_way.pop("r1", None)
+    fleet.end_all()
+    assert (fleet.last(2), fleet.world.delivered) == ("succeeded", [2])
+
+
+def test_fleet_continues_with_a_robot_that_is_back():
+    fleet = Fleet(RING, {"r1": 1})
+    fleet.ask(1, 1, 2).end("r1")
+    fleet.facts("_lost(r1,now)")
+    assert fleet.last(1) == "aborted"
+    fleet.break_off("r1").facts("_back(r1,now)")
+    fleet.goal("again", "goal(office1,office3,1)")
+    fleet.world.load["r1"][1] = 3
+    assert fleet.end_all().states("again")[-1] == "succeeded"
+
+
+def test_fleet_robot_that_fails_is_out_of_service():
+    fleet = Fleet(RING, {"r1": 1, "r2": 4}, tries=2)
+    fleet.ask(1, 1, 2)
+    for _ in range(10):
+        if "r1" in fleet.under_way:
+            fleet.break_off("r1")
+        elif fleet.under_way:
+            fleet.end("r2")
+    assert fleet.last(1) == "aborted"  # r1 holds the place of the package
+    assert "office1" in fleet.message("1")
+
+
+def test_fleet_decommissioned_robot_delivers_its_load_only():
+    fleet = Fleet(RING, {"r1": 1, "r2": 4})
+    fleet.ask(1, 1, 2).end("r1")
+    fleet.facts("_decommission(r1,now)").ask(2, 2, 3).end_all()
+    assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
+    assert [str(one) for one in fleet.journal.actions if "pickup(r1)" in str(one)] == ["_action_lib(pickup(r1),1,1)"]
+
+
+def test_fleet_takes_a_detour_around_a_blocked_connection():
+    fleet = Fleet(RING, {"r1": 1})
+    fleet.ask(1, 1, 2).end("r1").break_off("r1", "blocked")
+    fleet.end_all()
+    assert (fleet.last(1), fleet.world.at) == ("succeeded", {"r1": 2})
+
+
+EVENTS = ("end", "end", "end", "ask", "fail", "cancel", "lost", "back", "decommission", "recommission")
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@RUNS
+@given(st.data())
+def test_fleet_never_collides_and_ends_each_goal(data):
+    corridors = data.draw(st.sampled_from([RING, (*RING, (1, 4)), (*RING, (2, 7), (5, 8))]))
+    robots = data.draw(st.integers(1, 3))
+    fleet = Fleet(corridors, dict(zip(("r1", "r2", "r3"), (1, 3, 5)[:robots])), capacity=3)
+    offices, names = st.integers(1, max(max(corridors))), st.sampled_from(sorted(fleet.world.at))
+    asked = 0
+    for _ in range(data.draw(st.integers(4, 16), label="events")):
+        event, robot = data.draw(st.sampled_from(EVENTS)), data.draw(names)
+        if event == "ask":
+            asked += 1
+            fleet.ask(asked, data.draw(offices), data.draw(offices))
+        elif event == "cancel" and asked:
+            number = data.draw(st.integers(1, asked))
+            if fleet.last(number) == "active":
+                fleet.take_back(number)
+        elif event in ("end", "fail") and fleet.under_way:
+            robot = data.draw(st.sampled_from(sorted(fleet.under_way)))
+            fleet.end(robot) if event == "end" else fleet.break_off(
+                robot, data.draw(st.sampled_from(["failed", "blocked"]))
+            )
+        elif event in ("lost", "back", "decommission", "recommission"):
+            fleet.facts(f"_{event}({robot},now)")
+    for robot in fleet.world.at:
+        fleet.facts(f"_back({robot},now)", f"_recommission({robot},now)")
+    fleet.end_all()
+    ends = {number: fleet.last(number) for number in range(1, asked + 1)}
+    assert set(ends.values()) <= {"succeeded", "preempted", "aborted"}, ends
+    assert {number for number, end in ends.items() if end == "succeeded"} <= set(fleet.world.delivered), ends
