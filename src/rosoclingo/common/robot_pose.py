@@ -1,4 +1,4 @@
-"""The robot's position, from tf."""
+"""The positions of robots, from tf."""
 
 from typing import Optional, Tuple
 
@@ -10,7 +10,7 @@ from rosoclingo.common.parameters import Parameters
 
 
 class RobotPose:
-    """Looks up the robot's position in tf.
+    """Looks up the robot's position in tf, or that of one of several robots by the prefix of its frames.
 
     Parameters
     ----------
@@ -28,15 +28,14 @@ class RobotPose:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
-    @property
-    def is_known(self) -> bool:
-        """Whether tf has any pose of the robot, of any age: there is none while a system starts."""
-        return bool(self._buffer.can_transform(self.map_frame, self.base_frame, rospy.Time(0)))
+    def is_known(self, prefix: str = "") -> bool:
+        """Return whether tf has any pose of the robot, of any age: there is none while a system starts."""
+        return bool(self._buffer.can_transform(self.map_frame, prefix + self.base_frame, rospy.Time(0)))
 
-    def look_up(self) -> Optional[Tuple[float, float]]:
+    def look_up(self, prefix: str = "") -> Optional[Tuple[float, float]]:
         """Return the robot's x and y in metres in the map frame; None, with a warning, if unknown or too old."""
         try:
-            transform = self._buffer.lookup_transform(self.map_frame, self.base_frame, rospy.Time(0))
+            transform = self._buffer.lookup_transform(self.map_frame, prefix + self.base_frame, rospy.Time(0))
         except tf2_ros.TransformException as error:
             rospy.logwarn("no pose of the robot: %s", error)
             return None

@@ -28,6 +28,7 @@ from rosoclingo.msg import (
 from rosoclingo.robot.simulation.office_packages import (
     DEFAULT_CAPACITY,
     PREEMPTED,
+    ROBOT,
     HandlingResult,
     PackageError,
     PackageOffice,
@@ -43,7 +44,7 @@ PERSIST_TIMEOUT = 5.0  # s of wall time to wait for the master to store the stat
 class _Kind(NamedTuple):
     """One of the two actions: its operation on the office, its message types, and its description for feedback."""
 
-    handle: Callable[[PackageOffice, str, Optional[str]], HandlingResult]
+    handle: Callable[[PackageOffice, str, Optional[str], str], HandlingResult]
     result: type
     feedback: type
     doing: str
@@ -78,19 +79,32 @@ class _Job:
             self.goal_handle.set_aborted(message, result.message)
 
 
+class _Arm:
+    """The arm of a robot: its action servers, and the goals in the order of their arrival."""
+
+    def __init__(self, robot: str) -> None:
+        self.robot = robot
+        self.prefix = f"{robot}/" if robot else ""
+        self.jobs: Deque[_Job] = deque()
+        self.servers: Tuple[ActionServer, ...] = ()
+
+
 class OfficeNode:
     """Serves the actions `pickup` and `deliver` with a simulated arm, which handles one package at a time.
+
+    Each of several robots has an arm of its own, with the servers `r1/pickup` and so on, and the frame `r1/base_link`.
 
     A goal succeeds only if robot and package are at the right place when the arm is done. Otherwise nothing moves, and
     the goal is aborted with an outcome code and a reason. Goals that arrive while the arm is busy are queued.
 
     Parameters
     ----------
+        ~robots (list of str, default []): the names of several robots, as in the prefixes of their frames.
         ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
         ~packages (map, default {}): initial places of the packages, `{office3: [1, 2]}`.
         ~kept (map, optional): persisted state, set by the node at each change before a goal ends: `{lying: {office3:
-            ["1"]}, carried: ["2"]}`. A node that restarts after a crash uses it in place of ~packages; a regular
-            shutdown removes it.
+            ["1"]}, carried: ["2"]}`, with several robots `carried: {r1: ["2"]}`. A node that restarts after a crash
+            uses it in place of ~packages; a regular shutdown removes it.
         ~appear (bool, default false): an unknown package appears where the robot first tries to pick it up.
         ~capacity (int, default 3): maximum number of packages that the robot can carry.
         ~duration (float, default 3.0): seconds of ROS time that the arm needs.
@@ -104,13 +118,14 @@ class OfficeNode:
     Services:
         ~put_package (rosoclingo/PutPackage): put a package at a label, or remove it from the office.
     Actions served:
-        pickup (rosoclingo/PickupAction), deliver (rosoclingo/DeliverAction)
+        pickup (rosoclingo/PickupAction), deliver (rosoclingo/DeliverAction): for each robot.
 
     """
 
     def __init__(self) -> None:
         given = Parameters()
         self._pose, self._starts_until = RobotPose(given), time.monotonic() + POSE_TIMEOUT
+        self._arms = tuple(_Arm(robot) for robot in given.at("robots").texts(()) or (ROBOT,))
         self._labels = LabelTable.read(given.at("labels"), self._pose.map_frame)
         capacity = given.at("capacity").whole(DEFAULT_CAPACITY, low=1)
         self._office = PackageOffice(self._labels.names, capacity, given.at("appear").flag(False))
@@ -122,8 +137,6 @@ class OfficeNode:
         self._duration = given.at("duration").number(3.0, low=0.0)
         self._tolerance = given.at("tolerance").number(0.5, low=0.0)
         given.check()
-        self._jobs: Deque[_Job] = deque()
-        self._servers: Tuple[ActionServer, ...] = ()
         self._kept = PersistedState("~kept", "the places of the packages are lost if this node crashes")
         self._known: List[PackagePlace] = []  # places of the packages in the persisted state
         self._last_time = 0.0
@@ -131,7 +144,9 @@ class OfficeNode:
         self._states = rospy.Publisher("packages", PackageStates, queue_size=10, latch=True)
         self._publish()
         self._worker.start()
-        self._servers = (self._serve("pickup", PickupAction, _PICKUP), self._serve("deliver", DeliverAction, _DELIVER))
+        for arm in self._arms:
+            pickup = self._serve(arm, "pickup", PickupAction, _PICKUP)
+            arm.servers = (pickup, self._serve(arm, "deliver", DeliverAction, _DELIVER))
         self._service = rospy.Service("~put_package", PutPackage, self._on_put)
         rospy.on_shutdown(self._end)
 
@@ -139,15 +154,16 @@ class OfficeNode:
         self._worker.stop(2.0)
         self._kept.remove()
 
-    def _serve(self, name: str, action: type, kind: _Kind) -> ActionServer:
-        server = ActionServer(name, action, functools.partial(self._on_goal, kind), self._on_cancel, auto_start=False)
+    def _serve(self, arm: _Arm, name: str, action: type, kind: _Kind) -> ActionServer:
+        on_goal = functools.partial(self._on_goal, arm, kind)
+        server = ActionServer(arm.prefix + name, action, on_goal, self._on_cancel, auto_start=False)
         start_server(server)
         return server
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
 
-    def _on_goal(self, kind: _Kind, goal_handle: Any) -> None:
-        self._worker.put(lambda: self._jobs.append(_Job(kind, goal_handle)))
+    def _on_goal(self, arm: _Arm, kind: _Kind, goal_handle: Any) -> None:
+        self._worker.put(lambda: arm.jobs.append(_Job(kind, goal_handle)))
 
     def _on_cancel(self, goal_handle: Any) -> None:
         self._worker.put(lambda: None)  # wakes the worker, which checks the status of the goals
@@ -155,36 +171,37 @@ class OfficeNode:
     def _on_put(self, request: Any) -> PutPackageResponse:
         return self._worker.ask(lambda: self._put(request.package, request.location))
 
-    # ---- the arm --------------------------------------------------------------------------------------------------
+    # ---- the arms -------------------------------------------------------------------------------------------------
 
     def _tick(self) -> None:
         now = rospy.get_time()
-        if now < self._last_time:
-            for server in self._servers:
-                forget_cancels(server)
+        for arm in self._arms:
+            if now < self._last_time:
+                for server in arm.servers:
+                    forget_cancels(server)
+            for job in [job for job in arm.jobs if job.cancelled]:
+                arm.jobs.remove(job)
+                job.end(HandlingResult(PREEMPTED, f"cancelled before {words_for(job.package)} was moved"))
+            if arm.jobs:
+                self._work(arm, arm.jobs[0], now)
         self._last_time = now
-        for job in [job for job in self._jobs if job.cancelled]:
-            self._jobs.remove(job)
-            job.end(HandlingResult(PREEMPTED, f"cancelled before {words_for(job.package)} was moved"))
-        if self._jobs:
-            self._work(self._jobs[0], now)
 
-    def _work(self, job: _Job, now: float) -> None:
+    def _work(self, arm: _Arm, job: _Job, now: float) -> None:
         if job.since is None:
             job.goal_handle.set_accepted(f"{job.kind.doing} {words_for(job.package)}")
             job.goal_handle.publish_feedback(job.kind.feedback(state=job.kind.doing))
         if job.since is None or now < job.since:  # new job, or simulated time was reset
             job.since = now
-        starting = time.monotonic() < self._starts_until and not self._pose.is_known
+        starting = time.monotonic() < self._starts_until and not self._pose.is_known(arm.prefix)
         if now - job.since >= self._duration and not starting:
-            self._jobs.popleft()
-            result = job.kind.handle(self._office, job.package, self._robot_at())
+            arm.jobs.popleft()
+            result = job.kind.handle(self._office, job.package, self._label_of(arm), arm.robot)
             self._publish()
             job.end(result)
             rospy.loginfo("%s", result.message)
 
-    def _robot_at(self) -> Optional[str]:
-        position = self._pose.look_up()
+    def _label_of(self, arm: _Arm) -> Optional[str]:
+        position = self._pose.look_up(arm.prefix)
         label = self._labels.nearest(position[0], position[1], self._tolerance) if position is not None else None
         return label.name if label is not None else None
 
@@ -206,7 +223,9 @@ class OfficeNode:
         """Persist the places of the packages before they are published."""
         if self._office.places != self._known:
             self._known = self._office.places
-            self._kept.store({"lying": self._office.lying, "carried": self._office.carried}, PERSIST_TIMEOUT)
+            carried: Any = {arm.robot: self._office.carried_by(arm.robot) for arm in self._arms}
+            state = {"lying": self._office.lying, "carried": carried.get(ROBOT, carried)}
+            self._kept.store(state, PERSIST_TIMEOUT)
 
     def _publish(self) -> None:
         self._keep()

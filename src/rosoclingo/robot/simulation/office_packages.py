@@ -6,6 +6,9 @@ from rosoclingo.common.reading import Reader
 
 DEFAULT_CAPACITY = 3
 
+#: The name of the robot if there is only one.
+ROBOT = ""
+
 # Outcome codes of pickup and deliver, equal to the constants of action/Pickup.action and action/Deliver.action.
 SUCCEEDED = 0  # the package is at its new place
 FAILED = 1  # the gripper failed
@@ -35,7 +38,7 @@ class HandlingResult(NamedTuple):
 
 
 class PackagePlace(NamedTuple):
-    """Place of a package: the label `location`, or "" if the robot carries it."""
+    """Place of a package: the label `location`, or the name of the robot that carries it ("" if there is only one)."""
 
     package: str
     location: str
@@ -48,7 +51,7 @@ def words_for(package: object) -> str:
 
 
 class PackageOffice:
-    """Packages of an office, and one robot that carries at most `capacity` of them.
+    """Packages of an office, and robots that carry at most `capacity` of them each.
 
     Packages and labels are ASP terms as text. A failed operation changes nothing. With `appear`, an unknown package
     appears where the robot first tries to pick it up, since a client of a delivery has put it there. Otherwise the
@@ -57,93 +60,115 @@ class PackageOffice:
 
     def __init__(self, labels: Tuple[str, ...], capacity: int = DEFAULT_CAPACITY, appear: bool = False) -> None:
         self._labels, self._capacity, self._appear = labels, capacity, appear
-        self._locations: Dict[str, Optional[str]] = {}  # None: carried by the robot
+        self._places: Dict[str, PackagePlace] = {}
 
     def read(self, lying: Reader, carried: Optional[Reader] = None) -> None:
         """Add packages from `{label: [package, ...]}`, as in config/office_packages.yaml.
 
-        ``carried`` lists the packages that the robot carries. Faults are collected in the readers.
+        ``carried`` lists the packages that the robot carries, or those of each robot by its name. Faults are collected
+        in the readers.
         """
-        places = lying.entries("a mapping of labels to lists of packages", {})
-        found: List[Tuple[Reader, Optional[str]]] = [
-            (package, label) for label, there in places for package in there.items("a list of packages")
-        ]
-        found += [(package, None) for package in (carried.items("a list of packages") if carried else ())]
-        for reader, label in found:
-            package = str(reader.value)
-            if package in self._locations:
-                reader.fault(f"{words_for(package)} is listed twice")
-            try:
-                self.put(package, label)
-            except PackageError as error:
-                reader.fault(str(error))
+        wanted = "a list of packages"
+        for label, some in lying.entries("a mapping of labels to lists of packages", {}):
+            for package in some.items(wanted):
+                self._add(package, label, carried=False)
+        if carried is not None:
+            robots = carried.entries() if isinstance(carried.value, dict) else [(ROBOT, carried)]
+            for robot, some in robots:
+                for package in some.items(wanted):
+                    self._add(package, robot, carried=True)
+
+    def _add(self, reader: Reader, place: str, carried: bool) -> None:
+        package = str(reader.value)
+        if package in self._places:
+            reader.fault(f"{words_for(package)} is listed twice")
+        try:
+            self._put(package, place, carried)
+        except PackageError as error:
+            reader.fault(str(error))
 
     @property
     def places(self) -> List[PackagePlace]:
         """All packages, sorted by identifier; numbers come first, in numerical order."""
-        known = sorted(self._locations.items(), key=lambda item: _order(item[0]))
-        return [PackagePlace(package, location or "", location is None) for package, location in known]
+        return sorted(self._places.values(), key=lambda place: _order(place.package))
 
     @property
     def carried(self) -> List[str]:
-        """Packages that the robot carries."""
+        """Packages that robots carry."""
         return [place.package for place in self.places if place.carried]
+
+    def carried_by(self, robot: str) -> List[str]:
+        """Return the packages that a robot carries."""
+        return [place.package for place in self.places if place.carried and place.location == robot]
 
     @property
     def lying(self) -> Dict[str, List[str]]:
-        """Packages that the robot does not carry, in the format of ``read``."""
+        """Packages that no robot carries, in the format of ``read``."""
         found: Dict[str, List[str]] = {}
         for place in self.places:
             if not place.carried:
                 found.setdefault(place.location, []).append(place.package)
         return found
 
-    def put(self, package: str, location: Optional[str]) -> None:
-        """Move a package to a label, or to the robot (None). Raises PackageError."""
+    def put(self, package: str, location: str) -> None:
+        """Move a package to a label. Raises PackageError."""
+        self._put(package, location, carried=False)
+
+    def _put(self, package: str, location: str, carried: bool) -> None:
         if not package:
             raise PackageError("a package needs an identifier")
-        if location is not None and location not in self._labels:
+        if not carried and location not in self._labels:
             known = ", ".join(self._labels) or "none"
             raise PackageError(f"{words_for(package)}: no label {location}; known labels: {known}")
-        self._locations[package] = location
+        self._places[package] = PackagePlace(package, location, carried)
 
     def remove(self, package: str) -> None:
         """Remove a package from the office. Raises PackageError if there is no such package."""
-        if package not in self._locations:
+        if package not in self._places:
             raise PackageError(f"there is no {words_for(package)}")
-        del self._locations[package]
+        del self._places[package]
 
-    def pickup(self, package: str, robot_at: Optional[str]) -> HandlingResult:
+    def pickup(self, package: str, robot_at: Optional[str], robot: str = ROBOT) -> HandlingResult:
         """Pick up a package with the robot at the label `robot_at` (None: at no label)."""
-        if self._appear and robot_at is not None and package not in self._locations:
+        if self._appear and robot_at is not None and package not in self._places:
             self.put(package, robot_at)
-        words, location, count = words_for(package), self._locations.get(package), len(self.carried)
+        words, place, count = words_for(package), self._place(package), len(self.carried_by(robot))
+        carrier = "the robot" if place.location == robot else f"robot {place.location}"
         faults = (
-            (location is None, NOT_HERE, f"the robot carries {words} already"),
-            (location != robot_at, NOT_HERE, f"{words} is at {location}, the robot at {robot_at}"),
+            (place.carried, NOT_HERE, f"{carrier} carries {words} already"),
+            (place.location != robot_at, NOT_HERE, f"{words} is at {place.location}, the robot at {robot_at}"),
             (count >= self._capacity, FULL, f"the robot carries {count} packages already, its maximum"),
         )
-        return self._handle(package, robot_at, faults, None, f"picked up {words} at {robot_at}")
+        result = self._handle(package, robot_at, faults, f"picked up {words} at {robot_at}")
+        if result.succeeded:
+            self._put(package, robot, carried=True)
+        return result
 
-    def deliver(self, package: str, robot_at: Optional[str]) -> HandlingResult:
-        """Put down a carried package with the robot at the label `robot_at` (None: at no label)."""
-        words, location = words_for(package), self._locations.get(package)
-        faults = ((location is not None, NOT_CARRIED, f"the robot does not carry {words}, it lies at {location}"),)
-        return self._handle(package, robot_at, faults, robot_at, f"put down {words} at {robot_at}")
+    def deliver(self, package: str, robot_at: Optional[str], robot: str = ROBOT) -> HandlingResult:
+        """Put down a package that the robot carries, with the robot at the label `robot_at` (None: at no label)."""
+        words, place = words_for(package), self._place(package)
+        where = f"robot {place.location} carries it" if place.carried else f"it lies at {place.location}"
+        there = place.carried and place.location == robot
+        faults = ((not there, NOT_CARRIED, f"the robot does not carry {words}, {where}"),)
+        result = self._handle(package, robot_at, faults, f"put down {words} at {robot_at}")
+        if result.succeeded:
+            self.put(package, str(robot_at))
+        return result
+
+    def _place(self, package: str) -> PackagePlace:
+        return self._places.get(package, PackagePlace(package, "", False))
 
     def _handle(
-        self, package: str, robot_at: Optional[str], faults: Tuple[Tuple[bool, int, str], ...], to: Optional[str],
-        done: str,
-    ) -> HandlingResult:  # fmt: skip
-        """Move a package, unless one of the faults (condition, outcome, message) applies."""
+        self, package: str, robot_at: Optional[str], faults: Tuple[Tuple[bool, int, str], ...], done: str
+    ) -> HandlingResult:
+        """Return the result of moving a package: the first fault (condition, outcome, message) that applies."""
         first = (
             (robot_at is None, NOT_AT_LABEL, "the robot is at no known location"),
-            (package not in self._locations, UNKNOWN_PACKAGE, f"there is no {words_for(package)}"),
+            (package not in self._places, UNKNOWN_PACKAGE, f"there is no {words_for(package)}"),
         )
         for there, outcome, message in first + faults:
             if there:
                 return HandlingResult(outcome, message, robot_at or "")
-        self._locations[package] = to
         return HandlingResult(SUCCEEDED, done, robot_at or "")
 
 

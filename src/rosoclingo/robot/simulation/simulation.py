@@ -220,17 +220,22 @@ class Simulation:
         return Pose2D((pose.x - grid.origin_x) / self._scale, (pose.y - grid.origin_y) / self._scale, pose.yaw)
 
 
-def load_simulation(path: str, map_file: str = "", watchdog: float = 0.2, delay: Optional[float] = None) -> Simulation:
+def load_simulation(
+    path: str, map_file: str = "", watchdog: float = 0.2, delay: Optional[float] = None, robots: int = 0
+) -> Simulation:
     """Load a world file and check that its robots are free of collisions. Raises WorldError, which names file and key.
 
-    ``delay``: delay (s) of all lasers, overrides the file.
+    ``delay``: delay (s) of all lasers, overrides the file. ``robots``: use the first robots of the file; 0: all.
     """
     spec = load_world(path, map_file)
+    if robots > len(spec.robots):
+        raise WorldError(f"world {path}: robots: there are {len(spec.robots)}, not {robots}; add robots to the file")
+    spec = spec._replace(robots=spec.robots[: robots or None])
     if delay is not None:
-        robots = (
+        late = (
             robot._replace(lasers=tuple(laser._replace(delay=delay) for laser in robot.lasers)) for robot in spec.robots
         )
-        spec = spec._replace(robots=tuple(robots))
+        spec = spec._replace(robots=tuple(late))
     try:
         return Simulation(spec, watchdog)
     except WorldError as error:

@@ -81,6 +81,19 @@ def test_packages_delivery_fails_with_reason_and_moves_nothing(package, robot_at
     assert world.places == before
 
 
+def test_packages_of_several_robots_are_apart():
+    world = office_of({"office1": [1, 2, 3, 4]})
+    assert [world.pickup(one, "office1", "r1").outcome for one in "123"] == [0, 0, 0]
+    assert world.pickup("4", "office1", "r2").succeeded
+    assert world.pickup("1", "office1", "r2")[:2] == (packages.NOT_HERE, "robot r1 carries package 1 already")
+    wrong = world.deliver("1", "office2", "r2")
+    assert wrong[:2] == (packages.NOT_CARRIED, "the robot does not carry package 1, robot r1 carries it")
+    assert (world.carried_by("r1"), world.carried_by("r2")) == (["1", "2", "3"], ["4"])
+    heir, reader = PackageOffice(OFFICES), Reader({"r1": ["1", "2", "3"], "r2": ["4"]})
+    heir.read(Reader({}), reader)
+    assert heir.places == world.places
+
+
 def test_packages_on_the_robot_are_at_most_three():
     world = office_of({"office1": [1, 2, 3, 4]})
     assert [world.pickup(str(package), "office1").outcome for package in range(1, 5)] == [0, 0, 0, packages.FULL]

@@ -65,6 +65,7 @@ class SimulatorNode:
         ~scan_delay (float, optional): seconds by which scans are older than their stamps; overrides the world file.
             Scans of Stage are a step late.
         ~paused (bool, default false): start paused.
+        ~robots (int, default 0): use the first robots of the world file; 0: all.
         ~use_model_names (bool, default false): with several robots, use their names in the world file as prefixes.
         ~kept (map, optional): persisted state of robots, doors and obstacles, set by the node. A node that restarts
             after a crash resumes from it, at time 0; a regular shutdown removes it.
@@ -94,11 +95,11 @@ class SimulatorNode:
         watchdog = given.at("base_watchdog_timeout").number(0.2, low=0.0)
         self._speed = given.at("speed").number(1.0, low=0.0)
         self._paused = given.at("paused").flag(False)
-        use_names = given.at("use_model_names").flag(False)
+        number, use_names = given.at("robots").whole(0, low=0), given.at("use_model_names").flag(False)
         kept = given.at("kept")
         given.check()
         compile_once("simulation", rospy.loginfo)
-        self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog, delay), kept)
+        self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog, delay, number), kept)
         self._kept = PersistedState("~kept", "the world is reset if this node crashes")
         self._unkept, self._keep_at = True, 0.0  # whether the state has to be persisted, and when next
         self._worker = Worker(self._advance)
