@@ -58,6 +58,10 @@ class Reader:
         """Whether there is a value; an empty value of YAML counts as missing."""
         return self.value is not MISSING and self.value is not None
 
+    def holding(self, value: Any) -> "Reader":
+        """Return a reader of another value in the same place."""
+        return self._inside(value, self.place)
+
     # ---- faults ---------------------------------------------------------------------------------------------------
 
     def fault(self, text: str) -> None:

@@ -18,11 +18,17 @@ An entry with all fields::
         - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
         - {status: aborted, when: {outcome: 3}, return: not_here}
         - {status: aborted, when: {outcome: 4}, success: true}  # counts as done: the parameter is returned
+
+A name with variables, arguments that begin with a capital, stands for several entries, one for each value. Texts of the
+entry contain the value as ``{R}``::
+
+    move_base(R): {server: "/{R}/move_base", type: move_base_msgs/MoveBaseAction, goal: {target_pose: $parameter.pose}}
 """
 
+import itertools
 import re
 import warnings
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Pattern, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Pattern, Sequence, Tuple
 
 from rosoclingo.common.reading import MISSING, Reader
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionLimits
@@ -34,6 +40,12 @@ DEFAULT_RETRY_ON = ("failed", "blocked", "server_lost")
 
 _MESSAGE_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z")
 _ACTION_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
+_VARIABLE = re.compile(r"(?<=[(,])[A-Z][A-Za-z0-9_]*(?=[),])")
+_IN_TEXT = re.compile(r"\{([A-Z][A-Za-z0-9_]*)\}")
+_CONSTANT = re.compile(r"[a-z][A-Za-z0-9_]*\Z")
+
+Values = Mapping[str, Sequence[str]]
+"""The values of variables in the names of entries: ``{"R": ["r1", "r2"]}``."""
 
 
 class ConfigError(ValueError):
@@ -49,8 +61,12 @@ class DoneCondition(NamedTuple):
 
 
 class InterfaceSpec(NamedTuple):
-    """The description of one interface: its actionlib action, goal templates and answer rules."""
+    """The description of one interface: its actionlib action, goal templates and answer rules.
 
+    ``key`` is the entry's name in the file, which can have variables; so can ``name`` if their values are unknown.
+    """
+
+    key: str
     name: str
     type: str
     server: str
@@ -61,17 +77,84 @@ class InterfaceSpec(NamedTuple):
     repeatable: bool = False
     done: Optional[DoneCondition] = None
 
+    def instance(self, action: str) -> "Optional[InterfaceSpec]":
+        """Return the interface of this entry for an action, None for an action with another name."""
+        if action == self.name:
+            return self
+        pieces = [re.escape(one) for one in _VARIABLE.split(self.name)]
+        return self._replace(name=action) if pieces[1:] and re.fullmatch("[^,]+".join(pieces), action) else None
 
-def survey(reader: Reader) -> Dict[str, InterfaceSpec]:
-    """Return all entries by name, with defaults in place of invalid values; the reader collects the faults."""
+
+def survey(reader: Reader, values: Optional[Values] = None) -> Dict[str, InterfaceSpec]:
+    """Return all entries by name, with defaults in place of invalid values; the reader collects the faults.
+
+    Without ``values``, an entry whose name has variables stays one entry.
+    """
     entries = reader.entries("a mapping of interface names to their settings")
     if reader.value == {}:
         reader.fault("has no entries; write one for each action, like move_base: {type: move_base_msgs/MoveBaseAction}")
-    return {name: _spec(name, entry) for name, entry in entries}
+    instances = (one for name, entry in entries for one in _instances(name, entry, values))
+    specs = {name: _spec(key, name, entry) for key, name, entry in instances}
+    reader.faults[:] = dict.fromkeys(reader.faults)
+    return specs
 
 
-def _spec(name: str, entry: Reader) -> InterfaceSpec:
+def read_values(reader: Reader) -> Values:
+    """Return the values of variables in names of entries, from ``{R: [r1, r2]}``; the reader collects the faults."""
+    entries = reader.entries("a mapping of variables to values such as {R: [r1, r2]}", {})
+    values = {name: one.texts(wanted="a list of values such as [r1, r2]", some=True) for name, one in entries}
+    for name, some in values.items():
+        if not _VARIABLE.search(f"({name})"):
+            reader.fault(f"{name} is no variable: it has to begin with a capital, such as R in move_base(R)")
+        for value in some:
+            if not _CONSTANT.match(value):
+                reader.fault(f"{value!r} for {name} has to be a constant such as r1, as it is a part of names")
+    return values
+
+
+def _instances(key: str, entry: Reader, values: Optional[Values]) -> Iterator[Tuple[str, str, Reader]]:
+    """Yield the key, the name and the settings of an entry for each combination of ``values`` of its variables."""
+    names = list(dict.fromkeys(_VARIABLE.findall(key)))
+    _check_variables(entry, names)
+    missing = [name for name in names if values is not None and name not in values]
+    for name in missing:
+        entry.fault(f"there are no values for {name}; set ~values, such as {{{name}: [r1, r2]}}")
+    if values is None or missing:
+        yield key, key, entry
+        return
+    for some in itertools.product(*(values[name] for name in names)):
+        given = dict(zip(names, some))
+        yield key, _named(key, given), entry.holding(_filled(entry.value, given))
+
+
+def _named(key: str, given: Mapping[str, str]) -> str:
+    return _VARIABLE.sub(lambda match: given[match.group()], key)
+
+
+def _check_variables(entry: Reader, names: List[str]) -> None:
+    """Report variables of server and topic that the name lacks."""
+    inside = entry.holding(entry.value)
+    for reader in (inside.at("server"), inside.at("done").at("topic")):
+        for name in _IN_TEXT.findall(reader.value) if isinstance(reader.value, str) else ():
+            if name not in names:
+                fix = f"its variables are {', '.join(names)}" if names else "write a name such as move_base(R)"
+                reader.fault(f"{{{name}}} is no variable of the entry's name ({fix})")
+
+
+def _filled(value: Any, given: Mapping[str, str]) -> Any:
+    """Return a value with the variables in its texts replaced."""
+    if isinstance(value, Mapping):
+        return {key: _filled(inside, given) for key, inside in value.items()}
+    if isinstance(value, list):
+        return [_filled(inside, given) for inside in value]
+    if isinstance(value, str):
+        return _IN_TEXT.sub(lambda match: given.get(match.group(1), match.group()), value)
+    return value
+
+
+def _spec(key: str, name: str, entry: Reader) -> InterfaceSpec:
     spec = InterfaceSpec(
+        key=key,
         name=_term(name, entry),
         type=_type(entry.at("type"), "an action type like move_base_msgs/MoveBaseAction", _ACTION_TYPE),
         server=entry.at("server").text(name, wanted="the name of an actionlib server"),
@@ -88,7 +171,8 @@ def _spec(name: str, entry: Reader) -> InterfaceSpec:
 
 def _term(name: str, entry: Reader) -> str:
     try:
-        return str(read_term(name))
+        term = str(read_term(_VARIABLE.sub("v", name)))
+        return name if _VARIABLE.search(name) else term
     except TermError:
         entry.fault("the name must be the ASP term that the program uses, like gripper or arm(left)")
         return name

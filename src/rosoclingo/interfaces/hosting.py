@@ -14,7 +14,7 @@ from rosoclingo.common.starting import node_arguments, run_node
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS
 from rosoclingo.interfaces.base import DEFAULT_MEMORY
-from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, survey
+from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, read_values, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface
 from rosoclingo.interfaces.templates import label_references
 from rosoclingo.interfaces.type_faults import type_faults
@@ -31,6 +31,7 @@ class InterfacesNode:
     Parameters
     ----------
         ~interfaces (map, optional): the entries, see doc/interfaces.md; default: config/interfaces.yaml.
+        ~values (map, default {}): the values of variables in the names of entries, {R: [r1, r2]} for move_base(R).
         ~names (list of str, default []): the interfaces of this node; default: those of the script, else all.
         ~labels (map, optional): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`. Without them, an action that
             needs the pose of a label returns unknown_label.
@@ -66,9 +67,9 @@ def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ..
     places, frame = given.at("labels"), given.at("frame").text(DEFAULT_FRAME)
     labels = LabelTable.read(places, frame) if places.given else LabelTable()
     entries = _entries(given.at("interfaces"), rospy.loginfo if names else rospy.logwarn)
-    known = survey(entries)
+    known = survey(entries, read_values(given.at("values")))
     specs = _choose(known, given.at("names"), names) if known else ()
-    entries.faults += [entries.source + fault for spec in specs for fault in type_faults(spec)]
+    entries.faults += dict.fromkeys(entries.source + fault for spec in specs for fault in type_faults(spec))
     specs = _override(specs, given)
     memory = given.at("memory").text(str(DEFAULT_MEMORY), empty=True)
     given.faults += entries.faults

@@ -38,17 +38,17 @@ def type_faults(spec: InterfaceSpec) -> List[str]:
 def _done_faults(spec: InterfaceSpec) -> List[str]:
     if spec.done is None or not spec.done.type:
         return []
-    message = load_type(spec.done.type, f"{spec.name}.done.type")()
-    return field_faults(message, spec.done.when, f"{spec.name}.done.when")
+    message = load_type(spec.done.type, f"{spec.key}.done.type")()
+    return field_faults(message, spec.done.when, f"{spec.key}.done.when")
 
 
 def _action_faults(spec: InterfaceSpec) -> List[str]:
     if not spec.type:
         return []
-    action = load_type(spec.type, f"{spec.name}.type", "action")()
-    faults = field_faults(action.action_goal.goal, spec.goal, f"{spec.name}.goal")
+    action = load_type(spec.type, f"{spec.key}.type", "action")()
+    faults = field_faults(action.action_goal.goal, spec.goal, f"{spec.key}.goal")
     for index, rule in enumerate(spec.rules):
-        faults += _rule_faults(rule, action.action_result.result, f"{spec.name}.returns[{index}]")
+        faults += _rule_faults(rule, action.action_result.result, f"{spec.key}.returns[{index}]")
     return faults
 
 

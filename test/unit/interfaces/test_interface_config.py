@@ -9,16 +9,16 @@ from hypothesis import strategies as st
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.action_runs import ActionLimits
-from rosoclingo.interfaces.config import ConfigError, read_limits, survey
+from rosoclingo.interfaces.config import ConfigError, read_limits, read_values, survey
 
 SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"
 TYPE = {"type": "actionlib/TestAction"}
 
 
-def read_specs(data):
+def read_specs(data, values=None):
     """Return all entries; raises ConfigError with all faults, as the node does."""
     reader = Reader(data)
-    specs = survey(reader)
+    specs = survey(reader, values)
     reader.check(ConfigError)
     return specs
 
@@ -132,6 +132,63 @@ def test_interface_config_faults_name_their_place(entry, fault):
 def test_interface_config_names_are_terms():
     with pytest.raises(ConfigError, match="Left Arm: the name must be the ASP term"):
         read_specs({"Left Arm": TYPE})
+
+
+FLEET = {
+    "server": "/{R}/arm",
+    "goal": {"goal": "{R}"},
+    "done": {"topic": "{R}/state", "type": "std_msgs/Int32", "when": {"data": "$1"}},
+    **TYPE,
+}
+
+
+def test_interface_config_name_with_variables_stands_for_several_entries():
+    specs = read_specs({"arm(R)": FLEET, "leg": TYPE}, {"R": ["r1", "r2"]})
+    assert list(specs) == ["arm(r1)", "arm(r2)", "leg"]
+    second = specs["arm(r2)"]
+    assert (second.key, second.name, second.server) == ("arm(R)", "arm(r2)", "/r2/arm")
+    assert (second.goal, second.done.topic) == ({"goal": "r2"}, "r2/state")
+    hands = read_specs({"hand(R,S)": TYPE}, {"R": ["r1", "r2"], "S": ["left", "right"]})
+    assert list(hands) == ["hand(r1,left)", "hand(r1,right)", "hand(r2,left)", "hand(r2,right)"]
+
+
+def test_interface_config_without_values_knows_the_instances():
+    spec = read_specs({"arm(R)": FLEET})["arm(R)"]
+    assert spec.instance("arm(r7)").name == "arm(r7)"
+    assert spec.instance("arm(r7)").key == "arm(R)"
+    assert spec.instance("leg(r7)") is spec.instance("arm(r7,left)") is spec.instance("arm") is None
+
+
+@pytest.mark.parametrize(
+    ("data", "values", "fault"),
+    [
+        ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
+        ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
+        ({"arm": FLEET}, {}, r"arm.server: {R} is no variable of the entry's name \(write a name such as"),
+        ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is no variable .* \(its variables are S\)"),
+        ({"Arm(R)": FLEET}, {"R": ["r1"]}, r"Arm\(R\): the name must be the ASP term"),
+    ],
+)
+def test_interface_config_variables_have_values(data, values, fault):
+    with pytest.raises(ConfigError, match=fault):
+        read_specs(data, values)
+
+
+@pytest.mark.parametrize(
+    ("values", "fault"),
+    [
+        (["r1"], "~values: must be a mapping of variables to values"),
+        ({"R": "r1"}, "~values.R: must be a list of values such as"),
+        ({"R": []}, "~values.R: must be a list of values such as"),
+        ({"robot": ["r1"]}, "~values: robot is no variable: it has to begin with a capital"),
+        ({"R": ["robot(1)"]}, r"~values: 'robot\(1\)' for R has to be a constant such as r1"),
+    ],
+)
+def test_interface_config_values_are_lists_of_constants(values, fault):
+    reader = Reader(values, "~values")
+    read_values(reader)
+    with pytest.raises(ConfigError, match=fault):
+        reader.check(ConfigError)
 
 
 def test_interface_config_reports_all_faults_at_once():

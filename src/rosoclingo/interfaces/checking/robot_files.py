@@ -43,6 +43,7 @@ class RobotFiles(CheckExtension):
         self._labels: Optional[YamlFile[LabelTable]] = None
         self._interfaces: Optional[Interfaces] = None
         self._orders: Optional[Orders] = None
+        self._driven: List[InterfaceSpec] = []
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Add the options for the files."""
@@ -63,23 +64,24 @@ class RobotFiles(CheckExtension):
         files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one is not None]
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
         labels, specs = list(_label_names(self._labels)), _specs(self._interfaces)
-        queries = _label_queries(specs)
+        actions = None if program is None else Actions(program)
+        self._driven = _driven(specs, () if actions is None else actions.parameters)
+        queries = _label_queries(self._driven)
         if self._labels is not None:
             faults += label_values(self._labels)
-            reasons = reasons_of(spec for spec in specs.values() if spec.name in queries)
+            reasons = reasons_of(spec for spec in self._driven if spec.name in queries)
             faults += labels_like_reasons(labels, reasons)
         if self._interfaces is not None and specs:
             faults += _type_faults(self._interfaces, specs)
             faults += _idle_reasons(self._interfaces, specs)
             faults += frame_values(self._interfaces, specs)
-        if program is not None:
-            actions = Actions(program)
+        if program is not None and actions is not None:
             if self._interfaces is not None and self._interfaces.value is not None:
-                names = [self._interfaces.named(key, spec.name) for key, spec in specs.items()]
+                names = [self._interfaces.named(spec.key, spec.name) for spec in self._driven]
                 faults += actions.interface_faults(names)
                 faults += _unheard(self._interfaces, specs, program)
             faults += actions.ambiguous_parameters(
-                lambda name: reasons_of(one for one in specs.values() if one.name == name)
+                lambda name: reasons_of(one for one in self._driven if one.name == name)
             )
             faults += idle_drawings(program.survey)
             if self._labels is not None and self._labels.value is not None:
@@ -97,7 +99,7 @@ class RobotFiles(CheckExtension):
         """Return the return values of failed actions by interface."""
         return {
             spec.name: list(_terms([*(rule.returns for rule in spec.rules if rule.status != SUCCEEDED), *REASONS]))
-            for spec in _specs(self._interfaces).values()
+            for spec in self._driven
         }
 
     def _label_terms(self) -> List[str]:
@@ -163,9 +165,15 @@ def _type_faults(file: Interfaces, specs: Mapping[str, InterfaceSpec]) -> List[F
     return [file.fault(text, "message-type") for spec in specs.values() for text in type_faults(spec)]
 
 
-def _label_queries(specs: Mapping[str, InterfaceSpec]) -> Dict[str, LabelQuery]:
+def _driven(specs: Mapping[str, InterfaceSpec], actions: Iterable[str]) -> List[InterfaceSpec]:
+    """Return the interfaces; an entry whose name has variables stands for those of the program's ``actions``."""
+    names = list(actions)
+    return [one for spec in specs.values() for one in list(filter(None, map(spec.instance, names))) or [spec]]
+
+
+def _label_queries(specs: Iterable[InterfaceSpec]) -> Dict[str, LabelQuery]:
     """Return the actions whose goals need labels."""
-    paths = {spec.name: label_references(spec.goal) for spec in specs.values()}
+    paths = {spec.name: label_references(spec.goal) for spec in specs}
     return {name: _label_query(some) for name, some in paths.items() if some}
 
 
