@@ -22,6 +22,7 @@ class MapView {
       }
     } else {
       for (const pose of this.model.poses) points.push([pose[1], pose[2]]);
+      for (const { pose } of this.model.robots) points.push([pose[0], pose[1]]);
     }
     if (!points.length) return null;
     const margin = map ? 0 : 1;
@@ -68,6 +69,8 @@ class MapView {
 
   /** The robot's path to the next place, and straight lines to later places. */
   ahead(time) {
+    const robots = this.model.robotsAt(time);
+    if (robots.length) return robots.map(({ name, pose }) => this.aheadOf(time, name, pose));
     const labels = this.model.about.labels;
     const pose = this.model.poseAt(time);
     const under = this.model.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
@@ -75,6 +78,15 @@ class MapView {
     const points = [...(pose ? [[pose[1], pose[2]]] : []), ...places.map((name) => labels[name])];
     const moving = under.some((action) => action.parameter in labels);
     return [moving ? this.line(this.model.pathAt(time), "path") : null, points.length > 1 ? this.line(points, "ahead") : null];
+  }
+
+  /** Straight lines to the next places of one of several robots: those of its actions, such as move_base(r1). */
+  aheadOf(time, name, pose) {
+    const labels = this.model.about.labels;
+    const under = this.model.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
+    const own = [...under, ...this.model.aheadAt(time)].filter((action) => action.interface.split(/[(,)]/).slice(1).includes(name));
+    const places = own.map((action) => action.parameter).filter((place) => place in labels);
+    return places.length ? this.line([[pose[0], pose[1]], ...places.map((place) => labels[place])], "ahead") : null;
   }
 
   ways(time) {
@@ -145,13 +157,19 @@ class MapView {
   }
 
   robot(time) {
+    const robots = this.model.robotsAt(time);
+    if (robots.length) return robots.map(({ name, pose }) => this.robotShape(time, [time, ...pose], name));
     const believed = this.model.about.labels[this.model.believedPlaceAt(time)];
     const pose = this.model.poseAt(time) || (believed && [time, ...believed]);
-    if (!pose) return null;
+    return pose ? this.robotShape(time, pose, "") : null;
+  }
+
+  robotShape(time, pose, name) {
     const [x, y] = this.at(pose[1], pose[2]);
     const size = Math.max(9 * this.unit, 0.18 * this.scale);
-    const carried = this.model.packagesAt(time).filter(([, place]) => place === "").map(([name]) => name);
+    const carried = this.model.packagesAt(time).filter(([, place]) => place === name).map(([thing]) => thing);
     return [
+      name ? this.text(name, [pose[1], pose[2]], size / this.unit + 14, "labelname") : null,
       svg(
         "g",
         { class: "robot", transform: `translate(${x} ${y}) rotate(${(-pose[3] * 180) / Math.PI})` },
@@ -169,10 +187,18 @@ class MapView {
     for (const [name, where] of this.model.packagesAt(time)) lying.set(where, [...(lying.get(where) || []), name]);
     const carried = lying.get("");
     lying.delete("");
+    const robots = this.model.robotsAt(time);
+    const loads = robots.map(({ name }) => lying.get(name));
+    for (const { name } of robots) lying.delete(name);
     const believed = this.model.believedPlaceAt(time);
     const unseen = believed ? `According to the program, the robot is at ${believed}.` : "The robot's place was not recorded.";
     const robot = !pose ? unseen : place ? `The robot is at ${place}.` : "The robot is on its way.";
-    const parts = [robot];
+    const parts = robots.length ? [] : [robot];
+    robots.forEach(({ name, pose: [x, y] }, number) => {
+      const label = this.model.labelAt(x, y);
+      const load = loads[number] ? `, carries ${loads[number].join(", ")}` : "";
+      parts.push(`${name} is ${label ? `at ${label}` : "on its way"}${load}.`);
+    });
     if (carried) parts.push(`It carries ${carried.join(", ")}.`);
     if (lying.size) {
       const places = [...lying].sort().map(([where, names]) => `${names.join(", ")} at ${where}`);

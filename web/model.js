@@ -2,7 +2,7 @@
 // The model of a run: its state at any moment, for the views. Its input is the JSON of runs/run_view.py, complete in a
 // report, incremental on the live page. Times are seconds since the beginning of the run.
 
-const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "drawn", "paths", "log"];
+const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log"];
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
 /** The index of the last record not later than a moment, in a list ordered by time; -1 if there is none. */
@@ -72,9 +72,13 @@ class RunModel {
   /** The robot's label, "" away from all labels. */
   placeAt(time) {
     const pose = this.poseAt(time);
-    if (!pose) return "";
+    return pose ? this.labelAt(pose[1], pose[2]) : "";
+  }
+
+  /** The label at a point, "" away from all labels. */
+  labelAt(atX, atY) {
     const near = Object.entries(this.about.labels)
-      .map(([name, [x, y]]) => [Math.hypot(x - pose[1], y - pose[2]), name])
+      .map(([name, [x, y]]) => [Math.hypot(x - atX, y - atY), name])
       .sort((one, other) => one[0] - other[0])[0];
     return near && near[0] <= 0.5 ? near[1] : "";
   }
@@ -136,12 +140,26 @@ class RunModel {
     return found ? found[0] - goal.sent : null;
   }
 
-  /** The places of things: pairs of a name and a label, "" for the robot; from the topic, else from the beliefs. */
+  /** The places of things: pairs of a name and a label, or of a robot's name ("" for the only robot); from the topic, else from the beliefs. */
   packagesAt(time) {
     const number = lastAt(this.packages, time);
     if (number >= 0) return this.packages[number].places;
     const drawn = this.drawnAt(time).filter(({ kind }) => kind === "thing" || kind === "carried");
-    return drawn.map(({ labels, text }) => [text, labels[0] || ""]);
+    const names = this.robotsAt(time).map(({ name }) => name);
+    return drawn.map(({ labels, text }) => {
+      const [robot, ...thing] = text.split(" ");
+      return !labels.length && thing.length && names.includes(robot) ? [thing.join(" "), robot] : [text, labels[0] || ""];
+    });
+  }
+
+  /** Several robots: {name, pose ([x, y, yaw]), seen (whether the pose was recorded)}; poses of others are their labels. */
+  robotsAt(time) {
+    const found = new Map();
+    for (const { kind, labels, text } of this.drawnAt(time)) {
+      if (kind === "robot" && text) found.set(text, { name: text, pose: this.about.labels[labels[0]], seen: false });
+    }
+    for (const { robot, pose } of this.robots.slice(0, lastAt(this.robots, time) + 1)) found.set(robot, { name: robot, pose, seen: true });
+    return [...found.values()].sort((one, other) => (one.name < other.name ? -1 : 1));
   }
 
   /** The program's drawings: {kind, labels, text}. */
@@ -178,7 +196,7 @@ class RunModel {
 
   /** The robot's label by the program's beliefs, "" if unknown. */
   believedPlaceAt(time) {
-    const robot = this.drawnAt(time).find(({ kind }) => kind === "robot");
+    const robot = this.drawnAt(time).find(({ kind, text }) => kind === "robot" && !text);
     return robot ? robot.labels[0] : "";
   }
 

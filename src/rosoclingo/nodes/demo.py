@@ -20,9 +20,6 @@ from rosoclingo.nodes.scenarios.playing import ScenarioOutcome, run_scenario
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.scenario import Scenario
 
-#: Action servers of the case study, which have to be up before a scenario begins.
-SERVERS = ("move_base", "pickup", "deliver")
-
 #: Limits in seconds of wall time for the start, which compiles the first time (minutes on a busy machine), and for the
 #: shutdown: roslaunch gives its nodes 15 s before it kills them.
 START_TIME = 300.0
@@ -113,7 +110,7 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
         rospy.init_node("demo", disable_signals=True)
         outcome = run_scenario(
             scenario,
-            list(SERVERS),
+            list(scenario.servers),
             say,
             START_TIME,
             check=system.check,

@@ -26,7 +26,7 @@ class RunTopics:
     def __init__(self, events: RunEvents, core: str = "/rosoclingo") -> None:
         self.events = events
         self._core = core
-        self._pose = PoseTopics(lambda time, pose: self.events.pose(time, *pose))
+        self._pose = PoseTopics(lambda time, pose, robot: self.events.pose(time, *pose, robot))
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda time, message: self.events.program(time, message.data),
             "rosoclingo/goal": lambda time, message: self.events.goal(time, message.goal_id.id, message.goal.request),
@@ -82,7 +82,7 @@ class RunTopics:
             self.events.begin(run)
 
     def _packages(self, time: float, message: Any) -> None:
-        self.events.packages(time, ((one.id, "" if one.carried else one.location) for one in message.packages))
+        self.events.packages(time, ((one.id, one.location) for one in message.packages))
 
     def _path(self, time: float, message: Any) -> None:
         self.events.path(time, [(one.pose.position.x, one.pose.position.y) for one in message.poses])

@@ -7,6 +7,7 @@ from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.reasoning.keywords import name_of
 from rosoclingo.runs.believed_places import CARRIED, believed_places
 from rosoclingo.runs.events import reason_suffix
+from rosoclingo.runs.run_tables import Point
 from rosoclingo.runs.run_view import PENDING, WAITING, RunView
 from rosoclingo.runs.topic_atoms import action_in
 
@@ -31,8 +32,8 @@ class GoalAccount:
 class Summary:
     """The final state of a run.
 
-    ``packages`` maps each package to its label or "carried"; ``robot`` is empty if its place is unknown; ``seconds``
-    is the duration by the run's clock.
+    ``packages`` maps each package to its label, "carried", or the name of one of several robots; ``robot`` is empty if
+    its place is unknown; ``robots`` has the places of several robots; ``seconds`` is the duration by the run's clock.
     """
 
     goals: List[GoalAccount] = field(default_factory=list)
@@ -40,6 +41,7 @@ class Summary:
     packages: Dict[str, str] = field(default_factory=dict)
     robot: str = ""
     seconds: float = 0.0
+    robots: Dict[str, str] = field(default_factory=dict)
 
     def differences(
         self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
@@ -53,6 +55,7 @@ class Summary:
             "goals": [goal.status for goal in self.goals if sent is None or goal.key in sent],
             "packages": {key: self.packages.get(key) for key in expect.get("packages", {})},
             "robot": self.robot,
+            "robots": {name: self.robots.get(name) for name in expect.get("robots", {})},
             "actions": [_earlier(text, before) for text in self.actions] if before else self.actions,
         }
         return [f"{key}: expected {expect[key]}, found {found[key]}" for key in expect if expect[key] != found[key]]
@@ -63,6 +66,7 @@ class Summary:
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
         robot = [f"robot: {self.robot}"] if self.robot else []
+        robot += [f"robot {name}: {place}" for name, place in sorted(self.robots.items())]
         return [*goals, *packages, *robot, f"actions: {self._done()}"]
 
     def _done(self) -> str:
@@ -100,13 +104,15 @@ class Account(RunView):
         if places is not None:
             packages = {key: place or CARRIED for key, place in places["places"]}
         robot, actions = self._robot(believed.robot), list(self.dispatched_actions)
-        return Summary([_goal(one) for one in goals], actions, packages, robot, self.seconds)
+        robots = {name: self._place(position) for name, position in self.positions.items()} or dict(believed.robots)
+        return Summary([_goal(one) for one in goals], actions, packages, robot, self.seconds, robots)
 
     def _robot(self, believed: str) -> str:
+        return believed if self.position is None or not self.about["labels"] else self._place(self.position)
+
+    def _place(self, position: Point) -> str:
         labels = LabelTable(tuple(Label(name, *pose) for name, pose in self.about["labels"].items()))
-        if self.position is None or not labels:
-            return believed
-        label = labels.nearest(*self.position, TOLERANCE)
+        label = labels.nearest(*position, TOLERANCE)
         return "away from every label" if label is None else label.name
 
 

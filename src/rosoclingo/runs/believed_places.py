@@ -6,7 +6,7 @@ common names count: ``at(Place)`` and ``robot_at(Place)`` for the robot, ``at(Th
 robot.
 """
 
-from typing import AbstractSet, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import AbstractSet, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 from clingo import Symbol
 
@@ -26,22 +26,30 @@ _ROBOT = "robot"
 
 
 class BelievedPlaces(NamedTuple):
-    """The robot's place, empty if it is not shown, and the places of things: a label or CARRIED."""
+    """The robot's place, empty if it is not shown, the places of things (a label or CARRIED), and of several robots.
+
+    A thing on one of several robots has the name of the robot as its place.
+    """
 
     robot: str
     things: Dict[str, str]
+    robots: Mapping[str, str] = {}
 
 
 def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSet[str]) -> BelievedPlaces:
     """Return the places of robot and things while ``atoms`` hold."""
     drawn = drawings.of(atoms, labels)
     robots = [one.labels[0] for one in drawn if one.kind is DrawingKind.ROBOT]
+    names = {one.text: one.labels[0] for one in drawn if one.kind is DrawingKind.ROBOT and one.text}
     things = {one.text: one.labels[0] for one in drawn if one.kind is DrawingKind.THING}
-    things.update((one.text, CARRIED) for one in drawn if one.kind is DrawingKind.CARRIED)
+    for one in drawn:
+        if one.kind is DrawingKind.CARRIED:
+            robot, _, thing = one.text.partition(" ")
+            things.update({thing: robot} if robot in names and thing else {one.text: CARRIED})
     common = list(_common(atoms, labels))
     robots = robots or [place for thing, place in common if thing == _ROBOT]
     others = {thing: place for thing, place in common if thing != _ROBOT}
-    return BelievedPlaces(robots[0] if robots else "", things or others)
+    return BelievedPlaces(robots[0] if robots and not names else "", things or others, names)
 
 
 def _common(atoms: Sequence[str], labels: AbstractSet[str]) -> Iterator[Tuple[str, str]]:

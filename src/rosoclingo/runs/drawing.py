@@ -32,7 +32,7 @@ class DrawingKind(Enum):
     THING = "thing"  # a box at a label
     CARRIED = "carried"  # a box on the robot
     MARK = "mark"  # a text at a label
-    ROBOT = "robot"  # the robot at a label, if there is no pose
+    ROBOT = "robot"  # the robot at a label, if there is no pose; its text is the name of one of several robots
 
 
 #: The number of labels among the arguments of an atom.
@@ -46,8 +46,8 @@ LABELS = {
     DrawingKind.ROBOT: 1,
 }
 
-#: Kinds that need a text; its default are the other arguments, or the predicate.
-_NAMED = (DrawingKind.THING, DrawingKind.CARRIED, DrawingKind.MARK)
+#: Kinds whose default text are the other arguments, or the predicate.
+_NAMED = (DrawingKind.THING, DrawingKind.CARRIED, DrawingKind.MARK, DrawingKind.ROBOT)
 
 
 class Drawing(NamedTuple):
@@ -89,7 +89,10 @@ class Drawings:
         if len(places) < LABELS[kind]:
             return None
         words = " ".join(name_of(one) for one in arguments if str(one) not in labels)
-        text = text.replace(_PLACE, words) if text or kind not in _NAMED else words or atom.name
+        if text or kind not in _NAMED:
+            text = text.replace(_PLACE, words)
+        else:
+            text = words or ("" if kind is DrawingKind.ROBOT else atom.name)
         return Drawing(kind, tuple(places[: LABELS[kind]]), text.strip())
 
 

@@ -75,7 +75,7 @@ class RunEvents:
         """Handle facts of an interface, including returns."""
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
-        """Handle the places of all packages; an empty place is the robot."""
+        """Handle the places of all packages: labels, the names of robots, or empty for the only robot."""
 
     def beliefs(self, time: float, cycle: int, atoms: Sequence[str]) -> None:
         """Handle the program's beliefs, the shown atoms that hold now."""
@@ -83,8 +83,8 @@ class RunEvents:
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Handle a problem from the core's log."""
 
-    def pose(self, time: float, x: float, y: float, yaw: float) -> None:
-        """Handle the robot's pose (m, rad)."""
+    def pose(self, time: float, x: float, y: float, yaw: float, robot: str = "") -> None:
+        """Handle the robot's pose (m, rad), or that of one of several robots."""
 
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
         """Handle the robot's planned path (m)."""

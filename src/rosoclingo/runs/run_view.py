@@ -67,6 +67,7 @@ class RunView(RunEvents):
         drawings: the program's declarations of drawings.
         believed: the program's beliefs.
         position: x and y (m) of the robot, None before its first pose.
+        positions: x and y (m) of each of several robots, by name.
         dispatched_actions: the atoms of all dispatched actions, once each.
 
     """
@@ -77,14 +78,16 @@ class RunView(RunEvents):
         self._about_changed = 1
         self.tables = {
             name: Table(self._revision)
-            for name in ("goals", "cycles", "actions", "packages", "beliefs", "drawn", "paths", "log")
+            for name in ("goals", "cycles", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log")
         }
         self._terms, self._words, self._shapes = Words(), Words(action_entry), Words(json.loads)
         self.sentences, self.drawings = Sentences(), Drawings()
         self.believed: Sequence[str] = ()
         self._believed_since = 0.0
         self.position: Optional[Point] = None
+        self.positions: Dict[str, Point] = {}
         self._track = Track()
+        self._tracks: Dict[str, Track] = {}
         self._log, self._with_state = RunLog(self._enter), with_state
         self._goals: Dict[str, int] = {}
         self._history: Set[str] = set()  # goals that ended before this view
@@ -250,7 +253,7 @@ class RunView(RunEvents):
                 self._log.add(now, "return", shortened(words, SHOWN), gives=str(answer.atom))
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
-        """Record the places of all packages; an empty place is the robot."""
+        """Record the places of all packages: labels, the names of robots, or empty for the only robot."""
         places = sorted(packages)
         last = self.tables["packages"].last
         if last is None or last["places"] != places:
@@ -276,9 +279,17 @@ class RunView(RunEvents):
         self._cycle(cycle, now)["problems"].append([now, shortened(text, SHOWN)])
         self._log.add(now, "note", shortened(text, SHOWN))
 
-    def pose(self, time: float, x: float, y: float, yaw: float) -> None:
-        """Record the robot's pose (m, rad)."""
-        if all(map(math.isfinite, (x, y, yaw))):
+    def pose(self, time: float, x: float, y: float, yaw: float, robot: str = "") -> None:
+        """Record the robot's pose (m, rad), or that of one of several robots."""
+        if not all(map(math.isfinite, (x, y, yaw))):
+            return
+        if robot:
+            self.positions[robot] = x, y
+            if self._tracks.setdefault(robot, Track()).add(time, x, y, yaw):
+                now = round(max(0.0, time - self._start), 2) if self._start is not None else 0.0
+                pose = [round(one, 3) for one in (x, y, yaw)]
+                self.tables["robots"].add(time=now, robot=robot, pose=pose)
+        else:
             self.position = x, y
             if self._track.add(time, x, y, yaw):
                 self._revision.next()
@@ -343,7 +354,11 @@ class RunView(RunEvents):
         if places is not None:
             fresh.packages(start + self.seconds, places["places"])
         if pose:
-            fresh.pose(*pose[0][:4])
+            time, x, y, yaw = pose[0][:4]
+            fresh.pose(time, x, y, yaw)
+        for robot, track in self._tracks.items():
+            time, x, y, yaw = track.poses[-1][:4]
+            fresh.pose(time, x, y, yaw, robot)
         if self.tables["beliefs"].last is not None:
             fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self.believed)
         return fresh

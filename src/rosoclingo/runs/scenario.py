@@ -24,11 +24,12 @@ of the scenario's first update, and the time before it. An event whose cycle nev
 * ``facts`` sends facts as the interface ``origin``;
 * ``call`` calls a service with the fields of its request, for instance to close a door.
 
-``launch`` names the launch file that starts the scenario's world (mailbot), ``timeout`` limits the whole scenario, in
-simulated seconds.
+``launch`` names the launch file that starts the scenario's world (mailbot), ``servers`` the action servers that have to
+be up before it begins (move_base, pickup, deliver), and ``timeout`` limits the whole scenario, in simulated seconds.
 
 ``robot`` is a label of the core's ``~labels``, by ``base_pose_ground_truth``, tf or ``amcl_pose``; without a pose it is
-the place that the program shows. ``packages`` come from the topic ``packages``, else from the shown things.
+the place that the program shows. ``robots`` has the labels of several robots by name. ``packages`` come from the topic
+``packages``, else from the shown things.
 """
 
 from dataclasses import dataclass, field
@@ -46,6 +47,9 @@ VERBS: Dict[str, Tuple[str, Callable[[Any], Any]]] = {
     "facts": ("a list of atoms", lambda value: value if isinstance(value, list) else None),
     "call": ("the name of a service", lambda value: value if isinstance(value, str) else None),
 }
+
+#: The action servers of the case study.
+SERVERS = ("move_base", "pickup", "deliver")
 
 OUTCOMES = ("succeeded", "canceled", "rejected", "aborted")
 
@@ -91,6 +95,7 @@ class Scenario:
     expect: Dict[str, Any] = field(default_factory=dict)
     timeout: float = 3600.0
     launch: str = "mailbot"
+    servers: Tuple[str, ...] = SERVERS
 
     @classmethod
     def from_file(cls, path: Path) -> "Scenario":
@@ -114,6 +119,7 @@ class Scenario:
             expect=_expectation(reader.at("expect")),
             timeout=_seconds(reader.at("timeout"), cls.timeout),
             launch=reader.at("launch").text(cls.launch),
+            servers=reader.at("servers").texts(SERVERS, "a list of action servers"),
         )
         reader.close()
         reader.check(ScenarioError)
@@ -147,20 +153,21 @@ def _event(reader: Reader) -> ScenarioEvent:
 
 
 def _expectation(reader: Reader) -> Dict[str, Any]:
-    goals, packages, robot, actions = (reader.at(key) for key in ("goals", "packages", "robot", "actions"))
+    goals, packages, robot, robots, actions = map(reader.at, ("goals", "packages", "robot", "robots", "actions"))
     found = {
         "goals": [one.choice(OUTCOMES) for one in goals.items("a list of outcomes")],
         "packages": _places(packages),
         "robot": robot.text(""),
+        "robots": _places(robots, "robots"),
         "actions": list(actions.texts((), "a list of atoms as text")),
     }
     reader.close()
     return {key: value for key, value in found.items() if reader.at(key).given}
 
 
-def _places(reader: Reader) -> Dict[str, str]:
-    """Return the places of packages by name; both are terms, so numbers need no quotes."""
-    return {name: str(place.value) for name, place in reader.entries("a mapping of packages to labels", {})}
+def _places(reader: Reader, things: str = "packages") -> Dict[str, str]:
+    """Return the places of things by name; both are terms, so numbers need no quotes."""
+    return {name: str(place.value) for name, place in reader.entries(f"a mapping of {things} to labels", {})}
 
 
 def _seconds(reader: Reader, default: float) -> float:

@@ -1,4 +1,7 @@
-"""The program's sentences for actions: ``_says(move_base,"drives to {}").`` among its facts."""
+"""The program's sentences for actions: ``_says(move_base,"drives to {}").`` among its facts.
+
+The sentence of ``move_base`` is also that of ``move_base(r1)``: "r1 drives to office2".
+"""
 
 from typing import Dict, Iterable, List, Mapping, Optional
 
@@ -25,7 +28,10 @@ class Sentences:
 
     def of(self, action: Action) -> str:
         """Return the sentence for an action, "drives to office2"."""
-        text = self._texts.get(action.interface_name, f"{action.interface_name} {_PLACE}")
+        name, actors = action.interface_name, action.interface
+        text = self._texts.get(name, f"{name} {_PLACE}")
+        if actors.type is SymbolType.Function and actors.name in self._texts and name not in self._texts:
+            text = f"{', '.join(map(name_of, actors.arguments))} {self._texts[actors.name]}"
         return text.replace(_PLACE, name_of(action.parameter))
 
     def now(self, cycle: int, state: str, plan: Iterable[str]) -> str:

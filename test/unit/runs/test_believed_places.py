@@ -26,9 +26,15 @@ DRAWN = Drawings({"me": (DrawingKind.ROBOT, ""), "on": (DrawingKind.THING, ""), 
 def test_places_are_read_by_the_usual_names(atoms, robot, things):
     found = believed_places(atoms, Drawings(), LABELS)
     carried = dict.fromkeys("234", "carried") if "holding(3)" in atoms else {}
-    assert found == (robot, {**things, **carried})
+    assert found == (robot, {**things, **carried}, {})
 
 
 def test_places_are_read_as_the_program_declares():
     atoms = ["me(hall,now)", "on(cup,kitchen,now)", "has(mug,now)", "at(x,y,now)", "me(attic)"]
-    assert believed_places(atoms, DRAWN, LABELS) == ("hall", {"cup": "kitchen", "mug": "carried"})
+    assert believed_places(atoms, DRAWN, LABELS) == ("hall", {"cup": "kitchen", "mug": "carried"}, {})
+
+
+def test_places_of_several_robots_have_their_names():
+    atoms = ["me(r1,hall,now)", "me(r2,kitchen,now)", "has(r1,mug,now)", "on(cup,kitchen,now)"]
+    things, robots = {"cup": "kitchen", "mug": "r1"}, {"r1": "hall", "r2": "kitchen"}
+    assert believed_places(atoms, DRAWN, LABELS) == ("", things, robots)

@@ -64,7 +64,7 @@ def test_scenario_events_have_due_times():
     ("text", "fault"),
     [
         ("", "events: is missing: give a list of events"),
-        ("3", "must be a mapping with the keys title, events, packages, expect, timeout, launch, not 3"),
+        ("3", "must be a mapping with the keys title, events, packages, expect, timeout, launch, servers, not 3"),
         ("[", "not valid YAML"),
         ("title: x", "events: is missing: give a list of events"),
         ("events: []\nevnts: []", "unknown key 'evnts' (did you mean events?); keys are title, events"),
@@ -120,5 +120,5 @@ def test_scenario_reports_all_faults_at_once(tmp_path):
         "events[1].cycle: must be an integer of at least 1, not 0",
         "events[2].delay: is only for events with a 'cycle'",
         "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'won'",
-        "unknown key 'lunch' (did you mean launch?); keys are title, events, packages, expect, timeout, launch",
+        "unknown key 'lunch' (did you mean launch?); keys are title, events, packages, expect, timeout, launch, servers",
     ]

@@ -151,9 +151,10 @@ def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
     """Yield the ``_says`` facts about actions that the program does not have."""
     survey = program.survey
     actions = Actions(program) if _SAYS in survey.defining else None
+    known = [] if actions is None else [*actions.parameters, *(one.partition("(")[0] for one in actions.parameters)]
     for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():
         name = place.occurrence.arguments[0]
         value = evaluate(name, survey.constants)
-        if value is not None and actions is not None and str(value) not in actions.parameters:
+        if value is not None and str(value) not in known:
             message = f"the program has no action {value}"
-            yield fault_at(name, "idle-words", message, likely_value(str(value), list(actions.parameters)))
+            yield fault_at(name, "idle-words", message, likely_value(str(value), list(dict.fromkeys(known))))

@@ -19,6 +19,7 @@ from rosoclingo.nodes.rviz.panel import Panel, goals_text, plan_text
 from rosoclingo.nodes.rviz.plain_shapes import Point, Shape, larger, with_plate
 from rosoclingo.nodes.rviz.scene import (
     drawn_shapes,
+    is_action_of,
     label_shapes,
     package_shapes,
     plan_shapes,
@@ -53,6 +54,7 @@ class MarkersNode:
     ----------
         ~labels (map, required): named locations, `{office1: {x: 1.0, y: 2.0, yaw: 0.0}}`.
         ~map_frame (str, default "map"), ~base_frame (str, default "base_link"): the tf frames of the map and the robot.
+        ~robots (list of str, default []): the names of several robots, the prefixes of their frames (r1/base_link).
         ~pose_max_age (float, default 5.0): seconds of ROS time after which a pose is too old.
         ~robot_radius (float, default 0.18): metres.
         ~panel (list, default []): x and y in metres of the centre of the upper edge of title, plan and goals; empty:
@@ -81,11 +83,14 @@ class MarkersNode:
         self._size = given.at("size").number(0.0, low=0.0)
         self._title = given.at("title").text("")
         radius = given.at("robot_radius").number(0.18, low=0.0)
+        self._robots = given.at("robots").texts(()) or ("",)
         given.check()
-        self._fixed = [*robot_shapes(self._pose.base_frame, radius), *label_shapes(self._labels)]
+        self._fixed = label_shapes(self._labels)
+        for robot in self._robots:
+            self._fixed += robot_shapes(_prefix(robot) + self._pose.base_frame, radius, robot)
         self._latest: Dict[str, Any] = {}  # messages by topic
         self._bounds: Optional[Bounds] = None  # of the map
-        self._start: Optional[Tuple[float, float]] = None  # the robot's position at the latest plan
+        self._starts: Dict[str, Optional[Tuple[float, float]]] = {}  # positions of the robots at the latest plan
         self._drawings = Drawings()
         self._changed = True
         self._shown: Optional[List[Shape]] = None
@@ -105,7 +110,7 @@ class MarkersNode:
         if name == "map":
             self._bounds = bounds_of(message)
         elif name == PLAN:
-            self._start = self._pose.look_up() if message.actions else None
+            self._starts = {one: self._pose.look_up(_prefix(one)) for one in self._robots if message.actions}
         elif name == PROGRAM:
             self._take_program(message.data)
 
@@ -148,12 +153,18 @@ class MarkersNode:
         shapes = [*self._fixed, *panel.title(self._title), *drawn_shapes(drawn, self._labels)]
         shapes += package_shapes(things, self._labels, self._pose.base_frame)
         if plan is not None:
-            steps = plan_steps(_actions(plan.actions), self._labels)
-            shapes.append(panel.plan(plan_text([step.action for step in steps], plan.cycle)))
-            shapes += plan_shapes(steps, plan.cycle, self._start)
+            actions = _actions(plan.actions)
+            shapes.append(panel.plan(plan_text(actions, plan.cycle)))
+            for robot in self._robots:
+                steps = plan_steps([one for one in actions if not robot or is_action_of(one, robot)], self._labels)
+                shapes += plan_shapes(steps, plan.cycle, self._starts.get(robot))
         if goals is not None:
             shapes.append(panel.goals(goals_text([(one.request, one.status, one.reason) for one in goals.goals])))
         return shapes
+
+
+def _prefix(robot: str) -> str:
+    return f"{robot}/" if robot else ""
 
 
 def _actions(texts: List[str]) -> List[Action]:

@@ -3,6 +3,8 @@
 import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
+from clingo import SymbolType
+
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.nodes.rviz.plain_shapes import INK, PAPER, TEXT_SIZE, Colour, Point, Shape, text_shape
 from rosoclingo.reasoning.keywords import Action
@@ -32,11 +34,13 @@ class PlanStep(NamedTuple):
     place: Optional[Label]
 
 
-def robot_shapes(frame: str, radius: float) -> List[Shape]:
-    """Return the robot as a cylinder with an arrow for its heading."""
+def robot_shapes(frame: str, radius: float, name: str = "") -> List[Shape]:
+    """Return the robot as a cylinder with an arrow for its heading, and its name."""
     height = 1.2 * radius
     nose = ((0.0, 0.0, height + 0.03), (1.5 * radius, 0.0, height + 0.03))
+    tag = [text_shape("robot", frame, name, (0.0, 0.0, height + 0.3))._replace(plate=PAPER, turns=True)] if name else []
     return [
+        *tag,
         Shape("robot", "cylinder", frame, BODY, (0.0, 0.0, height / 2), (2 * radius, 2 * radius, height)),
         Shape("robot", "arrow", frame, NOSE, scale=(0.3 * radius, 0.7 * radius, 0.5 * radius), points=nose),
     ]
@@ -52,7 +56,10 @@ def label_shapes(labels: LabelTable) -> List[Shape]:
 
 
 def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str) -> List[Shape]:
-    """Return a cube with its name for each package (identifier, label, carried), at its label or on the robot."""
+    """Return a cube with its name for each package (identifier, label, carried), at its label or on the robot.
+
+    A carried package can have the name of one of several robots in place of the label.
+    """
     shapes: List[Shape] = []
     there: Dict[str, int] = {}
     for package, location, carried in places:
@@ -60,7 +67,8 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
             continue
         number = there[location] = there.get(location, -1) + 1
         if carried:
-            frame, position = robot_frame, (0.0, 0.0, 0.35 + number * 1.1 * PACKAGE_SIZE)
+            frame = f"{location}/{robot_frame}" if location else robot_frame
+            position: Point = (0.0, 0.0, 0.35 + number * 1.1 * PACKAGE_SIZE)
         else:
             frame, position = labels[location].frame, _package_place(labels[location], number)
         x, y, z = position
@@ -116,6 +124,12 @@ def _tag(group: str, frame: str, text: str, place: Tuple[float, float], colour: 
 
 def _line(frame: str, colour: Colour, width: float, start: Point, end: Point) -> Shape:
     return Shape("drawn", "line", frame, colour, scale=(width, 0.0, 0.0), points=(start, end))
+
+
+def is_action_of(action: Action, robot: str) -> bool:
+    """Return whether a robot is an argument of an action's name, as in ``move_base(r1)``."""
+    name = action.interface
+    return name.type is SymbolType.Function and robot in map(str, name.arguments)
 
 
 def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
