@@ -33,6 +33,7 @@ class FleetWorld:
         self.acts: Dict[str, Tuple[str, int]] = {}
         self.waiting: Dict[int, Request] = {}
         self._origins: Dict[int, int] = {}
+        self._returnable: Set[int] = set()
         self.load: Dict[str, Dict[int, int]] = {robot: {} for robot in starts}
         self.driven, self.delivered = 0.0, []  # type: float, List[int]
 
@@ -55,6 +56,10 @@ class FleetWorld:
         for load in self.load.values():
             if number in load and ("deliver", number) not in self.acts.values():
                 load[number] = self._origins[number]
+
+    def allow_return(self, number: int) -> None:
+        """Allow that a package is put down at its origin as well, for a cancel whose time is unknown."""
+        self._returnable.add(number)
 
     def begin(self, robot: str, verb: str, what: int) -> float:
         """Begin an action; return its duration in seconds; raises RuleError."""
@@ -121,4 +126,6 @@ class FleetWorld:
     def _no_delivery(self, robot: str, number: int) -> str:
         if self._toward[robot]:
             return "it is between two offices"
-        return "" if self.load[robot].get(number) == self.at[robot] else "it is not on board, or belongs elsewhere"
+        bound = {self.load[robot].get(number), *([self._origins[number]] if number in self._returnable else [])}
+        there = number in self.load[robot] and self.at[robot] in bound
+        return "" if there else "it is not on board, or belongs elsewhere"

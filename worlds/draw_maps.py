@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws office.pgm, the four offices of the case study, and house.pgm, a house with two loops of rooms.
+"""Draws office.pgm, the four offices of the case study, house.pgm, a house with two loops, and fleet.pgm, corridors.
 
 Boxes are (x, y, width, depth) in m in the map frame.
 """
@@ -90,6 +90,18 @@ HOUSE = Floor(
     ],
 )  # fmt: skip
 
+FLEET = Floor(
+    origin=(-0.7, -1.7),
+    size=(23.4, 13.4),
+    rooms=[
+        (0.0, -1.0, 22.0, 2.0),  # south corridor
+        (0.0, 9.0, 22.0, 2.0),  # north corridor
+        *((x, -1.0, 2.0, 12.0) for x in (0.0, 10.0, 20.0)),  # west, middle and east corridor
+    ],
+    doors=[],
+    things=[(x, y, 0.35, 0.35) for x in (3.3, 13.3) for y in (0.6, 9.05)],  # plants
+)
+
 
 def draw(floor: Floor, path: Path) -> None:
     """Write the image of a map."""
@@ -115,3 +127,4 @@ if __name__ == "__main__":
     here = Path(__file__).parent
     draw(OFFICE, here / "office.pgm")
     draw(HOUSE, here / "house.pgm")
+    draw(FLEET, here / "fleet.pgm")
