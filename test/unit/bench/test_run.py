@@ -139,7 +139,7 @@ def runner(*arguments):
 @pytest.mark.slow
 @pytest.mark.once
 def test_bench_run_of_a_real_bench(tmp_path):
-    done = runner("oclingo", "--work", tmp_path)
+    done = runner("cut_off", "--work", tmp_path)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
