@@ -105,7 +105,7 @@ class CoreInterrupted(unittest.TestCase):
         return [text for feedback in sent.feedback for text in feedback.task_plan]
 
     def test_time_limit_ends_grounding(self):
-        with core("timed", search_timeout=1.0):  # of processor time, in which even a slow machine can plan for the other goal
+        with core("timed", search_timeout=1.0):  # in this processor time any machine can plan for the other goal
             updates = Updates("timed/rosoclingo")
             goal = Client("timed/rosoclingo").send("do(boom,1)")
             wait_until(lambda: goal.feedback, "word that the goal waits")

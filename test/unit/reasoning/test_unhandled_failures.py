@@ -71,7 +71,11 @@ def test_action_that_never_returns_has_failed(program, name):
     )
 
 
-@pytest.mark.parametrize("number", range(1, 6))
+#: The programs, and the searches after which one can stop: three if no rule looks at the failure.
+STOPPED = [(name, one) for name, (_, why) in UNHANDLED.items() for one in range(1, 6 if why == CONTRADICTS else 4)]
+
+
+@pytest.mark.parametrize(("name", "number"), STOPPED)
 def test_failure_followed_by_a_stopped_search(program, number):
     play(FaultyDriver(program), f"goal a fetch(cup,1); leave {number}; fail failed; finish; is a aborted")
 
