@@ -102,7 +102,7 @@ class Tests:
     def quick(self, _names: Sequence[str]) -> Outcome:
         """Run the tests that find most faults in little time: no slow linter, no slow test, two rostests."""
         outcome = self._lint([name for name in LINTERS if name not in SLOW_LINTERS])
-        with _beside(self._rostests, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ) as rostests:
+        with _concurrently(self._rostests, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ) as rostests:
             outcome += self._unit("", os.environ, [*IN_PARALLEL, *NOT_SLOW])
             return outcome + rostests.result()
 
@@ -112,14 +112,14 @@ class Tests:
         More at a time would take longer.
         """
         outcome = self.lint(())
-        with Lanes() as lanes, ThreadPoolExecutor(1) as beside:
+        with Lanes() as lanes, ThreadPoolExecutor(1) as pool:
             others = self._begin(lanes, ROSTESTS, "", os.environ)
-            others.append(beside.submit(self.install, ()))
-            others.append(beside.submit(self.unit, ()))
+            others.append(pool.submit(self.install, ()))
+            others.append(pool.submit(self.unit, ()))
             python38 = _python38_environment()
             others += self._begin(lanes, _chosen(ROSTESTS, ON_BOTH) if python38 else (), ON_PYTHON38, python38)
-            others.append(beside.submit(self._pip, python38))
-            others.append(beside.submit(self._unit_again, python38))
+            others.append(pool.submit(self._pip, python38))
+            others.append(pool.submit(self._unit_again, python38))
             return outcome + sum((one.result() for one in others), Outcome())
 
     def python38(self, _names: Sequence[str]) -> Outcome:
@@ -224,7 +224,7 @@ class Lanes:
 
 
 @contextmanager
-def _beside(function: Callable[..., Any], *arguments: Any) -> "Iterator[Future[Any]]":
+def _concurrently(function: Callable[..., Any], *arguments: Any) -> "Iterator[Future[Any]]":
     """Run a function in a thread during the with block, and wait for its end."""
     with ThreadPoolExecutor(1) as pool:
         yield pool.submit(function, *arguments)

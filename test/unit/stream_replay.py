@@ -36,6 +36,6 @@ def check_replay(program, journal, verdicts=(*AGREEING, CycleVerdict.MISSED)):
     reports = list(Replay(recorded(journal), program).reports()) if reported else []
     odd = [report.line() for report in reports if not report.explained or report.verdict not in verdicts]
     assert not odd, odd
-    begun_anew = any("#anew." in event.stream for event in reported)
+    restarted = any("#anew." in event.stream for event in reported)
     steps = [event.cycle for event in reported]
-    assert begun_anew or steps == list(range(1, len(steps) + 1)), "each cycle's update is sent once"
+    assert restarted or steps == list(range(1, len(steps) + 1)), "each cycle's update is sent once"

@@ -142,8 +142,8 @@ def imports(file, other):
 
 def texts_of(file):
     """Return the texts in a file and in those that it imports from its own folder."""
-    beside = [path for path in (PACKAGE / file).parent.glob("*.py") if module_of(path) in imports_of(PACKAGE / file)]
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (PACKAGE / file, *beside)]
+    siblings = [path for path in (PACKAGE / file).parent.glob("*.py") if module_of(path) in imports_of(PACKAGE / file)]
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (PACKAGE / file, *siblings)]
     constants = [one.value for tree in trees for one in ast.walk(tree) if isinstance(one, ast.Constant)]
     return {value for value in constants if isinstance(value, str)}
 
@@ -227,7 +227,7 @@ def test_documents_solver_loop_runs():
     assert answers == [sorted(map(str, solver.update(update).answers[0])) for update in stream]
 
 
-def test_documents_solver_loop_is_short_and_names_neighbours():
+def test_documents_solver_loop_is_short_and_names_siblings():
     assert len([line for line in code_of(solving.__doc__).splitlines() if line.strip()]) <= 40
     here = {path.name for path in (PACKAGE / "oclingo" / "solving").glob("*.py")}
     named = set(re.findall(r"(?<![/\w])\w+\.py\b", solving.__doc__))

@@ -287,8 +287,8 @@ def missing_files(path):
     for element in elements:
         kind = element.get("type", "$(")
         if element.tag == "node" and element.get("pkg") == "rosoclingo" and "$(" not in kind:
-            beside = path in ROSTESTS and (path.parent / kind).exists()
-            files.add((path.parent if beside else ROOT / "scripts") / kind)
+            own_folder = path in ROSTESTS and (path.parent / kind).exists()
+            files.add((path.parent if own_folder else ROOT / "scripts") / kind)
     return [str(file) for file in files if not file.exists()]
 
 

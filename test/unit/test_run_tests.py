@@ -21,16 +21,16 @@ class RecordedTests(run_tests.Tests):
         self.addresses = run_tests.loopback_addresses(1)
         self.most = {"computing": 0, "waiting": 0}
         self.lock = threading.Lock()
-        self.beside = {name: threading.Barrier(2) for name in (FIRST, BURST)}
+        self.concurrent = {name: threading.Barrier(2) for name in (FIRST, BURST)}
 
     def note(self, name, meeting=None):
-        """Record a command; ``meeting`` is the one of ``beside`` that has to run at the same time."""
+        """Record a command; ``meeting`` is the one of ``concurrent`` that has to run at the same time."""
         with self.lock:
             self.at_work.add(name)
             for lane in self.most:
                 self.most[lane] = max(self.most[lane], sum(self.lane(other) == lane for other in self.at_work))
         if meeting:
-            self.beside[meeting].wait(60.0)
+            self.concurrent[meeting].wait(60.0)
         with self.lock:
             self.at_work.remove(name)
             self.done.append(name)
@@ -41,7 +41,7 @@ class RecordedTests(run_tests.Tests):
         """Return the lane of a command."""
         kind, _, rest = name.partition(" ")
         if kind != "rostest":
-            return "beside"
+            return "concurrent"
         return "waiting" if rest.partition(" ")[0] in run_tests.WAITING else "computing"
 
     def _run(self, _part, name, command, limit, environment, reports=None):

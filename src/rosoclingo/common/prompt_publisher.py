@@ -89,8 +89,8 @@ def prompt_publisher(
 ) -> rospy.Publisher:
     """Return a rospy.Publisher that sends immediately; at most ``queue_size`` messages wait for a slow subscriber.
 
-    Each node that connects first gets the messages of ``greeting``. A dead connection of such a publisher is closed, so
-    that the node can connect again. All publishers of the topic in this process share the connections, so they send
+    A node that connects receives the messages of ``greeting`` first. A dead connection of such a publisher is closed,
+    so that the node can connect again. All publishers of the topic in this process share the connections, so they send
     immediately too.
     """
     if greeting is not None:

@@ -186,7 +186,7 @@ class Core:
             self._emit(ActionsPreempted(self.cycle, actions))
 
     def _due(self) -> bool:
-        """Return whether another cycle is due: after an arrival, a return or an interrupted search, or for the plan.
+        """Return whether to start another cycle: there is input, a search was interrupted, or the plan continues.
 
         While actions run, a cycle can end only if they can go on in the next one.
         """

@@ -14,7 +14,7 @@ from rosoclingo.reasoning.keywords import Action, action_of
 Record = Dict[str, Any]
 
 
-#: Maximum number of cached texts, and of the characters of each.
+#: Maximum number of cached texts, and maximum length of a cached text.
 CACHED, SHORT = 4096, 200
 
 _texts: Dict[Symbol, str] = {}

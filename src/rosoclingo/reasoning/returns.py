@@ -202,7 +202,7 @@ class Dispatch:
         return None
 
 
-#: Maximum number of remembered facts with a cycle, by which repetitions are detected, and of the characters of each.
+#: Maximum number of facts with a cycle that are remembered to detect repetitions, and maximum length of such a fact.
 KNOWN, SHORT = 1000, 1000
 
 

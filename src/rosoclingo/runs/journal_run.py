@@ -97,7 +97,7 @@ class _Clock:
         self._now, self._last = 0.0, 0.0
 
     def at(self, time: Optional[float]) -> float:
-        """Return the seconds for the time of the next record."""
+        """Return the seconds at the next record, whose time is ``time``."""
         if time is None:
             self._now += 1.0
         elif not self._now:

@@ -196,7 +196,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         with mock.patch.object(_PublisherImpl, "add_connection", late):
             server = Server("late", TestAction)
             self.core.send("late", "_action_lib(late,a,1)")
-            wait_until(lambda: any("late: waits for the action server late" in one for one in lines), "that it waits")
+            wait_until(lambda: any("late: waiting for the action server late" in one for one in lines), "that it waits")
             counts.set()
             server.take().set_rejected()
             self.assertEqual(self.core.receive(), ["_return(late,rejected,1)"])

@@ -28,7 +28,7 @@ class FirstLaunch(unittest.TestCase):
         log = "\n".join(": ".join(one) for one in said)
         self.assertEqual(status, GoalStatus.SUCCEEDED, f"{result}\n{log}")
         self.assertIn("/move_base: compiling navigation once", log)
-        self.assertIn("/move_base_interface: move_base: waits for the action server move_base to start", log)
+        self.assertIn("/move_base_interface: move_base: waiting for the action server move_base to start", log)
         self.assertNotIn("server_lost", log)
         self.assertTrue(os.listdir(self.folder), "nothing was kept")
 

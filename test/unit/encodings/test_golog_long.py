@@ -12,7 +12,7 @@ from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning import solver as plan_solver
 from rosoclingo.reasoning import stream_planner
 
-#: Actions are named act; others can run beside programs once ``shared`` holds. Facts set the fluents.
+#: Actions are named act; others can run concurrently with programs once ``shared`` holds. Facts set the fluents.
 DOMAIN = """
 #include "golog.lp".
 #program base.

@@ -31,7 +31,7 @@ golog_free(t) :- free(t).
 
 
 class Play:
-    """Random events, step by step, drawn as the programs allow, and the interpreter's view of them."""
+    """Random events that the programs allow, in each step, and the interpreter's view of them."""
 
     def __init__(self, data):
         self.facts, self.constraints, self.expected = [], [], set()

@@ -245,7 +245,7 @@ FATES = st.lists(st.sampled_from(["accepted", "dropped", "without facts", "refus
 @example(fates=["accepted", "accepted", *["dropped"] * 9], steps=[(True, 1)])
 @example(fates=["accepted", "accepted", *["refused"] * 9], steps=[(True, 3)])
 @given(fates=FATES, steps=STEPS)
-def test_core_history_has_each_return_whatever_update_is_accepted(fates, steps):
+def test_core_history_has_each_return_for_every_accepted_update(fates, steps):
     left = iter(fates)
 
     class FatedDriver(FaultyDriver):

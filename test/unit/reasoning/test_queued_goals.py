@@ -208,7 +208,7 @@ OTHERS = ("_lies(777,office1,now)", "_off(776,now)", "_aboard(775,now)", "_off(7
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize(("seed", "corrections"), [(6, OTHERS), *sized([], [(1, ()), (8, OTHERS)])])
-def test_packages_are_delivered_whatever_search_is_interrupted(seed, corrections):
+def test_packages_are_delivered_despite_interrupted_searches(seed, corrections):
     """The world is modelled independently of the program; a package picked up for a queued goal is not forgotten."""
     program = shipped("mailbot.lp", "office.lp")
     driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=3, chance=0.3)
@@ -253,7 +253,7 @@ carried(I,t) :- carried(I,t-1), not _action_lib(bring,I,t-1).
 """
 
 
-def test_goal_in_hand_stays_whatever_the_program_allows():
+def test_goal_in_hand_stays_if_program_allows_it_to_go():
     """Without its request, the program would forget the fetched item and fetch it again while it is carried."""
     driver = BusyDriver(IN_TWO_PARTS, settings=CoreSettings(horizon_limit=20), most=9)
     for number in range(1, 5):

@@ -138,7 +138,7 @@ class StreamSearch:
         node.snapshot = None  # no longer needed
 
     def _successors(self, node: StateNode, move: Move) -> Iterator[StateNode]:
-        """Make a move, once for each answer that the solver can give."""
+        """Make a move; yield a node for each answer that the solver can give."""
         choices: Optional[Choices] = Choices()
         while choices is not None:
             self._streams.choices = choices

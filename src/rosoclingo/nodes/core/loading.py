@@ -90,7 +90,7 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         journal=given.at("journal").text(CoreParameters.journal, empty=True, wanted="a folder, auto or none"),
         resume=_resume(given.at("resume")),
         required=given.at("required").flag(CoreParameters.required),
-        floor=given.at("places").text(CoreParameters.floor, empty=True, wanted="facts, as the command places prints"),
+        floor=given.at("places").text(CoreParameters.floor, empty=True, wanted="facts, the output of places"),
     )
     given.check()
     return found

@@ -229,7 +229,7 @@ def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
 
 
 def _read_arguments(tokens: TokenStream, depth: int, is_tuple: bool = False) -> Tuple[List[clingo.Symbol], bool]:
-    """Read arguments in parentheses and whether there was a comma; a tuple can be empty or end with a comma."""
+    """Return the arguments in parentheses, and whether there was a comma; a tuple can be empty or end with a comma."""
     tokens.take()
     arguments, comma = [], False
     while not (is_tuple and tokens.at(")")):

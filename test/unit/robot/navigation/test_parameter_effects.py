@@ -161,9 +161,9 @@ def test_parameter_default_tolerance_moves_the_goal():
 
 
 def test_parameter_escape_distance_limits_the_manoeuvre():
-    beside = Pose2D(1.0, 0.2)  # the wall ends at 0.1 m, the radius is 0.18 m
-    assert path(start=beside, escape_distance=0.5).outcome is PlanOutcome.FOUND
-    assert path(start=beside, escape_distance=0.0).outcome is PlanOutcome.START_BLOCKED
+    wall_end = Pose2D(1.0, 0.2)  # the wall ends at 0.1 m, the radius is 0.18 m
+    assert path(start=wall_end, escape_distance=0.5).outcome is PlanOutcome.FOUND
+    assert path(start=wall_end, escape_distance=0.0).outcome is PlanOutcome.START_BLOCKED
 
 
 @pytest.mark.parametrize("spacing", [0.1, 0.4])

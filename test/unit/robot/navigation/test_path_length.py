@@ -76,7 +76,7 @@ def shortest(grid, start, goal):
 
 
 def line_is_good(good, here, direction):
-    """Return whether the raster points next to a line are good, examined every half step along it."""
+    """Return whether the raster points along a line are good."""
     count = max(abs(direction[0]), abs(direction[1]))
     return all(
         good[round(here[0] + direction[0] * i / count), round(here[1] + direction[1] * i / count)]
