@@ -80,7 +80,7 @@ class Office(unittest.TestCase):
         self.stand(0.1)
 
     def stand(self, x):
-        """Report the robot at x, and wait until the office knows: a failed pickup names the office where the robot is."""
+        """Report the robot at x, and wait until the office knows: a failed pickup names the place of the robot."""
         self.robot.x = x
         where = {True: "office1", False: "office2"}[x < 2.0] if abs(x - 2.5) > 2.0 else ""
         wait_until(lambda: self.pick("nothing")[1].location == where, "the pose to arrive")
