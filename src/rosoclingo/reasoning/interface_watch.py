@@ -11,7 +11,7 @@ from rosoclingo.reasoning.keywords import BACK, INTERFACE_LOST, LOST, NOW, Actio
 from rosoclingo.reasoning.records import Record, action_to_text, group, keys_of, symbol_of
 from rosoclingo.reasoning.returns import ExecutionMonitor
 
-#: Limit in seconds of the silence counted between two looks: a core that searches or is suspended hears nothing.
+#: Limit in seconds of the silence counted between two checks: a core that searches or is suspended receives nothing.
 LONGEST_LOOK = 1.0
 
 

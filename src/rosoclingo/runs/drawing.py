@@ -46,7 +46,7 @@ LABELS = {
     DrawingKind.ROBOT: 1,
 }
 
-#: Kinds whose default text are the other arguments, or the predicate.
+#: Kinds whose default text is that of the other arguments, or the predicate.
 _NAMED = (DrawingKind.THING, DrawingKind.CARRIED, DrawingKind.MARK, DrawingKind.ROBOT)
 
 
