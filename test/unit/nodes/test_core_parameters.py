@@ -33,6 +33,7 @@ def test_core_parameters_are_all_read(program):
         "search_timeout": 0,
         "recovery_timeout": 2,
         "preempt": True,
+        "learn_durations": False,
         "goals_at_once": 5,
         "overtaking_limit": 7,
         "interface_timeout": 4,
@@ -49,7 +50,7 @@ def test_core_parameters_are_all_read(program):
         (program,),
         {"n": "4"},
         ("office1",),
-        CoreSettings(7, 5.0, True, 5, 7, 0.0, 4.0, 30.0),
+        CoreSettings(7, 5.0, True, 5, 7, 0.0, False, 4.0, 30.0),
         2.0,
         "shortest",
         3.0,
@@ -187,7 +188,7 @@ def test_core_parameters_defaults_match_the_document():
     real.update(search_timeout=CoreSettings.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
     real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
     real.update(overtaking_limit=CoreSettings.overtaking_limit, lost_timeout=CoreSettings.lost_timeout)
-    real.update(interface_timeout=CoreSettings.interface_timeout)
+    real.update(interface_timeout=CoreSettings.interface_timeout, learn_durations=CoreSettings.learn_durations)
     real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time, journal=CoreParameters.journal)
     real.update(resume=CoreParameters.resume, required=CoreParameters.required)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real
