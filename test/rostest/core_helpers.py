@@ -34,6 +34,12 @@ class ManualInterfaces:
         wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
         wait_to_hear(self._subscriber, nodes=[core])
 
+    def renew_publisher(self, core):
+        """Send facts over another connection from now on; commands arrive over the same one."""
+        self._publisher.unregister()
+        self._publisher = rospy.Publisher(self._publisher.name, InterfaceIO, queue_size=100)
+        wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
+
     def _note(self, message):
         if message.interface == CORE:
             self.runs += message.facts

@@ -1,6 +1,6 @@
 """The watch over the interfaces: which robots are lost because an interface is silent, and which are back."""
 
-from typing import Callable, Dict, List, Set
+from typing import Callable, Dict, FrozenSet, List, Set
 
 from clingo import Function, String, Symbol, SymbolType
 
@@ -44,9 +44,14 @@ class InterfaceWatch:
         self._since: Dict[Action, float] = {}  # running actions of silent interfaces
         self._failed: List[Action] = []  # actions that failed with ``lost``, until their interface is heard again
 
+    @property
+    def lost(self) -> FrozenSet[Symbol]:
+        """The lost robots."""
+        return frozenset(map(robot_of, self._silent))
+
     def announce(self, interface: str) -> None:
         """Watch an interface from now on, and record its message."""
-        if len(self._heard) < MOST_NAMES:
+        if self._timeout > 0 and len(self._heard) < MOST_NAMES:
             self._heard.setdefault(interface, self._time)
         self.hear(interface)
 
@@ -61,7 +66,7 @@ class InterfaceWatch:
             self._failed = [one for one in self._failed if one not in late]
             if late:
                 self._emit(ActionsPreempted(self._cycle(), late))
-            if robot_of(interface) not in self._lost and self._reports_back:
+            if robot_of(interface) not in self.lost and self._reports_back:
                 self._report(BACK, robot_of(interface), f"{interface} is heard again")
 
     def look(self, now: float) -> None:
@@ -74,7 +79,7 @@ class InterfaceWatch:
             self._heard.setdefault(action.interface_name, self._time)
         for interface, heard in self._heard.items():
             if interface not in self._silent and self._time - heard >= self._timeout:
-                known = robot_of(interface) in self._lost
+                known = robot_of(interface) in self.lost
                 self._silent.add(interface)
                 if not known:
                     self._report(LOST, robot_of(interface), f"{interface} has been silent for {self._timeout:g} s")
@@ -86,10 +91,6 @@ class InterfaceWatch:
         late = [one for one, since in self._since.items() if 0 < self._lost_timeout <= self._time - since]
         self._execution.fail(late, INTERFACE_LOST, "has no return, and its interface is lost")
         self._failed += late
-
-    @property
-    def _lost(self) -> Set[Symbol]:
-        return set(map(robot_of, self._silent))
 
     def _report(self, name: str, robot: Symbol, why: str) -> None:
         self._emit(Problem(self._cycle(), f"{name}({robot},{NOW}): {why}", str(robot)))

@@ -40,6 +40,10 @@ def warns(words):
     return lambda one: one.level == DiagnosticStatus.WARN and re.search(words, one.message)
 
 
+def announces_walk(status):
+    return {pair.key: pair.value for pair in status.values}["interfaces"] == "walk"
+
+
 class CoreKilled(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -98,6 +102,16 @@ class CoreKilled(unittest.TestCase):
         self.answer_until(command, lambda: goal.handle.get_goal_status() == GoalStatus.SUCCEEDED)
         raw.result_sub = rospy.Subscriber(raw.ns + "/result", raw.ActionResult, raw._result_cb)
         self.assertEqual(goal.wait()[0], GoalStatus.SUCCEEDED)
+
+    def test_action_is_sent_again_to_interface_with_a_new_connection(self):
+        goal, command = self.begin("do(walk,30)")
+        self.hands.tell(origin="walk")
+        wait_for_diagnosis("rosoclingo: core", announces_walk, "the interface")
+        self.hands.renew_publisher(NODE)
+        self.hands.tell(origin="walk")
+        self.assertEqual(self.hands.take(), command)
+        self.hands.succeed(command)
+        goal.ends_as(GoalStatus.SUCCEEDED)
 
     def wait_for_trouble(self):
         wait_for_diagnosis(

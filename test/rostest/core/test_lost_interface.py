@@ -5,11 +5,13 @@ import signal
 import sys
 import unittest
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import rostest
 from actionlib.msg import TestAction
 from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -17,6 +19,10 @@ from core_helpers import Client, Updates
 from interface_helpers import Process, Server, executable, init_node, wait_for_diagnosis, wait_until
 
 ROBOTS = ("r1", "r2", "r3", "r4")
+
+
+def reports_loss(robot, status):
+    return (status.level, status.message) == (DiagnosticStatus.WARN, f"lost robots: {robot}")
 
 
 class LostInterface(unittest.TestCase):
@@ -51,6 +57,7 @@ class LostInterface(unittest.TestCase):
         self.nodes[robot].signal(signal.SIGKILL)
         self.updates.wait_for(f"_lost({robot},")
         self.updates.wait_for(f"_return(work({robot}),lost,")
+        wait_for_diagnosis("rosoclingo: core", partial(reports_loss, robot), "the diagnostics")
         others = [one for one in ROBOTS if one != robot]
         wait_until(lambda: any(not SERVERS[one].idle() for one in others), "another robot to get the goal")
         next(SERVERS[one] for one in others if not SERVERS[one].idle()).accept().set_succeeded()
@@ -64,11 +71,10 @@ class LostInterface(unittest.TestCase):
         self.updates.wait_for(f"_lost({robot},")
         self.updates.wait_for(f"_return(work({robot}),lost,")
         self.nodes[robot].signal(signal.SIGCONT)
-        self.updates.wait_for(f"_back({robot},")
         SERVERS[robot].cancelled().set_canceled()
-        others = [one for one in ROBOTS if not SERVERS[one].idle()]
-        SERVERS[others[0]].accept().set_succeeded()
+        next(SERVERS[one] for one in ROBOTS if not SERVERS[one].idle()).accept().set_succeeded()
         goal.ends_as(GoalStatus.SUCCEEDED)
+        self.updates.wait_for(f"_back({robot},")
         self.assertNotEqual(handle.get_goal_status().status, GoalStatus.ACTIVE)
         self.assertTrue(all(SERVERS[one].idle() for one in ROBOTS), "nothing else is executed")
 

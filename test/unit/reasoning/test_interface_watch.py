@@ -104,6 +104,12 @@ def test_watch_reports_silent_interfaces_to_program(row):
     play(WatchedDriver(ROBOTS.replace(*change) if change else ROBOTS, SETTINGS), script)
 
 
+def test_watch_of_program_without_lost_robots_has_no_record():
+    driver = WatchedDriver(ROBOTS.replace("_lost/2. #external", "_lost/1. #external"), SETTINGS)
+    driver.announce("work(r1)")
+    assert driver.core.interfaces.record() == {}
+
+
 @pytest.mark.parametrize(
     ("interface", "robot"),
     [("work(r1)", "r1"), ("work", "work"), ("arm(left,1)", "left"), ("two words", '"two words"'), ("7", "7")],
@@ -170,6 +176,7 @@ def test_watch_agrees_with_simple_model_across_restarts(steps, timeout, lost_tim
         expected += [f"_lost({one},now)" for one in sorted(after - lost)]
         expected += [f"_back({one},now)" for one in sorted(lost - after)]
         assert sorted(execution.facts) == sorted(expected)
+        assert sorted(map(str, watch.lost)) == sorted(after)
         assert len(set(execution.failed)) == len(execution.failed), "an action fails once"
         open_ = {one.interface_name for one in execution.awaited}
         late = {name for name, since in silent.items() if 0 < lost_timeout <= time - since}

@@ -176,7 +176,9 @@ class CoreNode:
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
-        self._facts = FactIntake(self._core, self._register, self._worker, self._topics.send_again)
+        self._facts = FactIntake(
+            self._core, self._register, self._worker, self._topics.connection_to, self._topics.send_again
+        )
         self._health = Health()
         self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
@@ -438,6 +440,9 @@ class CoreNode:
         awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
         goals, waiting = len(self._core.live_goals), sum(not goal.fed for goal in self._core.live_goals)
         report = self._health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
+        lost = ", ".join(map(str, sorted(self._core.interfaces.lost)))
+        if lost and not missing:
+            report = report._replace(level=Level.WARN, message=f"lost robots: {lost}")
         if self._keeper.fault:
             report = report._replace(level=Level.WARN, message=self._keeper.fault)
         return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")

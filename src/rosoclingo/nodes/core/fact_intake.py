@@ -40,8 +40,8 @@ class _Sent(NamedTuple):
 class FactIntake:
     """Queues facts until the worker takes them; the topic's callback only enqueues.
 
-    Announcements are queued separately: they wake no worker and end no search. ``renewed`` is called with an interface
-    that announces itself over another connection than before.
+    Announcements are queued separately: they wake no worker and end no search. If a node announces an interface over a
+    new connection, but receives actions over the connection ``connection_to`` as before, ``send_again`` is called.
 
     Attributes:
         gathering: decides whether the next update waits for messages that were sent together.
@@ -49,12 +49,18 @@ class FactIntake:
     """
 
     def __init__(
-        self, core: ResumableCore, register: InterfaceRegister, worker: Worker, renewed: Callable[[str], None]
+        self,
+        core: ResumableCore,
+        register: InterfaceRegister,
+        worker: Worker,
+        connection_to: Callable[[str], Any],
+        send_again: Callable[[str], None],
     ) -> None:
-        self._core, self._register, self._worker, self._renewed = core, register, worker, renewed
+        self._core, self._register, self._worker = core, register, worker
+        self._connection_to, self._send_again = connection_to, send_again
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
         self._announcements: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
-        self._connections: Dict[Tuple[str, str], Any] = {}
+        self._connections: Dict[Tuple[str, str], Tuple[Any, Any]] = {}  # from and to each node, by node and interface
         self.gathering = Gathering(time.monotonic())
 
     def connect(self) -> None:
@@ -96,14 +102,14 @@ class FactIntake:
     def _announce(self, message: _Sent) -> None:
         self._register.announce(message.node, message.interface)
         self._core.interfaces.announce(message.interface)
-        key = message.node, message.interface
-        known = self._connections.get(key)
-        if known is message.connection or len(self._connections) > MOST_ANNOUNCED:
-            return
-        self._connections[key] = message.connection
-        limit_silence(self._inlet, message.connection)
-        if known is not None:
-            self._renewed(message.interface)
+        key, outward = (message.node, message.interface), self._connection_to(message.node)
+        before = self._connections.get(key, (None, None))
+        if len(self._connections) < MOST_ANNOUNCED:
+            self._connections[key] = message.connection, outward
+        if message.connection is not before[0]:
+            limit_silence(self._inlet, message.connection)
+            if outward is not None and outward is before[1]:
+                self._send_again(message.interface)
 
 
 def _wake() -> None:
