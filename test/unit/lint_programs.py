@@ -21,7 +21,7 @@ FILES = {
     "paper": [ENCODINGS / "paper.lp"],
     "two_offices": [ENCODINGS / "mailbot.lp", DATA / "two_offices.lp"],
     "template": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
-    **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "two_arms")},
+    **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "team", "two_arms")},
 }
 GOLDEN = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
@@ -49,6 +49,8 @@ def program(name):
     """Return the sources of a program with all includes, each named relative to its folder."""
     if name == "garden":
         return (Source("garden.lp", block("tutorial.md", "garden.lp")),)
+    if name == "workshop":
+        return (Source("workshop.lp", block("long_actions.md", "workshop.lp")),)
     if name == "lift":
         return (Source("lift.lp", block("oclingo_service.md", "lift.lp")),)
     if name in FILES:
@@ -69,7 +71,7 @@ def short(name):
     return path.relative_to(ENCODINGS).as_posix() if ENCODINGS in path.parents else path.name
 
 
-NAMES = (*FILES, "garden", "lift", *(one["name"] for one in GOLDEN))
+NAMES = (*FILES, "garden", "lift", "workshop", *(one["name"] for one in GOLDEN))
 
 
 def lint(sources, constants=None):

@@ -10,7 +10,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
 from rosoclingo.oclingo.progression.terms import signature_of
-from rosoclingo.oclingo.progression.updates import Statement, StreamUpdate
+from rosoclingo.oclingo.progression.updates import CloseCycles, Statement, StreamUpdate
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StreamState, TimedStatement
 
@@ -107,7 +107,9 @@ class Snapshot(StreamState):
 
     def _without_late(self, update: StreamUpdate) -> Tuple[StreamUpdate, Tuple[str, ...]]:
         """Return ``update`` without returns that can no longer arrive, and warnings about them."""
-        closed = {clingo.Number(cycle) for cycle in self.closed.keys() - self.awaiting_returns}
+        ending = [item for item in update.items if isinstance(item, CloseCycles)]
+        awaiting = self.awaiting_returns.union(*(range(one.first, one.last + 1) for one in ending))
+        closed = {clingo.Number(cycle) for cycle in self.closed.keys() - awaiting}
         heads = {one for one in update.heads if one is not None and signature_of(one) in (RETURN, FAILED)}
         late = {one for one in heads if one.arguments[2] in closed}
         if not late:

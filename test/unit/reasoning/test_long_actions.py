@@ -1,20 +1,16 @@
 """Programs with ``_running``: a cycle ends with the first return or arrival, and the other actions go on."""
 
-import re
-from pathlib import Path
-
 import pytest
 from core_driver import Driver, FaultyDriver
 from core_scripts import play, scripts
 from late_standby import Standby
+from lint_programs import block
 from team_programs import FREE, LATER, TEAM
 
 from rosoclingo.reasoning.settings import CoreSettings
 
-DOCUMENT = (Path(__file__).resolve().parents[3] / "doc" / "long_actions.md").read_text(encoding="utf-8")
-
 #: The documented program with durations: goals make(Kind,Steps,Id) of a workshop with a saw and a paint shop.
-(WORKSHOP,) = re.findall(r"^```\n(#external.*?)^```$", DOCUMENT, re.MULTILINE | re.DOTALL)
+WORKSHOP = block("long_actions.md", "workshop.lp")
 
 #: The name of each course, and its script.
 COURSES = {
@@ -54,6 +50,10 @@ COURSES = {
         sends :- not _action_lib(saw,1,1). :- not _action_lib(saw,1,2). :- not _action_lib(saw,1,3). ...
         sends ..._running(saw,1,1). _running(saw,1,2). _running(saw,1,3). _spot(1,2). _spot(2,3). _spot(3,4).
         facts _return(saw,1,1); sends :- not _action_lib(saw,1,4). _return(saw,1,4).; is a succeeded; problems 0""",
+    "a failure comes with messages of several cycles": """
+        add a job(saw,1); goal b job(drill,2); hear eye _spot(1,now); hear eye _spot(2,now); facts _return(drill,worn,1)
+        sends ..._running(saw,1,1). _running(saw,1,2). _spot(1,2). _spot(2,3). _return(drill,worn,1).
+        does saw,1,1 drill,2,3; problems 0""",
     "goals without a plan are aborted while actions run": """
         goal a job(saw,1); goal b job(broken,2); is b aborted; says b ...cannot be met...; does saw,1,1; is a active
         sends :- not _action_lib(saw,1,2). _running(saw,1,2). _request(cancel(2),3).
@@ -197,3 +197,37 @@ def test_long_actions_prefetch_the_return_that_is_due_first(ends, searches):
     before = standby.searches
     play(driver, f"facts {ends}")
     assert standby.searches - before == searches
+
+
+def test_deadlines_that_cannot_be_kept_abort_the_goal():
+    play(
+        workshop(),
+        """goal a make(box,1,1); is a aborted; says a ...cannot be met...; goal b make(box,3,2); does saw,2,...
+        facts _return(saw,worn,3); facts _return(saw,worn,4); is b aborted; says b ...cannot be met...""",
+    )
+
+
+#: Durations of the saw in seconds, and the facts of the updates in which its return arrives.
+MEASURED = {
+    "the first one is that of the interface": ([3.2], ["..._takes(saw,any,4)."]),
+    "the second one is that of the parameter": ([3.0, 3.0], ["..._takes(saw,any,3).", "..._takes(saw,7,3)."]),
+    "a similar one changes nothing": ([8.0, 9.5, 9.5], ["..._takes(saw,any,8).", "..._takes(saw,7,9).", ""]),
+    "another one replaces the last": (
+        [10.0, 30.0],
+        ["..._takes(saw,any,10).", "#withdraw _takes(saw,any,10). ..._takes(saw,7,20). _takes(saw,any,20)."],
+    ),
+    "one that lasts no time counts as a second": ([0.0], ["..._takes(saw,any,1)."]),
+}
+
+
+@scripts(MEASURED)
+@pytest.mark.parametrize("learns", [True, False])
+def test_durations_are_stated_as_medians(row, learns):
+    driver = Driver(TEAM + "#external _takes/3.\n", CoreSettings(horizon_limit=8, learn_durations=learns))
+    for seconds, stated in zip(*row):
+        play(driver, f"goal key{driver.now} job(saw,7); pass {seconds}; succeed; problems 0")
+        play(driver, f"sends {stated if learns and stated else f'..._return(saw,7,{driver.core.cycle - 1}).'}")
+
+
+def test_durations_are_not_stated_to_programs_without_them():
+    play(Driver(TEAM), "goal a job(saw,1); pass 9; succeed; sends :- not _action_lib(saw,1,1). _return(saw,1,1).")

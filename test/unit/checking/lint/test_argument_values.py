@@ -44,6 +44,11 @@ def values_of(one, name, arity, position):
         ("q(a). r(b). p(X) : q(X); p(X) : r(X).", ["a", "b"]),
         ("q(a). 1 <= #sum { 1,X : p(X) : q(X) }. % dialect: clingo 5", ["a"]),
         ("q(a). #external p(X) : q(X).", ["a"]),
+        (
+            "#external _running/3. q(a;b). _action_lib(go,X,0) :- q(X). _action_lib(A,X,1) :- _running(A,X,0). "
+            "p(X) :- _action_lib(go,X,1).",
+            ["a", "b"],
+        ),
         ("q(1). p(X+1) :- q(X).", None),
         ("q(a,1). q(b,x). p(X) :- q(a,X).", ["1"]),
         ("q(a,1). q(b,x). q(c,X) :- r(X). r(y). p(X) :- q(Y,X), Y != b.", ["1", "y"]),
