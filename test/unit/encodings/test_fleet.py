@@ -211,3 +211,22 @@ def test_fleet_never_collides_and_ends_each_goal(data):
     ends = {number: fleet.last(number) for number in range(1, asked + 1)}
     assert set(ends.values()) <= {"succeeded", "preempted", "aborted"}, ends
     assert {number for number, end in ends.items() if end == "succeeded"} <= set(fleet.world.delivered), ends
+
+
+def test_fleet_robot_charges_in_time():
+    texts = [Source.from_file(ENCODINGS / name) for name in ("fleet.lp", "fleet/battery.lp")]
+    row = "".join(f"office(office{one}). " for one in range(1, 5)) + "".join(
+        f"corridor(office{one},office{one + 1}). " for one in range(1, 4)
+    )
+    floor = Source("floor", f"#program base. {row} start(r1,office1). charger(office1).\n")
+    driver = Driver(
+        program=ReactiveProgram([*texts, floor], {"charge": "6"}), solver=shortest, settings=CoreSettings()
+    )
+    driver.goal("1", "goal(office1,office4,1)").goal("2", "goal(office1,office4,2)").facts("_battery(r1,2,now)").finish()
+    assert [driver.states(key)[-1] for key in "12"] == ["succeeded", "succeeded"]
+    drives, least = 0, 0
+    for action in map(str, driver.journal.actions):
+        drives = 0 if "charge" in action else drives + ("move_base" in action)
+        least = max(least, drives)
+    assert any("charge(r1)" in str(one) for one in driver.journal.actions)
+    assert least <= 6
