@@ -60,15 +60,22 @@ class PooledCore:
         while self.core.advance(now):
             pass
 
-    def answer(self, *facts, value=None):
-        """Report facts and the returns of the awaited actions: their success, or ``value``."""
-        returns = (f"_return({one.interface},{value or one.parameter},{one.cycle})" for one in self.core.awaited)
+    def answer(self, *facts, value=None, actions=None):
+        """Report facts and the returns of actions, by default of all awaited ones: their success, or ``value``."""
+        ended = self.core.awaited if actions is None else actions
+        returns = (f"_return({one.interface},{value or one.parameter},{one.cycle})" for one in ended)
         self.core.receive("bench", [*facts, *returns])
 
     def note(self, event):
         """Receive an event of the core."""
         if isinstance(event, GoalChanged) and event.outcome is not None:
             self.outcomes[event.key] = event.outcome
+
+    def check_success(self):
+        """Exit if a goal has ended without success, although all goals are feasible."""
+        failed = {key: outcome.name for key, outcome in self.outcomes.items() if outcome is not Outcome.SUCCEEDED}
+        if failed:
+            raise SystemExit(f"goals are feasible, but ended without success: {failed}")
 
     def watch_joining(self):
         """Stop planning for new goals after a moment, as in the node; they are admitted later."""
@@ -195,5 +202,4 @@ class Robot(PooledCore):
         super().note(event)
         if isinstance(event, ActionsDispatched) and self._returned is not None:
             self.still, self._returned = max(self.still, time.perf_counter() - self._returned), None
-        if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
-            raise SystemExit(f"goal {event.key} is feasible, but ended as {event.outcome.name}: {event.message}")
+        self.check_success()

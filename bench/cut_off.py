@@ -21,7 +21,7 @@ def cut_off(offices, count, seed):
     floor, middle = row(offices), offices // 2
     with PooledCore(floor.program, CoreParameters.plan_time) as robot:
         for request in random_requests(floor, count, seed):
-            robot.core.add_goal(str(request.number), request.term)
+            robot.core.add_goal(str(request.number), request.goal)
         robot.advance()
         for _ in range(3):
             robot.answer()

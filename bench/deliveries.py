@@ -5,7 +5,8 @@ from collections import deque
 from typing import Dict, FrozenSet, List, NamedTuple, Sequence, Tuple
 
 from planning_domains import Action, Task, World
-from planning_domains.task import FOLDER, goal
+from planning_domains.task import FOLDER
+from planning_domains.task import goal as goal_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -26,7 +27,7 @@ class Request(NamedTuple):
     end: int
 
     @property
-    def term(self) -> str:
+    def goal(self) -> str:
         """The goal term for the mailbot's program."""
         return f"goal(office{self.start},office{self.end},{self.number})"
 
@@ -106,7 +107,7 @@ def random_requests(floor: Floor, count: int, seed: int) -> List[Request]:
 def task_of(floor: Floor, requests: Sequence[Request]) -> Task:
     """Return the task to meet requests on a floor."""
     goals = [
-        goal(one.term, [f"delivered p{one.number}"], [f"start p{one.number} office{one.start}"]) for one in requests
+        goal_of(one.goal, [f"delivered p{one.number}"], [f"start p{one.number} office{one.start}"]) for one in requests
     ]
     init = ["at office1", "load l0", *(f"less l{load} l{load + 1}" for load in range(CAPACITY))]
     init += [f"corridor office{a} office{b}" for pair in floor.corridors for a, b in (pair, pair[::-1])]

@@ -5,43 +5,45 @@ The core runs without ROS, with encodings/fleet.lp and its solver in worker proc
 the actions. It draws the duration of each around its mean, the same for the same seed, and refuses actions that break a
 rule: robots hold both ends of the connection that they drive on. Each place has room for --room robots.
 
-The routing solver of OR-Tools gets the same requests, the mean durations, and --or-seconds of processor time. It
-minimizes the makespan and ignores collisions.
+The routing solver of OR-Tools gets the same requests, the mean durations, and 5 s. It minimizes the makespan and
+ignores collisions.
 
 Columns of the table:
-  floor, robots, requests   number of offices in a row, or loops
-  how       once: all requests are known at the start; stream: one more every --gap seconds
+  floor     number of offices in a row, or loops; then the numbers of robots and of requests
+  how       once: all requests are known at the start; stream: one more every 15 s
   first     wall time in seconds until the first action
   makespan  simulated seconds until the last delivery, and the same without _running, in the paper's cycle (paper)
   drive     seconds of driving, of all robots
   or        the makespan of OR-Tools' plan, for requests that are known at the start
-  ratio     makespan, core to OR-Tools
+  ours/or   makespan, core to OR-Tools
   idle      longest time in seconds that a robot stood still without a task while a package waited for a robot
 
 Run it in the built workspace: ./dev exec python3 bench/fleet.py
 ./dev bench fleet installs OR-Tools.
 """
 
-import argparse
 import heapq
 import json
 import subprocess
-import sys
 import time
 from pathlib import Path
 
+import comparison
 import routing
-from acting_core import ENCODINGS, PooledCore, returned
-from deliveries import floor_named, random_requests
-from figures import Figure, parse, write
+from acting_core import ENCODINGS, PooledCore
+from deliveries import CAPACITY, floor_named, random_requests
+from figures import Option, main
 from fleet_world import DRIVE, HANDLE, FleetWorld
 
 from rosoclingo.nodes.core.loading import CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
-from rosoclingo.reasoning.goals import Outcome
+from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
+
+GAP = 15.0  # seconds between two requests of a stream
+IMPROVE_TIME = 0.2  # seconds of processor time to improve the plan between two events
+OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
 RUNNING = "#external _running/3.\n"
 """The declaration in encodings/fleet/rules.lp that gives a program the finer cycle."""
@@ -73,13 +75,14 @@ class FleetCore(PooledCore):
     Attributes:
         now: the simulated time in seconds.
         idle: the longest time that a robot rested while a package waited.
+        first: the wall time at which the first action was sent.
 
     """
 
-    def __init__(self, program, world, plan_time, search_timeout):
-        super().__init__(program, plan_time, CoreSettings(search_timeout=search_timeout))
-        self.world, self.now, self.idle = world, 0.0, 0.0
-        self._ends, self._rests, self.first = [], {}, None
+    def __init__(self, program, world):
+        super().__init__(program, CoreParameters.plan_time, CoreSettings())
+        self.world, self.now, self.idle, self.first = world, 0.0, 0.0, None
+        self._ends, self._rests = [], {}
 
     def ask(self, requests):
         """Send goals; their packages wait on the floor."""
@@ -88,18 +91,18 @@ class FleetCore(PooledCore):
             self.core.add_goal(str(one.number), one.goal)
 
     def note(self, event):
-        """Begin the actions that the core sends."""
+        """Begin the actions that the core sends, and check that no goal fails."""
+        super().note(event)
         if isinstance(event, ActionsDispatched):
             self.first = self.first or time.perf_counter()
             for action in event.actions:
                 verb, robot = action.interface.name, str(action.interface.arguments[0])
                 duration = self.world.begin(robot, verb, int(str(action.parameter).replace("office", "")))
                 heapq.heappush(self._ends, (self.now + duration, len(self._ends), robot, action))
-        if isinstance(event, GoalChanged) and event.outcome not in (None, Outcome.SUCCEEDED):
-            raise SystemExit(f"goal {event.key} is feasible, but ended as {event.outcome.name}: {event.message}")
+        self.check_success()
 
-    def play(self, arrivals, seconds):
-        """Serve the requests, each at its time; spend ``seconds`` of processor time to improve plans between events."""
+    def play(self, arrivals):
+        """Serve the requests, each at its time; improve plans between events."""
         while arrivals or self.world.open:
             self._rest()
             if arrivals and (not self._ends or arrivals[0][0] <= self._ends[0][0]):
@@ -108,18 +111,15 @@ class FleetCore(PooledCore):
             elif self._ends:
                 self.now, _, robot, action = heapq.heappop(self._ends)
                 self.world.end(robot)
-                self.core.receive("bench", [returned(action)])
+                self.answer(actions=[action])
             else:
                 self.now += 1.0
             self.core.poll(self.now)
             self.advance(self.now)
-            self._improve(seconds)
-
-    def _improve(self, seconds):
-        begin = self.process.cpu_time
-        while self.core.improve(lambda: self.process.cpu_time - begin >= seconds):
-            if self.process.cpu_time - begin >= seconds:
-                break
+            begin = self.process.cpu_time
+            while self.core.improve(lambda begin=begin: self.process.cpu_time - begin >= IMPROVE_TIME):
+                if self.process.cpu_time - begin >= IMPROVE_TIME:
+                    break
 
     def _rest(self):
         """Measure how long robots rest while a package waits at a place of its own."""
@@ -129,16 +129,21 @@ class FleetCore(PooledCore):
         self.idle = max([self.idle, *(self.now - since for since in self._rests.values())])
 
 
-# ---- OR-Tools --------------------------------------------------------------------------------------------------------
+# ---- Measurements ----------------------------------------------------------------------------------------------------
 
 
-def routed(floor, robots, requests, seconds):
+def routed(floor, robots, requests):
     """Return the makespan in seconds of OR-Tools' plan for several vehicles; raises RoutingError."""
-    distances = floor.distances()
     places = [*starts(floor, robots).values(), *(one.start for one in requests), *(one.end for one in requests)]
+    distances = {place: floor.distances_from(place) for place in set(places)}
     handled = [0] * robots + [HANDLE] * 2 * len(requests)
-    times = [[DRIVE * distances[a, b] + time_ for b in places] for a, time_ in zip(places, handled)]
-    problem = {"times": times, "robots": robots, "requests": len(requests), "seconds": seconds}
+    problem = {
+        "times": [[DRIVE * distances[a][b] + time_ for b in places] for a, time_ in zip(places, handled)],
+        "robots": robots,
+        "requests": len(requests),
+        "capacity": CAPACITY,
+        "seconds": OR_SECONDS,
+    }
     command = [routing.bench_python(), str(Path(__file__).resolve().with_name("fleet_routing.py"))]
     done = subprocess.run(command, input=json.dumps(problem), capture_output=True, text=True, check=False)
     if done.returncode:
@@ -146,79 +151,53 @@ def routed(floor, robots, requests, seconds):
     return float(done.stdout)
 
 
-# ---- Measurements ----------------------------------------------------------------------------------------------------
-
-
-def driven(floor, robots, requests, gap, options, paper=False):
-    """Serve the requests; return the figures of the run."""
+def drive(floor, robots, requests, gap, options, paper=False):
+    """Serve the requests; return the cells of the run."""
     world = FleetWorld(floor, starts(floor, robots), options.room, options.seed)
     batches = [(gap * number, [one]) for number, one in enumerate(requests)] if gap else [(0.0, requests)]
-    with FleetCore(
-        fleet_program(floor, robots, options.room, paper), world, options.plan_time, options.search_timeout
-    ) as core:
+    with FleetCore(fleet_program(floor, robots, options.room, paper), world) as core:
         begin = time.perf_counter()
-        core.play(batches, options.improve_time)
+        core.play(batches)
         return {"first [s]": core.first - begin, "makespan": core.now, "drive": world.driven, "idle": core.idle}
 
 
-def measure(name, robots, count, how, options):
-    """Return a row: column -> figure."""
+def measure_row(name, robots, count, how, options):
+    """Return the cells of a row: column -> figure."""
     floor = floor_named(name)
     requests = random_requests(floor, count, options.seed)
-    gap = options.gap if how == "stream" else 0.0
-    found = driven(floor, robots, requests, gap, options)
-    found["paper"] = driven(floor, robots, requests, gap, options, paper=True)["makespan"]
-    if how == "once" and not options.without_or_tools:
-        found["or"] = routed(floor, robots, requests, options.or_seconds)
-        found["ratio"] = found["makespan"] / found["or"]
-    return found
+    gap = GAP if how == "stream" else 0.0
+    cells = drive(floor, robots, requests, gap, options)
+    cells["paper"] = drive(floor, robots, requests, gap, options, paper=True)["makespan"]
+    if how == "once" and routing.is_there():
+        cells["or"] = routed(floor, robots, requests)
+        cells["ours/or"] = cells["makespan"] / cells["or"]
+    return cells
 
 
-COLUMNS = ("first [s]", "makespan", "paper", "drive", "or", "ratio", "idle")
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-
-    def add(name, default, text, **more):
-        parser.add_argument(name, default=default, help=f"{text} (default: %(default)s)", **more)
-
-    add("--floors", ["20", "loops"], "floors", nargs="+")
-    add("--robots", [1, 2, 4, 8], "numbers of robots", type=int, nargs="+")
-    add("--requests", [20, 50], "numbers of requests", type=int, nargs="+")
-    add("--how", ["once", "stream"], "arrival of requests", nargs="+", choices=("once", "stream"))
-    add("--seed", 1, "seed of requests and durations", type=int)
-    add("--room", 2, "number of robots for which a place has room", type=int)
-    add("--gap", 15.0, "seconds between two requests of a stream", type=float)
-    add("--plan-time", CoreParameters.plan_time, "~plan_time of the core", type=float)
-    add("--search-timeout", CoreSettings.search_timeout, "~search_timeout of the core", type=float)
-    add("--improve-time", 0.2, "seconds of processor time to improve the plan between two events", type=float)
-    add("--or-seconds", 5.0, "OR-Tools' time for a plan", type=float)
-    parser.add_argument("--without-or-tools", action="store_true", help="leave OR-Tools out")
-    options = parse(parser, floors=["loops"], robots=[2, 4], requests=[20], how=["once"])
-    options.without_or_tools |= not routing.is_there()
-    write(options.json, play(options))
-
-
-def play(options):
-    """Print the table row by row; return its figures."""
-    print("floor  robots  requests  how     ", *(name.rjust(9) for name in COLUMNS), flush=True)
-    figures = []
+def measure(options):
+    """Print the table row by row; yield its figures."""
+    if not routing.is_there():
+        print(routing.HOW)
+    units = {**dict.fromkeys(("first [s]", "makespan", "paper", "drive", "idle"), "s"), "ours/or": ""}
+    columns = ["first [s]", "makespan", "paper", "drive", "or", "ours/or", "idle"]
+    table = comparison.Table("floor/robots/requests", columns, units)
     for name in options.floors:
         for robots in options.robots:
             for count in options.requests:
                 for how in options.how:
-                    row = measure(name, robots, count, how, options)
-                    cells = (f"{row[one]:9.2f}" if one in row else "-".rjust(9) for one in COLUMNS)
-                    print(f"{name:5s}  {robots:6d}  {count:8d}  {how:7s} ", *cells, flush=True)
-                    head = f"{name}/{robots}/{count} {how}: "
-                    figures += [
-                        Figure(head + one, row[one], "" if one == "ratio" else "s")
-                        for one in COLUMNS
-                        if one in row and one != "or"
-                    ]
-    return figures
+                    cells = measure_row(name, robots, count, how, options)
+                    yield from table.row(f"{name}/{robots}/{count} {how}", cells)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main(
+        __doc__,
+        measure,
+        shown=False,
+        floors=Option(["20", "loops"], "floors", ["loops"]),
+        robots=Option([1, 2, 4, 8], "numbers of robots", [2, 4]),
+        requests=Option([20, 50], "numbers of requests", [20]),
+        how=Option(["once", "stream"], "arrival of requests", ["once"], ["once", "stream"]),
+        seed=Option(1, "seed of requests and durations"),
+        room=Option(2, "number of robots for which a place has room"),
+    )

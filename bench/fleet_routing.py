@@ -7,7 +7,6 @@ places (of the robots, of the pickups, of the deliveries), with the time to hand
 import json
 import sys
 
-from deliveries import CAPACITY
 from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
 
@@ -24,7 +23,7 @@ def makespan(problem):
     routing.SetArcCostEvaluatorOfAllVehicles(times)
     routing.AddDimension(times, 0, 10**7, True, "time")
     loads = routing.RegisterUnaryTransitVector([0] * robots + [1] * requests + [-1] * requests + [0])
-    routing.AddDimension(loads, 0, CAPACITY, True, "load")
+    routing.AddDimension(loads, 0, problem["capacity"], True, "load")
     routing.AddDimension(routing.RegisterUnaryTransitVector([1] * (nodes + 1)), 0, nodes + 1, True, "order")
     span, order = routing.GetDimensionOrDie("time"), routing.GetDimensionOrDie("order")
     span.SetGlobalSpanCostCoefficient(100)

@@ -7,7 +7,8 @@ solver, no ROS.
 import random
 from typing import Dict, Iterable, Set, Tuple
 
-from deliveries import CAPACITY, Floor, Request, RuleError
+from deliveries import CAPACITY, Floor, Request
+from planning_domains import RuleError
 
 DRIVE, HANDLE = 8.0, 3.0
 """Mean durations in seconds of a drive to a neighbouring office, and of picking up or putting down a package."""

@@ -13,7 +13,7 @@ from deliveries import CAPACITY, Floor, Request
 PYTHON = "ROSOCLINGO_BENCH_PYTHON"
 """Environment variable with the path of a Python that has the group bench of pyproject.toml, set by ./dev."""
 
-HOW = "OR-Tools is not installed, so its columns are left out; ./dev bench many_goals installs it"
+HOW = "OR-Tools is not installed, so its columns are left out; ./dev bench many_goals fleet installs it"
 
 SOLVER = Path(__file__).resolve().parent / "or_tools.py"
 

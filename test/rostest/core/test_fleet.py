@@ -22,9 +22,10 @@ HERE = Path(__file__).resolve()
 sys.path[:0] = [str(HERE.parents[1]), str(HERE.parents[3] / "bench")]
 
 from core_helpers import Client  # noqa: E402
-from deliveries import Floor, Request, RuleError  # noqa: E402
+from deliveries import Floor, Request  # noqa: E402
 from fleet_world import FleetWorld  # noqa: E402
 from interface_helpers import PATIENCE, init_node, wait_until  # noqa: E402
+from planning_domains import RuleError  # noqa: E402
 
 SEED, GOALS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("GOALS", "30")))
 ROWS = [(one, one + 1) for one in (1, 2, 3, 4, 6, 7, 8, 9)]

@@ -105,7 +105,7 @@ def test_deliveries_copy_is_independent():
 )
 def test_deliveries_shortest_plan_is_valid_and_minimal(floor):
     requests = deliveries.random_requests(floor, 3, seed=1)
-    message = tuple(fact(parse_term(f"_request({request.term},2)")) for request in requests)
+    message = tuple(fact(parse_term(f"_request({request.goal},2)")) for request in requests)
     result = PlanSolver(floor.program, horizon_limit=200).update(StreamUpdate(1, None, message))
     actions = sorted((one.arguments for one in Plan.from_result(result).actions), key=lambda action: action[2].number)
     check(world(*requests, floor=floor), [[(str(interface), str(parameter))] for interface, parameter, _ in actions])

@@ -8,7 +8,6 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 
-import comparison  # noqa: E402
 import many_goals  # noqa: E402
 from acting_core import Robot  # noqa: E402
 from deliveries import random_requests, row, task_of  # noqa: E402
