@@ -8,6 +8,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 
+import comparison  # noqa: E402
 import many_goals  # noqa: E402
 from acting_core import Robot  # noqa: E402
 from deliveries import random_requests, row, task_of  # noqa: E402
@@ -38,12 +39,13 @@ def test_many_goals_rows_for_batch_and_stream():
 @pytest.mark.once
 def test_many_goals_slow_plan_for_all_is_dropped():
     offices, goals, seconds = sized((6, 24, 0.1), (20, 40, 0.3))
-    floor, options = row(offices), Namespace(**{**vars(OPTIONS), "all_seconds": seconds})
-    requests = random_requests(floor, goals, seed=1)
-    assert many_goals.plan_for_all(floor, requests, options) == {"all [s]": None, "all": None}
-    assert many_goals.plans_after(floor, requests, [seconds], plan_time=0.0) == {f"{seconds:g} s": None}
-    first = many_goals.first_plan(floor, requests, options)
-    assert first["steps"] > 0
+    large = task(offices, goals)
+    assert comparison.first_plan(large, seconds) is None
+    assert comparison.improved_plans(large, seconds, 0.0) == []
+    assert comparison.execute(large, 0.0, 0.0, seconds) == {}
+    assert many_goals.best_after([], [seconds]) == {f"{seconds:g} s": None}
+    first = many_goals.first_plan(large)
+    assert first["first"] > 0
     assert 0 < first["wait"] < goals
 
 

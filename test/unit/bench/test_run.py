@@ -143,7 +143,7 @@ def test_bench_run_of_a_real_bench(tmp_path):
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
-    assert [line.split()[0] for line in lines[1:-1]] == ["oclingo"] * 12
+    assert [line.split()[0] for line in lines[1:-1]] == ["cut_off"] * 4
     assert not list((tmp_path / "bench").iterdir()), "logs of successful runs are removed"
 
 
