@@ -65,8 +65,6 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
         if other and tour.moves(other) < tour.moves(order) - math.log(1.0 - random.random()):
             order = other
             best = min(best, order, key=tour.moves)
-    for chain in range(len(tour.chains)):  # tasks as soon as the tour passes their places
-        best = _reinserted(tour, best, [chain]) or best
     acts = tour.acts(best)
     if len(acts) >= len(cycles):
         return None
@@ -79,15 +77,10 @@ def _recreated(tour: "Tour", order: Order, random: Random) -> Optional[Order]:
     near = dict.fromkeys(tour.chain_of[task] for task in tour.nearest(random.choice(order)))
     chains = [*near][: random.randint(1, REMOVED)]
     random.shuffle(chains)
-    return _reinserted(tour, order, chains)
-
-
-def _reinserted(tour: "Tour", order: Order, chains: Sequence[int]) -> Optional[Order]:
-    """Return ``order`` with the ``chains`` inserted where they add the fewest moves; None if one does not fit."""
-    found: Optional[Order] = [task for task in order if tour.chain_of[task] not in chains]
+    recreated: Optional[Order] = [task for task in order if tour.chain_of[task] not in chains]
     for chain in chains:
-        found = None if found is None else tour.inserted(found, chain)
-    return found
+        recreated = None if recreated is None else tour.inserted(recreated, chain)
+    return recreated
 
 
 class Tour:
@@ -193,10 +186,23 @@ class Tour:
         return [task for _, task in sorted(gaps, key=itemgetter(0))]
 
     def acts(self, order: Order) -> List[Act]:
-        """Return the moves and tasks of ``order``."""
+        """Return the moves and tasks of ``order``; an open chain continues when the tour passes its next place."""
         acts: List[Act] = []
-        here = self._places[0]
+        here, left = self._places[0], [list(chain) for chain in self.chains]
+        is_open = [chain for chain, begun in enumerate(self._begun) if begun]
+
+        def do_tasks() -> None:
+            for chain in is_open:
+                while left[chain] and self._places[left[chain][0]] == here:
+                    acts.append(self._tasks[left[chain].pop(0) - 1])
+
+        do_tasks()
         for task in order:
-            acts += [*self._ways[here][self._places[task]], self._tasks[task - 1]]
-            here = self._places[task]
+            if task in left[self.chain_of[task]]:
+                for place in self._ways[here][self._places[task]]:
+                    acts.append(place)
+                    here = place
+                    do_tasks()
+                is_open.append(self.chain_of[task])
+                do_tasks()
         return acts + self._ways[here][self._end]
