@@ -176,9 +176,7 @@ class CoreNode:
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._register = InterfaceRegister()
-        self._facts = FactIntake(
-            self._core, self._register, self._worker, self._topics.connection_to, self._topics.send_again
-        )
+        self._facts = FactIntake(self._core, self._register, self._worker, self._topics)
         self._health = Health()
         self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {

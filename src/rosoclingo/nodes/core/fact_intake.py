@@ -1,7 +1,7 @@
 """The core's input of facts from the topic in_rosoclingo."""
 
 import time
-from typing import Any, Callable, Dict, NamedTuple, Set, Tuple
+from typing import Any, Dict, NamedTuple, Set, Tuple
 
 import rospy
 
@@ -10,6 +10,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.nodes.core.bounded_queue import BoundedQueue
 from rosoclingo.nodes.core.gathering import Gathering
+from rosoclingo.nodes.core.topics import CoreTopics
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import shortened
@@ -41,23 +42,15 @@ class FactIntake:
     """Queues facts until the worker takes them; the topic's callback only enqueues.
 
     Announcements are queued separately: they wake no worker and end no search. If a node announces an interface over a
-    new connection, but receives actions over the connection ``connection_to`` as before, ``send_again`` is called.
+    new connection, but receives actions over the same one as before, its running actions are sent again.
 
     Attributes:
         gathering: decides whether the next update waits for messages that were sent together.
 
     """
 
-    def __init__(
-        self,
-        core: ResumableCore,
-        register: InterfaceRegister,
-        worker: Worker,
-        connection_to: Callable[[str], Any],
-        send_again: Callable[[str], None],
-    ) -> None:
-        self._core, self._register, self._worker = core, register, worker
-        self._connection_to, self._send_again = connection_to, send_again
+    def __init__(self, core: ResumableCore, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
+        self._core, self._register, self._worker, self._actions = core, register, worker, actions
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
         self._announcements: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
         self._connections: Dict[Tuple[str, str], Tuple[Any, Any]] = {}  # from and to each node, by node and interface
@@ -102,14 +95,14 @@ class FactIntake:
     def _announce(self, message: _Sent) -> None:
         self._register.announce(message.node, message.interface)
         self._core.interfaces.announce(message.interface)
-        key, outward = (message.node, message.interface), self._connection_to(message.node)
+        key, outward = (message.node, message.interface), self._actions.connection_to(message.node)
         before = self._connections.get(key, (None, None))
         if len(self._connections) < MOST_ANNOUNCED:
             self._connections[key] = message.connection, outward
         if message.connection is not before[0]:
             limit_silence(self._inlet, message.connection)
             if outward is not None and outward is before[1]:
-                self._send_again(message.interface)
+                self._actions.send_again(message.interface)
 
 
 def _wake() -> None:
