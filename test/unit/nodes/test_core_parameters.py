@@ -188,6 +188,7 @@ def test_core_parameters_defaults_match_the_document():
     real.update(search_timeout=CoreSettings.search_timeout, recovery_timeout=CoreParameters.recovery_timeout)
     real.update(preempt=CoreSettings.preempt, goals_at_once=CoreSettings.goals_at_once)
     real.update(overtaking_limit=CoreSettings.overtaking_limit, learn_durations=CoreSettings.learn_durations)
+    real.update(interface_timeout=CoreSettings.interface_timeout, lost_timeout=CoreSettings.lost_timeout)
     real.update(plan=CoreParameters.plan, plan_time=CoreParameters.plan_time, journal=CoreParameters.journal)
     real.update(resume=CoreParameters.resume, required=CoreParameters.required)
     assert {name: yaml.safe_load(value) for name, value in documented.items()} == real
