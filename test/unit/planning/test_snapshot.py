@@ -96,30 +96,3 @@ def test_first_snapshot_is_at_step_one(first):
     snapshot, log = solver.snapshot, solver.log
     assert (snapshot.step, snapshot.horizon, snapshot.keep_from) == (log.step, log.horizon, log.keep_from) == (1, 1, 0)
     assert (solver.solve().step, solver.horizon) == (1, 1)
-
-
-# ---- Closed cycles ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("done", "late"), [("", "12"), (":- not _action_lib(go,x,1).", "2")])
-def test_snapshot_accepts_returns_of_the_last_cycles(done, late):
-    """The last cycle, and the last cycle with actions."""
-    text = "#cumulative t. #external _return(go,x,t). { _action_lib(go,x,t) }. #volatile t."
-    solver = planner_of(text)
-    play(solver, f"#step 2. #closed 1. {done}")
-    result = play(solver, "#step 4. #closed 2..3. _return(go,x,1). _return(go,x,2). _return(go,x,3).")
-    assert ignored(result) == [f"_return(go,x,{cycle})" for cycle in late]
-
-
-def test_snapshot_accepts_returns_of_each_cycle_with_actions_that_an_update_closes():
-    solver = planner_of("#cumulative t. #external _return(go,x,t). { _action_lib(go,x,t) }. #volatile t.")
-    done = ":- not _action_lib(go,x,1). :- not _action_lib(go,x,2)."
-    result = play(solver, f"#step 4. #closed 1..3. {done} _return(go,x,1). _return(go,x,2). _return(go,x,3).")
-    assert ignored(result) == []
-    assert ignored(play(solver, "#step 5. #closed 4. _return(go,x,1).")) == []
-
-
-def test_step_without_bound_removes_the_previous_bound():
-    solver = planner_of(WALK)
-    found = [play(solver, text).outcome for text in ("#step 1 : 1. _request(4,1).", "#step 1.")]
-    assert found == [SolveOutcome.UNSATISFIABLE, SolveOutcome.SATISFIABLE]

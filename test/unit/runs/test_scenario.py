@@ -120,5 +120,6 @@ def test_scenario_reports_all_faults_at_once(tmp_path):
         "events[1].cycle: must be an integer of at least 1, not 0",
         "events[2].delay: is only for events with a 'cycle'",
         "expect.goals[0]: must be one of succeeded, canceled, rejected, aborted, not 'won'",
-        "unknown key 'lunch' (did you mean launch?); keys are title, events, packages, expect, timeout, launch, servers",
+        "unknown key 'lunch' (did you mean launch?); "
+        "keys are title, events, packages, expect, timeout, launch, servers",
     ]

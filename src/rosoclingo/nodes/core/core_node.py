@@ -166,7 +166,7 @@ class CoreNode:
             self._parameters.settings,
             self._watch_search,
             self._watch_recovery,
-            None if self._parameters.time_to_shorten is None else self._watch_joining,
+            None if plan_time is None else self._watch_joining,
             record=found.state,
         )
         self._keeper.attach(self._core, found.state)
