@@ -186,23 +186,10 @@ class Tour:
         return [task for _, task in sorted(gaps, key=itemgetter(0))]
 
     def acts(self, order: Order) -> List[Act]:
-        """Return the moves and tasks of ``order``; an open chain continues when the tour passes its next place."""
+        """Return the moves and tasks of ``order``."""
         acts: List[Act] = []
-        here, left = self._places[0], [list(chain) for chain in self.chains]
-        is_open = [chain for chain, begun in enumerate(self._begun) if begun]
-
-        def do_tasks() -> None:
-            for chain in is_open:
-                while left[chain] and self._places[left[chain][0]] == here:
-                    acts.append(self._tasks[left[chain].pop(0) - 1])
-
-        do_tasks()
+        here = self._places[0]
         for task in order:
-            if task in left[self.chain_of[task]]:
-                for place in self._ways[here][self._places[task]]:
-                    acts.append(place)
-                    here = place
-                    do_tasks()
-                is_open.append(self.chain_of[task])
-                do_tasks()
+            acts += [*self._ways[here][self._places[task]], self._tasks[task - 1]]
+            here = self._places[task]
         return acts + self._ways[here][self._end]
