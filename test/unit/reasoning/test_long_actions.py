@@ -1,5 +1,7 @@
 """Programs with ``_running``: a cycle ends with the first return or arrival, and the other actions go on."""
 
+import re
+
 import pytest
 from core_driver import Driver, FaultyDriver
 from core_scripts import play, scripts
@@ -197,6 +199,17 @@ def test_long_actions_prefetch_the_return_that_is_due_first(ends, searches):
     before = standby.searches
     play(driver, f"facts {ends}")
     assert standby.searches - before == searches
+
+
+def test_long_actions_need_no_search_for_expected_success_while_nothing_runs():
+    standby, limits = Standby(plan_time=None), CoreSettings(horizon_limit=20, learn_durations=False)
+    driver = Driver(re.sub(r"#minimize.*", "", WORKSHOP), limits, solver=standby.solver)
+    searches = play(driver, "goal a make(box,9,1)") and standby.searches
+    play(driver, "facts _return(saw,1,1); sends :- not _action_lib(saw,1,1). _return(saw,1,1).; does paint,1,2")
+    assert standby.searches == searches
+    play(driver, "goal b make(box,9,2); facts _return(saw,2,3); sends ..._running(paint,1,3). _return(saw,2,3).")
+    assert standby.searches == searches + 2, "for the goal, and as an action goes on"
+    play(driver, "finish; is a succeeded; is b succeeded; problems 0")
 
 
 def test_deadlines_that_cannot_be_kept_abort_the_goal():
