@@ -73,7 +73,7 @@ class Core:
         self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle, learns)
         limits = settings.interface_timeout, settings.lost_timeout
         self.interfaces = InterfaceWatch(program, self._execution, observer, lambda: self.cycle, *limits)
-        joining = None if self._execution.goes_on else watch_joining
+        joining = None if self._execution.goes_on else watch_joining  # running actions do not wait for a plan
         self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._plan: Optional[TaskPlan] = TaskPlan()  # None after an interrupted search, which has to be repeated

@@ -57,21 +57,21 @@ class StateChanged(Event):
 
 @dataclass(frozen=True)
 class ActionsDispatched(Event):
-    """The actions of the cycle, which are executed together."""
+    """The actions that begin in the cycle, which are sent together; actions that go on are not sent again."""
 
     actions: Tuple[Action, ...]
 
 
 @dataclass(frozen=True)
 class ActionsPreempted(Event):
-    """Running actions that the plan no longer needs. The core still awaits their returns."""
+    """Running actions, as they were sent, that the plan no longer needs. The core still awaits their returns."""
 
     actions: Tuple[Action, ...]
 
 
 @dataclass(frozen=True)
 class ReturnAccepted(Event):
-    """An interface has returned the result of an action of this cycle."""
+    """An interface has returned the result of an action of this cycle; the return is dated as the program gets it."""
 
     atom: Symbol
 

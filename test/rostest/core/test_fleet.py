@@ -51,7 +51,11 @@ class Robots:
 
     def _serve(self, robot, verb):
         server = ActionServer(
-            f"{robot}/{verb}", KINDS[verb], lambda handle: self._begin(robot, verb, handle), self._ignore, auto_start=False
+            f"{robot}/{verb}",
+            KINDS[verb],
+            lambda handle: self._begin(robot, verb, handle),
+            self._ignore,
+            auto_start=False,
         )
         server.start()
         return server
@@ -78,7 +82,10 @@ class Robots:
 
     def _end(self, robot, handle):
         with self._lock:
-            if robot not in self._dead and handle.get_goal_status().status in (GoalStatus.ACTIVE, GoalStatus.PREEMPTING):
+            if robot not in self._dead and handle.get_goal_status().status in (
+                GoalStatus.ACTIVE,
+                GoalStatus.PREEMPTING,
+            ):
                 if robot in self.world.acts:
                     self.world.end(robot)
                 handle.set_succeeded()
@@ -147,7 +154,9 @@ class FleetTest(unittest.TestCase):
             self.assertTrue(number in load or places & {request.start, request.end}, text)
         else:
             self.assertIn(number, self.cancelled, text)
-            self.assertFalse(any(number in load for load in self.robots.world.load.values()) and number not in load, text)
+            self.assertFalse(
+                any(number in load for load in self.robots.world.load.values()) and number not in load, text
+            )
 
 
 if __name__ == "__main__":

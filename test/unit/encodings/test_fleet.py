@@ -219,10 +219,10 @@ def test_fleet_robot_charges_in_time():
         f"corridor(office{one},office{one + 1}). " for one in range(1, 4)
     )
     floor = Source("floor", f"#program base. {row} start(r1,office1). charger(office1).\n")
-    driver = Driver(
-        program=ReactiveProgram([*texts, floor], {"charge": "6"}), solver=shortest, settings=CoreSettings()
-    )
-    driver.goal("1", "goal(office1,office4,1)").goal("2", "goal(office1,office4,2)").facts("_battery(r1,2,now)").finish()
+    driver = Driver(program=ReactiveProgram([*texts, floor], {"charge": "6"}), solver=shortest, settings=CoreSettings())
+    driver.goal("1", "goal(office1,office4,1)").goal("2", "goal(office1,office4,2)").facts(
+        "_battery(r1,2,now)"
+    ).finish()
     assert [driver.states(key)[-1] for key in "12"] == ["succeeded", "succeeded"]
     drives, least = 0, 0
     for action in map(str, driver.journal.actions):
