@@ -14,13 +14,12 @@ STREAMS = [
     (RETURNS, "#step 2. #closed 1. :- not _action_lib(a,x,1). => _action_lib(a,x,1)",
      "#step 4. #closed 2..3. _return(a,x,2). => _action_lib(a,x,1) ! _return(a,x,2)",
      "_return(a,x,1). => _action_lib(a,x,1) _return(a,x,1) c(1)"),
-    # and for each cycle with actions that the last update closes
-    (RETURNS.replace("x,1)", "x,1..2)"),
-     "#step 4. #closed 1..3. :- not _action_lib(a,x,1). :- not _action_lib(a,x,2). _return(a,x,1). _return(a,x,2). "
-     "_return(a,x,3). => "
-     "_action_lib(a,x,1) _action_lib(a,x,2) _return(a,x,1) _return(a,x,2) _return(a,x,3) c(1) c(2) c(3)",
-     "#step 5. #closed 4. _return(a,x,1). => "
-     "_action_lib(a,x,1) _action_lib(a,x,2) _return(a,x,1) _return(a,x,2) _return(a,x,3) c(1) c(2) c(3)"),
+    # ... and for each cycle with actions that the update closes
+    (RETURNS + "{ _action_lib(a,x,2) } :- t = 2.",
+     "#step 4. #closed 1..3. :- not _action_lib(a,x,1). :- not _action_lib(a,x,2). _return(a,x,1). _return(a,x,2). => "
+     "_action_lib(a,x,1) _action_lib(a,x,2) _return(a,x,1) _return(a,x,2) c(1) c(2)",
+     "#step 5. #closed 4. _return(a,x,3). => "
+     "_action_lib(a,x,1) _action_lib(a,x,2) _return(a,x,1) _return(a,x,2) c(1) c(2) ! _return(a,x,3)"),
     # the horizon
     ("#cumulative t. #volatile t. end(t). :- t < 4.", "#step 1 : 1. => ", "#step 1. => end(4)",
      "#step 1 : 9. => end(4)", "#step 5. => end(5)"),
