@@ -66,7 +66,7 @@ def test_facts_reason_never_equals_success_of_an_action(parameters, reason, data
     assert value == reason or reason in parameters or reason.arguments[-1] in parameters
     under_way = Dispatch(3, tuple(actions), 0.0)
     under_way.take(return_of(read_term(return_text(action, value))))
-    [(_, blamed)] = under_way.failures
+    [(_, blamed)] = under_way.failures(under_way.returns)
     assert action in blamed
     assert value == reason or blamed == (action,)
 
