@@ -138,6 +138,16 @@ def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
     assert (fleet.last(2), fleet.world.delivered) == ("succeeded", [2])
 
 
+def test_fleet_accepts_a_late_fact_about_a_robot_that_acts():
+    fleet = Fleet(RING, {"r1": 1, "r2": 4}, solver=shortest)
+    fleet.ask(1, 1, 2).end("r1").end("r1")
+    assert fleet.under_way["r1"].interface.name == "deliver"
+    fleet.facts("_lost(r1,2)")
+    assert fleet.problems == []
+    fleet.end_all()
+    assert fleet.world.delivered == [1]
+
+
 def test_fleet_continues_with_a_robot_that_is_back():
     fleet = Fleet(RING, {"r1": 1})
     fleet.ask(1, 1, 2).end("r1")
