@@ -5,11 +5,11 @@ journal and replay read the same list.
 """
 
 from dataclasses import dataclass
-from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import DatedActions
+from rosoclingo.oclingo.program.action_rules import ACTION, DatedActions
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Expire, Reset, StreamUpdate, Withdraw
@@ -58,6 +58,19 @@ class Plan(NamedTuple):
         """Return the plan delayed by one cycle, for example to repeat a failed action."""
         return Plan(frozenset(delay(one, 1) for one in self.actions), self.horizon + 1)
 
+    def delayed_by(self, running: Iterable[clingo.Symbol], cycle: int) -> "Plan":
+        """Return the plan from ``cycle`` on, in which ``running`` actions go on and delay those of the same robots.
+
+        ``running`` are ``_running`` atoms of the cycle before. The robots are the arguments of an action's name, as in
+        ``move_base(r1)`` and ``pickup(r1)``, or the name itself.
+        """
+        at = [clingo.Number(cycle)]
+        going = {clingo.Function(ACTION.name, [*one.arguments[:2], *at]) for one in running}
+        late = {robot for one in going for robot in _robots(one)}
+        left = self.rest(cycle).actions
+        moved = (one if late.isdisjoint(_robots(one)) else delay(one, 1) for one in left)
+        return Plan(frozenset(going).union(moved), self.horizon + 1)
+
     def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
         """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
         return [(action, action in self.actions) for action in actions]
@@ -66,6 +79,11 @@ class Plan(NamedTuple):
     def last_cycle(self) -> int:
         """The cycle of the last action; a very small number if the plan is empty."""
         return max(map(cycle_of, self.actions), default=-(2**31))
+
+
+def _robots(action: clingo.Symbol) -> Sequence[clingo.Symbol]:
+    name = action.arguments[0]
+    return (name.arguments if name.type is clingo.SymbolType.Function else ()) or [name]
 
 
 def cycle_of(action: clingo.Symbol) -> int:

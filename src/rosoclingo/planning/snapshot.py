@@ -5,7 +5,7 @@ from typing import FrozenSet, Optional, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import FAILED, RETURN
+from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, RUNNING
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
@@ -53,6 +53,12 @@ class Snapshot(StreamState):
     def is_steady(self) -> bool:
         """Whether no statement lapses with the next update."""
         return all(one.lifetime != UPDATE for one in self.timed_statements)
+
+    @property
+    def running(self) -> FrozenSet[clingo.Symbol]:
+        """The ``_running`` atoms of the last cycle."""
+        heads = [one.head for one in self.statements if one.head is not None and signature_of(one.head) == RUNNING]
+        return frozenset(one for one in heads if one.arguments[2] == clingo.Number(self.step - 1))
 
     @property
     def awaiting_returns(self) -> FrozenSet[int]:

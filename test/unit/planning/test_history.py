@@ -263,6 +263,21 @@ def test_plan_has_the_actions_of_known_cycles():
     assert plan.delayed() == Plan(frozenset(map(parse_atom, ["_action_lib(go,1,4)", "_action_lib(go,2,3)"])), 5)
 
 
+@pytest.mark.parametrize(
+    ("running", "expected"),
+    [
+        (["_running(go(r1),a,3)"], "go(r1),a,4 take(r1),x,5 go(r2),d,4 wave,y,4"),  # both actions of r1 are late
+        (["_running(wave,y,3)"], "take(r1),x,4 go(r2),d,4 wave,y,4 wave,y,5"),  # a name without arguments
+        (["_running(go(r1),a,3)", "_running(go(r2),c,3)"], "go(r1),a,4 take(r1),x,5 go(r2),c,4 go(r2),d,5 wave,y,4"),
+    ],
+)
+def test_plan_delays_only_actions_of_robots_that_are_under_way(running, expected):
+    texts = ["go(r1),a,3", "go(r2),c,3", "take(r1),x,4", "go(r2),d,4", "wave,y,4"]
+    plan = Plan(frozenset(parse_atom(f"_action_lib({one})") for one in texts), 4)
+    late = plan.delayed_by([parse_atom(one) for one in running], 4)
+    assert late == Plan(frozenset(parse_atom(f"_action_lib({one})") for one in expected.split()), 5)
+
+
 # ---- Histories of solvers --------------------------------------------------------------------------------------------
 
 PROGRAM = "#cumulative t. #external e(t). #volatile t."

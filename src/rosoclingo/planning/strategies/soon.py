@@ -99,15 +99,20 @@ class TimeLimitedSearch:
     # ---- The last plan -----------------------------------------------------------------------------------------------
 
     def _keep_plan(self) -> _Asks[None]:
-        """Adopt the rest of the last plan if it is still a plan, unchanged or delayed by one step."""
+        """Adopt the rest of the last plan if it is still a plan, unchanged or delayed by one step.
+
+        If actions go on, only the further actions of the same robots are delayed.
+        """
         if self._plan is None:
             return
-        rest = self._plan.rest(self._runner.step)
-        delayed = self._plan.rest(self._runner.step - 1).delayed()
+        step, running = self._runner.step, self._runner.snapshot.running
+        rest, delayed = self._plan.rest(step), self._plan.rest(step - 1).delayed()
+        if running:
+            delayed = self._plan.delayed_by(running, step)
         for plan in (rest, delayed):
             reply = yield from self._ask_exactly(plan)
             if reply.satisfiable:
-                if plan is rest:  # it is improved while it runs
+                if plan is rest or running:  # it is improved while it runs
                     self._seconds *= 0.0 if self._succeeds and not plan.shortest else KEPT
                 if plan is rest and self._succeeds:
                     self._best = reply

@@ -206,6 +206,37 @@ def test_soon_does_not_shorten_predicted_plans(news, searches):
     assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
+CARTS = """
+#external _running/3. #external _return/3. #external _request/2.
+#program base. cart(r1). cart(r2).
+#program cumulative(t).
+wanted(t) :- _request(go,t).
+wanted(t) :- wanted(t-1).
+_action_lib(A,P,t) :- _running(A,P,t-1).
+{ _action_lib(go(R),P,t) : P = 1..6 } 1 :- cart(R).
+done(R,P,t) :- _action_lib(go(R),P,t), not _running(go(R),P,t).
+at(R,0,0) :- cart(R), t = 1.
+at(R,P,t) :- done(R,P,t).
+at(R,P,t) :- at(R,P,t-1), not done(R,Q,t) : Q = 1..6.
+:- _action_lib(go(R),P,t), not at(R,P-1,t-1).
+#program volatile(t).
+:- wanted(t), at(R,P,t), P < 4.
+"""
+
+
+def test_soon_delays_only_the_robot_whose_action_goes_on(searches):
+    solver = PlanSolver(ReactiveProgram.from_text(CARTS), plan_time=0.0)
+    solver.update(parse_update("#step 1. _request(go,1). #endstep."))
+    searches.clear()
+    sent = ":- not _action_lib(go(r1),1,1). :- not _action_lib(go(r2),1,1)."
+    news = "_running(go(r2),1,1). _return(go(r1),1,1)."
+    result = solver.update(parse_update(f"#step 2. #closed 1. {sent} {news} #endstep."))
+    found = sorted(str(one) for one in Plan.from_result(result).actions if cycle_of(one) > 1)
+    first = [f"_action_lib(go(r1),{place},{place})" for place in (2, 3, 4)]
+    assert found == [*first, *(f"_action_lib(go(r2),{place},{place + 1})" for place in (1, 2, 3, 4))]
+    assert searches == [(4, 4), (5, 5), (2, 5)], "the rest of the plan, the delayed plan, and its trimming"
+
+
 def test_soon_returns_the_best_answer_in_time(monkeypatch):
     """Proving the optimum for fourteen pigeons in thirteen holes takes too long."""
     text = """
