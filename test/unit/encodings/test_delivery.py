@@ -44,7 +44,7 @@ def listed(file):
 
 @pytest.mark.slow
 def test_delivery_failure_rules_use_only_listed_hooks():
-    rules = [ENCODINGS / "delivery" / name for name in ("rules.lp", "statuses.lp")]
+    rules = [ENCODINGS / "delivery" / name for name in ("requests.lp", "rules.lp", "statuses.lp")]
     others = [file for file in FILES if file not in rules]
     assert len(others) == 6
     hooks = predicates(False, *rules) & (predicates(True, *others) - predicates(True, *rules))

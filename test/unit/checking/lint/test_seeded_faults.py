@@ -14,7 +14,7 @@ RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/s
 #: Program, file, old text, new text (@ marks the place of the finding), kind, words of the finding.
 SEEDS = [
     # names that look misspelt, in bodies, in heads, in #show and #external
-    ("mailbot", RULES, "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "did you mean open/2?"),
+    ("mailbot", "delivery/requests.lp", "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "did you mean open/2?"),
     ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "did you mean _seen/3?"),
     ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "did you mean _request/2?"),
     ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "did you mean watered/2?"),
