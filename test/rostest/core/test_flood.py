@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client, ManualInterfaces
 from interface_helpers import Process, init_node, wait_to_hear, wait_until
 
-#: The facts of two flooding nodes, with a running number.
-FLOODS = {"sensor": ("_seen({})", "reading({})"), "stray": ("x{}((", "_return(walk,{},1)")}
+#: The facts of two flooding nodes, with a running number. A return of a cycle that runs would fail its action.
+FLOODS = {"sensor": ("_seen({})", "reading({})"), "stray": ("x{}((", "_return(walk,{},1000000)")}
 
 
 def flood(kind):
