@@ -9,6 +9,7 @@ import json
 import os
 import resource
 import statistics
+import sys
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -78,7 +79,7 @@ def parse(doc: str, options: Dict[str, Option], words: Optional[Sequence[str]] =
         "--short", action="store_true", help="run the short form, at most two minutes; other options override it"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures as JSON lines to FILE")
-    short = parser.parse_known_args(words)[0].short
+    short = "--short" in (sys.argv[1:] if words is None else words)
     for name, (default, text, value, choices) in options.items():
         flag, default = "--" + name.replace("_", "-"), value if short and value is not None else default
         if isinstance(default, bool):

@@ -114,7 +114,7 @@ class Snapshot(StreamState):
     def _without_late(self, update: StreamUpdate) -> Tuple[StreamUpdate, Tuple[str, ...]]:
         """Return ``update`` without returns that can no longer arrive, and warnings about them."""
         cycles = [range(one.first, one.last + 1) for one in update.items if isinstance(one, CloseCycles)]
-        ended = {cycle for some in cycles for cycle in some if self.closed.get(cycle)}  # with actions
+        ended = {one for one, done in self.closed.items() if done and any(one in some for some in cycles)}
         closed = {clingo.Number(cycle) for cycle in self.closed.keys() - self.awaiting_returns - ended}
         heads = {one for one in update.heads if one is not None and signature_of(one) in (RETURN, FAILED)}
         late = {one for one in heads if one.arguments[2] in closed}
