@@ -127,6 +127,7 @@ class FleetWorld:
     def _no_delivery(self, robot: str, number: int) -> str:
         if self._toward[robot]:
             return "it is between two offices"
-        bound = {self.load[robot].get(number), *([self._origins[number]] if number in self._returnable else [])}
-        there = number in self.load[robot] and self.at[robot] in bound
-        return "" if there else "it is not on board, or belongs elsewhere"
+        if number not in self.load[robot]:
+            return "it is not on board"
+        bound = {self.load[robot][number], *([self._origins[number]] if number in self._returnable else [])}
+        return "" if self.at[robot] in bound else f"it belongs to office {' or '.join(map(str, sorted(bound)))}"

@@ -10,11 +10,19 @@ from rosoclingo.checking.lint.kinds import KINDS
 from rosoclingo.oclingo.program.sources import Source
 
 RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/statuses.lp"
+REQUESTS = "delivery/requests.lp"
 
 #: Program, file, old text, new text (@ marks the place of the finding), kind, words of the finding.
 SEEDS = [
     # names that look misspelt, in bodies, in heads, in #show and #external
-    ("mailbot", "delivery/requests.lp", "busy(t)    :- open(Id,t).", "busy(t)    :- @opne(Id,t).", "undefined", "did you mean open/2?"),
+    (
+        "mailbot",
+        REQUESTS,
+        "busy(t)    :- open(Id,t).",
+        "busy(t)    :- @opne(Id,t).",
+        "undefined",
+        "did you mean open/2?",
+    ),
     ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "did you mean _seen/3?"),
     ("paper", "paper.lp", "#external _request/2.", "@#external _requst/2.", "misspelt", "did you mean _request/2?"),
     ("garden", "garden.lp", "watered(P,t) :-", "@waterd(P,t) :-", "misspelt", "did you mean watered/2?"),
