@@ -92,7 +92,7 @@ def close_dead(connection: Any) -> None:
 
 
 def on_reachable_hosts(nodes: Iterable[str]) -> Set[str]:
-    """Return the nodes whose hosts respond to a connection, also by refusing it.  Raises FAULTS without a master."""
+    """Return the nodes whose hosts respond to a connection, also by refusing it. Raises FAULTS without a master."""
     found: Set[str] = set()
     dead: Set[Optional[str]] = set()
     for node in nodes:

@@ -105,10 +105,10 @@ def read_values(reader: Reader) -> Values:
     values = {name: one.texts(wanted="a list of values such as [r1, r2]", some=True) for name, one in entries}
     for name, some in values.items():
         if not _VARIABLE.search(f"({name})"):
-            reader.fault(f"{name} is no variable: it has to begin with a capital, such as R in move_base(R)")
+            reader.fault(f"{name} is not a variable: begin it with a capital, such as R in move_base(R)")
         for value in some:
             if not _CONSTANT.match(value):
-                reader.fault(f"{value!r} for {name} has to be a constant such as r1, as it is a part of names")
+                reader.fault(f"{value!r} for {name} is not a constant: write one such as r1")
     return values
 
 
@@ -138,7 +138,7 @@ def _check_variables(entry: Reader, names: List[str]) -> None:
         for name in _IN_TEXT.findall(reader.value) if isinstance(reader.value, str) else ():
             if name not in names:
                 fix = f"its variables are {', '.join(names)}" if names else "write a name such as move_base(R)"
-                reader.fault(f"{{{name}}} is no variable of the entry's name ({fix})")
+                reader.fault(f"{{{name}}} is not a variable of the entry's name ({fix})")
 
 
 def _filled(value: Any, given: Mapping[str, str]) -> Any:

@@ -61,14 +61,13 @@ class Plan(NamedTuple):
     def delayed_by(self, running: Iterable[clingo.Symbol], cycle: int) -> "Plan":
         """Return the plan from ``cycle`` on, in which ``running`` actions go on and delay those of the same robots.
 
-        ``running`` are ``_running`` atoms of the cycle before. The robots are the arguments of an action's name, as in
-        ``move_base(r1)`` and ``pickup(r1)``, or the name itself.
+        ``running`` are ``_running`` atoms of the cycle before. For the robots see :func:`robots_of`.
         """
         at = [clingo.Number(cycle)]
         going = {clingo.Function(ACTION.name, [*one.arguments[:2], *at]) for one in running}
-        late = {robot for one in going for robot in _robots(one)}
+        late = {robot for one in going for robot in robots_of(one.arguments[0])}
         left = self.rest(cycle).actions
-        moved = (one if late.isdisjoint(_robots(one)) else delay(one, 1) for one in left)
+        moved = (one if late.isdisjoint(robots_of(one.arguments[0])) else delay(one, 1) for one in left)
         return Plan(frozenset(going).union(moved), self.horizon + 1)
 
     def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
@@ -81,8 +80,8 @@ class Plan(NamedTuple):
         return max(map(cycle_of, self.actions), default=-(2**31))
 
 
-def _robots(action: clingo.Symbol) -> Sequence[clingo.Symbol]:
-    name = action.arguments[0]
+def robots_of(name: clingo.Symbol) -> Sequence[clingo.Symbol]:
+    """Return the robots of an interface: the arguments of its name, as in ``move_base(r1)``, or else the name."""
     return (name.arguments if name.type is clingo.SymbolType.Function else ()) or [name]
 
 

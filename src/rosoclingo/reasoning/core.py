@@ -142,7 +142,7 @@ class Core:
 
     def advance(self, now: float) -> bool:
         """Start the next cycle if there is a reason to; return False if the core waits for an arrival."""
-        if not self._due() and self.awaited:
+        if self.awaited and not self._due():  # cheap while actions run
             self._preempt()  # which can end the cycle, as a cancellation is an arrival for the program
         if not self._due():
             return False

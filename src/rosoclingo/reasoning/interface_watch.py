@@ -2,9 +2,10 @@
 
 from typing import Callable, Dict, FrozenSet, List, Set
 
-from clingo import Function, String, Symbol, SymbolType
+from clingo import Function, String, Symbol
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_term
+from rosoclingo.planning.history import robots_of
 from rosoclingo.reasoning.events import ActionsPreempted, Event, Problem
 from rosoclingo.reasoning.interface_register import MOST_NAMES
 from rosoclingo.reasoning.keywords import BACK, INTERFACE_LOST, LOST, NOW, Action, action_of
@@ -112,8 +113,6 @@ class InterfaceWatch:
 def robot_of(interface: str) -> Symbol:
     """Return the robot of an interface: the first argument of its name, else its name."""
     try:
-        term = parse_term(interface)
+        return robots_of(parse_term(interface))[0]
     except ProgressionError:
         return String(interface)
-    arguments = term.arguments if term.type is SymbolType.Function else []
-    return arguments[0] if arguments else term

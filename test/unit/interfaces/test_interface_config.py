@@ -164,8 +164,8 @@ def test_interface_config_without_values_knows_the_instances():
     [
         ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
         ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
-        ({"arm": FLEET}, {}, r"arm.server: {R} is no variable of the entry's name \(write a name such as"),
-        ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is no variable .* \(its variables are S\)"),
+        ({"arm": FLEET}, {}, r"arm.server: {R} is not a variable of the entry's name \(write a name such as"),
+        ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is not a variable .* \(its variables are S\)"),
         ({"Arm(R)": FLEET}, {"R": ["r1"]}, r"Arm\(R\): the name must be the ASP term"),
     ],
 )
@@ -180,8 +180,8 @@ def test_interface_config_variables_have_values(data, values, fault):
         (["r1"], "~values: must be a mapping of variables to values"),
         ({"R": "r1"}, "~values.R: must be a list of values such as"),
         ({"R": []}, "~values.R: must be a list of values such as"),
-        ({"robot": ["r1"]}, "~values: robot is no variable: it has to begin with a capital"),
-        ({"R": ["robot(1)"]}, r"~values: 'robot\(1\)' for R has to be a constant such as r1"),
+        ({"robot": ["r1"]}, "~values: robot is not a variable: begin it with a capital"),
+        ({"R": ["robot(1)"]}, r"~values: 'robot\(1\)' for R is not a constant: write one such as r1"),
     ],
 )
 def test_interface_config_values_are_lists_of_constants(values, fault):

@@ -19,7 +19,6 @@ from rosoclingo.nodes.rviz.panel import Panel, goals_text, plan_text
 from rosoclingo.nodes.rviz.plain_shapes import Point, Shape, larger, with_plate
 from rosoclingo.nodes.rviz.scene import (
     drawn_shapes,
-    is_action_of,
     label_shapes,
     package_shapes,
     plan_shapes,
@@ -28,6 +27,7 @@ from rosoclingo.nodes.rviz.scene import (
     things_in,
 )
 from rosoclingo.oclingo import ProgressionError, parse_atom
+from rosoclingo.planning.history import robots_of
 from rosoclingo.reasoning.keywords import Action, KeywordError, action_of
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
@@ -156,7 +156,9 @@ class MarkersNode:
             actions = _actions(plan.actions)
             shapes.append(panel.plan(plan_text(actions, plan.cycle)))
             for robot in self._robots:
-                steps = plan_steps([one for one in actions if not robot or is_action_of(one, robot)], self._labels)
+                steps = plan_steps(
+                    [one for one in actions if not robot or robot in map(str, robots_of(one.interface))], self._labels
+                )
                 shapes += plan_shapes(steps, plan.cycle, self._starts.get(robot))
         if goals is not None:
             shapes.append(panel.goals(goals_text([(one.request, one.status, one.reason) for one in goals.goals])))

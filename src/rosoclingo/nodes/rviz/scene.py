@@ -3,8 +3,6 @@
 import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from clingo import SymbolType
-
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.nodes.rviz.plain_shapes import INK, PAPER, TEXT_SIZE, Colour, Point, Shape, text_shape
 from rosoclingo.reasoning.keywords import Action
@@ -124,12 +122,6 @@ def _tag(group: str, frame: str, text: str, place: Tuple[float, float], colour: 
 
 def _line(frame: str, colour: Colour, width: float, start: Point, end: Point) -> Shape:
     return Shape("drawn", "line", frame, colour, scale=(width, 0.0, 0.0), points=(start, end))
-
-
-def is_action_of(action: Action, robot: str) -> bool:
-    """Return whether a robot is an argument of an action's name, as in ``move_base(r1)``."""
-    name = action.interface
-    return name.type is SymbolType.Function and robot in map(str, name.arguments)
 
 
 def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
