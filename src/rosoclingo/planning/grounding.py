@@ -172,7 +172,7 @@ class Grounding:
         facts = self.snapshot.permanent_facts(self._assumables.facts)
         self._externals.stepless.update(opened)
         self._ground([self.program.open_part(atom, atom in facts) for atom in opened], noted=FIRST)
-        return facts.intersection(opened)
+        return facts.keys() & opened
 
     def _add_past(self, facts: Iterable[clingo.Symbol]) -> None:
         """Add the ``facts`` of compacted steps."""

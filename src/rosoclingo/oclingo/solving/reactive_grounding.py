@@ -53,7 +53,8 @@ class ReactiveGrounding:
         self._was_searched = False
         with refusing(self.messages, program):
             program.load_into(self._control)
-        self._facts = state.permanent_facts().intersection(self._new_open(state))  # they need no defining statement
+        permanent, heads = state.permanent_facts(), self._new_open(state)
+        self._facts = {one: permanent[one] for one in heads if one in permanent}  # they need no defining statement
         self.open_heads(state)
         self._ground([("base", [])], range(1, 2))
         self._externals.end_base()
@@ -145,7 +146,7 @@ class ReactiveGrounding:
         """Add a statement, or defer it to the step that declares its head; return False to ignore it."""
         definitions, head = self._definitions, entry.statement.head
         if head in self._facts:
-            return True
+            return not entry.statement.body or entry.update == self._facts[head]
         if head is None or definitions.is_open(head, entry.update) or self._is_unmentioned(head):
             guards = [] if entry.lifetime == FOREVER else [self._session.new_external(HOLDS)]
             self._guards.update((id(entry), guard) for guard in guards)

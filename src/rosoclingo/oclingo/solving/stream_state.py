@@ -15,7 +15,6 @@ from typing import (
     Mapping,
     NamedTuple,
     Optional,
-    Set,
     Tuple,
     Type,
     TypeVar,
@@ -140,19 +139,21 @@ class StreamState:
         """The heads of the statements, in order."""
         return dict.fromkeys(one.head for one in self.statements if one.head is not None)
 
-    def permanent_facts(self, assumable: FrozenSet[clingo.Symbol] = frozenset()) -> Set[clingo.Symbol]:
-        """Return the facts that never lapse, except ``assumable`` ones.
+    def permanent_facts(self, assumable: FrozenSet[clingo.Symbol] = frozenset()) -> Dict[clingo.Symbol, int]:
+        """Return the facts that never lapse, except ``assumable`` ones, with the numbers of their updates.
 
         The first update that permanently defines a head closes it: later statements are ignored.
         """
         closing: Dict[clingo.Symbol, int] = {}
-        facts: Set[clingo.Symbol] = set()
+        facts: Dict[clingo.Symbol, int] = {}
+        omitted = with_their_failures(assumable)
         for statement, lifetime, number in self.timed_statements:
-            if statement.head is None or lifetime != FOREVER:
+            head = statement.head
+            if head is None or lifetime != FOREVER or head in omitted:
                 continue
-            if closing.setdefault(statement.head, number) == number and not statement.body:
-                facts.add(statement.head)
-        return facts - with_their_failures(assumable)
+            if closing.setdefault(head, number) == number and not statement.body:
+                facts[head] = number
+        return facts
 
     def closes_loops(self, program: ReactiveProgram) -> bool:
         """Return whether a statement closes a positive loop through the program."""

@@ -103,6 +103,14 @@ def test_result_has_warnings_of_parser_and_solver():
     assert ignored == "Head c(1) has not been declared external. The entire rule will be ignored."
 
 
+def test_later_update_cannot_add_a_rule_for_a_fact():
+    warning = "Head g(x) has not been declared external. The entire rule will be ignored."
+    solver = solver_of("#base. { a }. #external g/1. #cumulative t. h(t) :- g(x). #volatile t.")
+    assert play(solver, "#step 1. g(x). g(x) :- a.").warnings == ()
+    assert play(solver, "#step 2. g(x).").warnings == (), "a fact that is already true is no error"
+    assert play(solver, "#step 3. g(x) :- a.").warnings == (warning,)
+
+
 def test_horizon_limit_refuses_later_steps():
     solver = solver_of(WALK, horizon_limit=3)
     assert play(solver, "#step 3.").outcome is SolveOutcome.SATISFIABLE
