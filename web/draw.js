@@ -56,6 +56,11 @@ function count(number, one, many) {
   return `${number} ${number === 1 ? one : many}`;
 }
 
+/** Details that stay open or closed while views are drawn again; none for an empty text. */
+function details(text) {
+  return text ? html("details", {}, html("summary", {}, "details"), html("code", {}, text)) : null;
+}
+
 /** A round distance between marks of an axis, for about the wanted number of marks. */
 function marks(from, to, wanted) {
   const rough = Math.max((to - from) / wanted, 1e-9);

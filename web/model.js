@@ -2,7 +2,7 @@
 // The model of a run: its state at any moment, for the views. Its input is the JSON of runs/run_view.py, complete in a
 // report, incremental on the live page. Times are seconds since the beginning of the run.
 
-const TABLES = ["goals", "cycles", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log"];
+const TABLES = ["goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log"];
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
 /** The index of the last record not later than a moment, in a list ordered by time; -1 if there is none. */
@@ -30,12 +30,11 @@ class RunModel {
   /** Forget all data, before another run or a complete new message. */
   clear() {
     this.born = (this.born || 0) + 1;
-    this.about = { labels: {}, map: null, run: 1 };
+    this.about = { labels: {}, titles: {}, map: null, run: 1, statuses: {} };
     this.seconds = 0;
     this.revision = 0;
     this.thinned = 0;
     this.terms = [];
-    this.words = [];
     this.shapes = [];
     this.poses = [];
     for (const name of TABLES) this[name] = [];
@@ -48,15 +47,20 @@ class RunModel {
     this.revision = changes.revision;
     this.thinned = changes.thinned;
     for (const term of changes.terms) this.terms.push(term);
-    for (const word of changes.words) this.words.push(word);
     for (const shape of changes.shapes) this.shapes.push(shape);
     this.poses.length = changes.first;
     for (const pose of changes.poses) this.poses.push(pose);
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
   }
 
-  actionName(action) {
-    return action.parameter === "" ? action.interface : `${action.interface} ${action.parameter}`;
+  /** The status of a goal for people. */
+  said(word) {
+    return this.about.statuses[word] || word;
+  }
+
+  /** The name of a label for people. */
+  title(label) {
+    return this.about.titles[label] || label;
   }
 
   /** The robot's pose: [time, x, y, yaw, driven metres], null if unknown. */
@@ -129,9 +133,9 @@ class RunModel {
   goalAt(goal, time) {
     const number = lastAt(goal.states, time, (one) => one[0]);
     if (goal.sent > time || number < 0) return null;
-    const [, word, reason] = goal.states[number];
+    const [, word, reason, details] = goal.states[number];
     const end = goal.ended !== null && goal.ended <= time ? goal.ended : time;
-    return { word, reason, waited: end - goal.sent, open: OPEN.has(word) };
+    return { word, reason, details, waited: end - goal.sent, open: OPEN.has(word) };
   }
 
   /** Seconds until a goal was accepted, null if it was not. */

@@ -27,25 +27,28 @@ class GoalsView {
   row(goal, state) {
     if (!state) return null;
     if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
-    const { row, word, waited, reason, last, cancel } = this.rows.get(goal.id);
+    const { row, name, word, waited, reason, terms, last, cancel } = this.rows.get(goal.id);
     const offered = goal.ended === null && state.word !== "canceling" && this.mine(goal);
     if (offered && !cancel.isConnected) last.append(cancel);
     if (!offered) cancel.remove();
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
-    say(word, state.word);
+    say(name, goal.words);
+    say(word, this.model.said(state.word));
     word.className = `state ${state.word}`;
     say(waited, seconds(state.waited));
     say(reason, speaks ? state.reason : "");
+    say(terms, [goal.request, speaks ? state.details : ""].filter(Boolean).join("\n"));
     return row;
   }
 
   newRow(goal) {
     const [word, waited, reason] = [html("span"), html("td", { class: "number" }), html("span")];
     const cancel = html("button", { type: "button", onclick: () => this.cancel(goal) }, "Cancel");
-    cancel.setAttribute("aria-label", `Cancel ${goal.request}`);
-    const name = html("th", { scope: "row" }, html("code", {}, goal.request));
+    cancel.setAttribute("aria-label", `Cancel ${goal.words}`);
+    const [name, terms] = [html("span"), html("code")];
+    const head = html("th", { scope: "row" }, name, html("details", {}, html("summary", {}, "details"), terms));
     const last = html("td", {}, reason);
-    return { row: html("tr", {}, name, html("td", {}, word), waited, last), word, waited, reason, last, cancel };
+    return { row: html("tr", {}, head, html("td", {}, word), waited, last), name, word, waited, reason, terms, last, cancel };
   }
 }
 
@@ -89,7 +92,7 @@ class CycleView {
       const one = begun.get(wordOf(action));
       const state = one ? one.state : action.cycle < cycle.cycle ? "done" : "ahead";
       const end = one && (one.state === "failed" || one.state === "gone") ? `: ${one.value}` : "";
-      return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${this.model.actionName(action)}${end}`);
+      return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${action.words}${end}`);
     });
     const times = plan.ground === null ? "" : `; grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}`;
     const which = cycle.plans.length > 1 ? `; plan ${found.number + 1} of ${cycle.plans.length} in cycle ${cycle.cycle}` : "";
@@ -98,7 +101,7 @@ class CycleView {
   }
 
   problems(cycle, time) {
-    const lines = cycle.problems.filter(([at]) => at <= time).map(([, text]) => html("li", {}, text));
+    const lines = cycle.problems.filter(([at]) => at <= time).map(([, text, terms]) => html("li", {}, text, details(terms)));
     return lines.length ? [html("h3", {}, "Log"), html("ul", {}, lines)] : null;
   }
 
@@ -163,7 +166,7 @@ class LogView {
     }
   }
 
-  line({ time, cycle, kind, text }) {
+  line({ time, cycle, kind, text, details: terms }) {
     const moment = html("button", { type: "button", class: "moment", onclick: () => this.seek(time) }, `${time.toFixed(1)} s`);
     return html(
       "li",
@@ -171,7 +174,7 @@ class LogView {
       moment,
       html("span", { class: "number" }, `${cycle}`),
       html("span", { class: "kind" }, kind),
-      html("span", { class: "text" }, text)
+      html("span", { class: "text" }, text, details(terms))
     );
   }
 }

@@ -110,15 +110,15 @@ class TimelineView {
 
   goal({ goal, state, end }, top, time) {
     const name = state.open ? "now" : state.word === "succeeded" ? "done" : state.word === "canceled" ? "gone" : "failed";
-    const whole = `${goal.request}: ${state.word}${state.reason ? ` (${state.reason})` : ""}, ${seconds(state.waited)}`;
-    return this.bar(goal.sent, Math.max(end, state.open ? time : end), top, name, goal.request, whole);
+    const whole = `${goal.words}: ${this.model.said(state.word)}${state.reason ? ` (${state.reason})` : ""}, ${seconds(state.waited)}`;
+    return this.bar(goal.sent, Math.max(end, state.open ? time : end), top, name, goal.words, whole);
   }
 
   action(one, lanes, top, time) {
     const lane = lanes.indexOf(one.word.interface);
     if (lane < 0) return null;
     const end = one.state === "now" ? time : one.ended;
-    const whole = `${this.model.actionName(one.word)}: ${one.state === "now" ? "running" : one.state === "done" ? "done" : one.value}, ${seconds(end - one.begun)}`;
+    const whole = `${one.word.words}: ${one.state === "now" ? "running" : one.state === "done" ? "done" : one.value}, ${seconds(end - one.begun)}`;
     return this.bar(one.begun, end, top + lane * LANE, one.state, one.word.parameter || one.word.interface, whole);
   }
 
@@ -129,7 +129,7 @@ class TimelineView {
       const lane = lanes.indexOf(action.interface);
       const begin = time + number * slot;
       if (lane < 0) return null;
-      return this.bar(begin, begin + slot, top + lane * LANE, "ahead", action.parameter, `planned: ${this.model.actionName(action)} in cycle ${action.cycle}`);
+      return this.bar(begin, begin + slot, top + lane * LANE, "ahead", action.parameter, `planned: ${action.words} in cycle ${action.cycle}`);
     });
   }
 }

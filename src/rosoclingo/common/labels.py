@@ -28,13 +28,17 @@ class UnknownLabelError(KeyError):
 
 
 class Label(NamedTuple):
-    """A named pose: metres and radians (counter-clockwise from the x axis) in the tf frame `frame`."""
+    """A named pose: metres and radians (counter-clockwise from the x axis) in the tf frame `frame`.
+
+    `title` is its name for people, empty for none.
+    """
 
     name: str
     x: float
     y: float
     yaw: float = 0.0
     frame: str = DEFAULT_FRAME
+    title: str = ""
 
     @property
     def quaternion(self) -> Tuple[float, float, float, float]:
@@ -62,9 +66,9 @@ class LabelTable:
 
     @classmethod
     def read(cls, reader: Reader, frame: str = DEFAULT_FRAME) -> "LabelTable":
-        """Read a mapping like `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map}}` or `{name: [x, y, yaw]}`.
+        """Read a mapping like `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map, title: Kitchen}}` or `{name: [x, y, yaw]}`.
 
-        `yaw` (0) and `frame` are optional; a frame's leading slash is dropped, as tf2 refuses it.
+        `yaw` (0), `frame` and `title` are optional; a frame's leading slash is dropped, as tf2 refuses it.
         The reader collects the faults; the table has only the valid labels.
         """
         found = reader.entries("a mapping of names to {x, y, yaw}")
@@ -91,6 +95,11 @@ class LabelTable:
         """All names, in the table's order."""
         return tuple(self._labels)
 
+    @property
+    def titles(self) -> Dict[str, str]:
+        """The titles by name, of labels that have one."""
+        return {label.name: label.title for label in self if label.title}
+
     def nearest(self, x: float, y: float, tolerance: float) -> Optional[Label]:
         """Return the label nearest to (x, y) within `tolerance` metres, None if there is none."""
         label = min(self, key=lambda each: each.distance(x, y), default=None)
@@ -111,5 +120,6 @@ def _label(key: str, reader: Reader, frame: str) -> Label:
         return Label(name, x, y, yaw, frame)
     x, y, yaw = reader.at("x").number(), reader.at("y").number(), reader.at("yaw").number(0.0)
     frame = bare_frame(reader.at("frame").text(frame, wanted="the name of a tf frame"))
+    title = reader.at("title").text("", wanted="a name for people")
     reader.close("{x, y, yaw} or [x, y, yaw]")
-    return Label(name, x, y, yaw, frame)
+    return Label(name, x, y, yaw, frame, title)

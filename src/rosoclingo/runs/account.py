@@ -4,11 +4,11 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
 
 from rosoclingo.common.labels import Label, LabelTable
-from rosoclingo.reasoning.keywords import name_of
 from rosoclingo.runs.believed_places import CARRIED, believed_places
-from rosoclingo.runs.events import reason_suffix
+from rosoclingo.runs.events import SAID, reason_suffix
 from rosoclingo.runs.run_tables import Point
 from rosoclingo.runs.run_view import PENDING, WAITING, RunView
+from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_atoms import action_in
 
 #: Limit of actions in a summary, the latest.
@@ -20,12 +20,13 @@ TOLERANCE = 0.5
 
 @dataclass
 class GoalAccount:
-    """The state of one goal, with actionlib's id as its ``key``."""
+    """The state of one goal, with actionlib's id as its ``key`` and the program's sentence for it as ``words``."""
 
     text: str
     status: str = PENDING
     message: str = ""
     key: str = ""
+    words: str = ""
 
 
 @dataclass
@@ -34,6 +35,7 @@ class Summary:
 
     ``packages`` maps each package to its label, "carried", or the name of one of several robots; ``robot`` is empty if
     its place is unknown; ``robots`` has the places of several robots; ``seconds`` is the duration by the run's clock.
+    ``sentences`` are the program's.
     """
 
     goals: List[GoalAccount] = field(default_factory=list)
@@ -42,6 +44,7 @@ class Summary:
     robot: str = ""
     seconds: float = 0.0
     robots: Dict[str, str] = field(default_factory=dict)
+    sentences: Sentences = field(default_factory=Sentences)
 
     def differences(
         self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
@@ -62,7 +65,7 @@ class Summary:
 
     def lines(self) -> List[str]:
         """Return the summary as lines of text."""
-        goals = [f"{one.text}: {one.status}{reason_suffix(one.status, one.message)}" for one in self.goals]
+        goals = [f"{one.words or one.text}: {SAID[one.status]}{reason_suffix(one.status, one.message)}" for one in self.goals]
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
         robot = [f"robot: {self.robot}"] if self.robot else []
@@ -71,7 +74,9 @@ class Summary:
 
     def _done(self) -> str:
         """Return the text about the actions, or about the latest of many."""
-        actions = ", ".join(_action(text) for text in self.actions[-_LATEST:]) or "none"
+        found = ((text, action_in(text)) for text in self.actions[-_LATEST:])
+        words = (text if action is None else self.sentences.of(action) for text, action in found)
+        actions = ", ".join(words) or "none"
         more = len(self.actions) > _LATEST
         return f"{len(self.actions)}, the last {_LATEST} of them {actions}" if more else actions
 
@@ -90,9 +95,9 @@ class Account(RunView):
         super().__init__(with_state=with_state)
         self._say = say
 
-    def enter(self, time: float, cycle: int, kind: str, text: str) -> None:
-        """Print a line of the log."""
-        self._say(f"{time:7.1f} s  cycle {cycle:<3d} {kind:8s} {text}")
+    def enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
+        """Print a line of the log; an update as it was fed."""
+        self._say(f"{time:7.1f} s  cycle {cycle:<3d} {kind:8s} {details or text if kind == 'update' else text}")
 
     @property
     def summary(self) -> Summary:
@@ -105,7 +110,8 @@ class Account(RunView):
             packages = {key: place or CARRIED for key, place in places["places"]}
         robot, actions = self._robot(believed.robot), list(self.dispatched_actions)
         robots = {name: self._place(position) for name, position in self.positions.items()} or dict(believed.robots)
-        return Summary([_goal(one) for one in goals], actions, packages, robot, self.seconds, robots)
+        found = [_goal(one) for one in goals]
+        return Summary(found, actions, packages, robot, self.seconds, robots, self.sentences)
 
     def _robot(self, believed: str) -> str:
         return believed if self.position is None or not self.about["labels"] else self._place(self.position)
@@ -117,13 +123,8 @@ class Account(RunView):
 
 
 def _goal(record: Mapping[str, Any]) -> GoalAccount:
-    _, word, message = record["states"][-1]
-    return GoalAccount(record["request"], PENDING if word == WAITING else word, message, record["id"])
-
-
-def _action(text: str) -> str:
-    action = action_in(text)
-    return text if action is None else f"{action.interface_name} {name_of(action.parameter)}"
+    _, word, reason, _ = record["states"][-1]
+    return GoalAccount(record["request"], PENDING if word == WAITING else word, reason, record["id"], record["words"])
 
 
 def _earlier(text: str, cycles: int) -> str:

@@ -1,9 +1,9 @@
 """Records of the dispatched actions, each with its return."""
 
-from typing import Dict, List, Set, Tuple
+from typing import Dict, List, Optional, Set, Tuple
 
 from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, PREEMPTED, Return, name_of
-from rosoclingo.runs.run_tables import Table, Words
+from rosoclingo.runs.run_tables import PlannedActions, Record, Table
 from rosoclingo.runs.topic_atoms import action_in
 
 __all__ = ["ActionRecords"]
@@ -13,10 +13,10 @@ EARLY = 20
 
 
 class ActionRecords:
-    """Adds actions to ``table``, by their numbers in ``words``, with times in seconds from the beginning."""
+    """Adds actions to ``table``, by their numbers in ``planned``, with times in seconds from the beginning."""
 
-    def __init__(self, table: Table, words: Words) -> None:
-        self._table, self._words = table, words
+    def __init__(self, table: Table, planned: PlannedActions) -> None:
+        self._table, self._planned = table, planned
         self.forget()
 
     def forget(self) -> None:
@@ -31,16 +31,18 @@ class ActionRecords:
             if text.startswith(CANCEL_ACTION):
                 self._cancel(ACTION_LIB + text[len(CANCEL_ACTION) :])
                 continue
-            word = self._words.number(text)
+            word = self._planned.number(text)
             number = self._table.add(action=word, begun=now, ended=None, value=None, failed=False, preempted=False)
-            action = self._words.entries[word]
+            action = self._planned[word]
             self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
-        self._early = [answer for answer in self._early if not self._answered(now, answer)]
+        self._early = [answer for answer in self._early if self._answered(now, answer) is None]
 
-    def returned(self, now: float, answer: Return) -> None:
-        """Add a return to its action, also if the action arrives later."""
-        if not self._answered(now, answer):
+    def returned(self, now: float, answer: Return) -> Optional[Record]:
+        """Add a return to its action, also if the action arrives later; return the record of a known action."""
+        found = self._answered(now, answer)
+        if found is None:
             self._early = [*self._early, answer][-EARLY:]
+        return found
 
     def _cancel(self, text: str) -> None:
         action = action_in(text)
@@ -48,19 +50,20 @@ class ActionRecords:
             running = self._open.get((action.interface_name, action.cycle), [])
             self._cancelled.update(one for one in running if self._parameter(one) == name_of(action.parameter))
 
-    def _answered(self, now: float, answer: Return) -> bool:
-        """Add a return to its action; return whether the action exists."""
+    def _answered(self, now: float, answer: Return) -> Optional[Record]:
+        """Add a return to its action and return the record; None if there is no such action."""
         value = name_of(answer.value)
         running = self._open.get((answer.interface_name, answer.cycle), [])
         if not running:
-            return False
+            return None
         succeeded = [number for number in running if self._parameter(number) == value]
         preempted = [number for number in running if number in self._cancelled and answer.value == PREEMPTED]
         number = (succeeded or preempted or running)[0]
         running.remove(number)
         found = {"failed": not (succeeded or preempted), "preempted": bool(preempted) and not succeeded}
-        self._table.change(number).update(ended=now, value=value, **found)
-        return True
+        record = self._table.change(number)
+        record.update(ended=now, value=value, **found)
+        return record
 
     def _parameter(self, number: int) -> str:
-        return str(self._words.entries[self._table[number]["action"]]["parameter"])
+        return str(self._planned[self._table[number]["action"]]["parameter"])

@@ -6,7 +6,7 @@ for pages and accounts; a run collector converts them to the cycles of a replay.
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ["ENDED", "STATUS_WORDS", "GoalReport", "RunEvents", "reason_of", "reason_suffix"]
+__all__ = ["ENDED", "SAID", "STATUS_WORDS", "GoalReport", "RunEvents", "reason_of", "reason_suffix"]
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus).
 STATUS_WORDS = (
@@ -21,6 +21,20 @@ STATUS_WORDS = (
     "canceled",
     "lost",
 )
+
+#: The statuses of goals for people; a goal is open before its end.
+SAID = {
+    "pending": "new",
+    "waiting": "queued",
+    "active": "under way",
+    "canceling": "being cancelled",
+    "canceled": "cancelled",
+    "succeeded": "done",
+    "aborted": "given up",
+    "rejected": "rejected",
+    "lost": "lost",
+    "open": "open",
+}
 
 #: The words for terminal statuses.
 ENDED = frozenset({"canceled", "succeeded", "aborted", "rejected", "lost"})

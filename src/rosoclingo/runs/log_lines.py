@@ -18,16 +18,17 @@ class _Line(NamedTuple):
     after: Set[str]
     gives: str
     cycle: int  # the cycle that begins with this line, 0 for none
+    details: str
 
 
 class RunLog:
     """Orders lines: each waits for the lines that belong before it, at most for PATIENCE.
 
     Lines refer to each other by marks: a line has a mark, and can wait for marks of other lines. ``enter`` receives
-    each line: seconds since the beginning of the run, cycle, kind and text.
+    each line: seconds since the beginning of the run, cycle, kind, text and details.
     """
 
-    def __init__(self, enter: Callable[[float, int, str, str], None]) -> None:
+    def __init__(self, enter: Callable[[float, int, str, str, str], None]) -> None:
         self._enter = enter
         self._held: List[_Line] = []
         self._given: Set[str] = {""}
@@ -35,10 +36,17 @@ class RunLog:
         self.cycle = 0  # of the last line, 0 before the first cycle
 
     def add(
-        self, time: float, kind: str, text: str, after: Iterable[str] = (), gives: str = "", cycle: int = 0
+        self,
+        time: float,
+        kind: str,
+        text: str,
+        after: Iterable[str] = (),
+        gives: str = "",
+        cycle: int = 0,
+        details: str = "",
     ) -> None:
         """Add a line at seconds since the beginning of the run; ``cycle`` begins with it, 0 for none."""
-        self._held.append(_Line(time, kind, text, set(after), gives, cycle))
+        self._held.append(_Line(time, kind, text, set(after), gives, cycle, details if details != text else ""))
         self.clock(time)
 
     def clock(self, time: float) -> None:
@@ -62,4 +70,4 @@ class RunLog:
     def _pass_on(self, line: _Line) -> None:
         self.cycle = line.cycle or self.cycle
         self._now = max(self._now, line.time)
-        self._enter(self._now, max(1, self.cycle), line.kind, line.text)
+        self._enter(self._now, max(1, self.cycle), line.kind, line.text, line.details)

@@ -4,6 +4,7 @@ import math
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from rosoclingo.reasoning.keywords import name_of, shortened
+from rosoclingo.runs.sentences import Sentences, actors_of
 from rosoclingo.runs.topic_atoms import action_in
 
 Record = Dict[str, Any]
@@ -116,12 +117,48 @@ class Words:
         return [self.number(text) for text in texts]
 
 
-def action_entry(text: str) -> Record:
-    """Return interface, parameter and cycle of an ``_action_lib`` atom; of any other text, the text."""
+class PlannedActions:
+    """The distinct actions of plans, numbered from 0 in ``table``, each with its sentence."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+        self._numbers: Dict[str, int] = {}
+        self._sentences = Sentences()
+
+    def __getitem__(self, number: int) -> Record:
+        return self._table[number]
+
+    def reword(self, sentences: Sentences) -> None:
+        """Replace the sentences of all actions."""
+        self._sentences = sentences
+        for text, number in self._numbers.items():
+            words = self.words(text)
+            if self._table[number]["words"] != words:
+                self._table.change(number)["words"] = words
+
+    def words(self, text: str) -> str:
+        """Return the sentence for an ``_action_lib`` atom; any other text unchanged."""
+        action = action_in(text)
+        return shortened(text if action is None else self._sentences.of(action))
+
+    def number(self, text: str) -> int:
+        """Return the number of an ``_action_lib`` atom."""
+        if text not in self._numbers:
+            self._numbers[text] = self._table.add(**_terms_of(text), words=self.words(text))
+        return self._numbers[text]
+
+    def numbers(self, texts: Sequence[str]) -> List[int]:
+        """Return the numbers of ``_action_lib`` atoms."""
+        return [self.number(text) for text in texts]
+
+
+def _terms_of(text: str) -> Record:
+    """Return interface, parameter, cycle and robots of an ``_action_lib`` atom; of any other text, the text."""
     action = action_in(text)
     if action is None:
-        return {"interface": shortened(text), "parameter": "", "cycle": 0}
-    return {"interface": action.interface_name, "parameter": name_of(action.parameter), "cycle": action.cycle}
+        return {"interface": shortened(text), "parameter": "", "cycle": 0, "robots": []}
+    name, parameter = action.interface_name, name_of(action.parameter)
+    return {"interface": name, "parameter": parameter, "cycle": action.cycle, "robots": actors_of(action)}
 
 
 class Track:

@@ -9,30 +9,22 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, 
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, StreamUpdate, parse_term, parse_update
-from rosoclingo.reasoning.keywords import (
-    ACTION_LIB,
-    CANCEL_ACTION,
-    REQUEST,
-    STATUS,
-    is_keyword,
-    name_of,
-    shortened,
-)
+from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, REQUEST, STATUS, is_keyword, name_of, shortened
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
-from rosoclingo.runs.events import ENDED, STATUS_WORDS, GoalReport, RunEvents, reason_of, reason_suffix
+from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, GoalReport, RunEvents, reason_of, reason_suffix
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_tables import Point, Record, Revision, Table, Track, Words, action_entry, simplify
+from rosoclingo.runs.run_tables import PlannedActions, Point, Record, Revision, Table, Track, Words, simplify
 from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
 #: The state of a client: the arguments of :meth:`RunView.changes` for its next request.
-ClientState = Tuple[int, Tuple[int, int, int], Tuple[int, int]]
+ClientState = Tuple[int, Tuple[int, int], Tuple[int, int]]
 
 #: The version of the format of :meth:`RunView.changes`.
-FORMAT = 1
+FORMAT = 2
 
 #: Limit of characters of an external text on a page.
 SHOWN = 2000
@@ -59,11 +51,14 @@ class RunView(RunEvents):
     A view can begin in the middle of a run, with the messages of the latched topics in any order. The log counts
     seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to the log.
 
+    Goals, actions, reasons and lines of the log are in the program's sentences. A goal has ``words`` and its term as
+    ``request``, an action ``words`` and its terms. A state of a goal is [seconds, status, reason, details], a problem
+    [seconds, text, details]; ``details`` is the text with terms, empty if it is the same.
+
     Attributes:
         about: all data outside the tables.
         tables: the tables by name.
         seconds: the present time of the run's clock.
-        sentences: the program's sentences for actions.
         drawings: the program's declarations of drawings.
         believed: the program's beliefs.
         position: x and y (m) of the robot, None before its first pose.
@@ -73,15 +68,17 @@ class RunView(RunEvents):
     """
 
     def __init__(self, about: Optional[Mapping[str, Any]] = None, with_state: bool = False) -> None:
-        self.about: Record = {"labels": {}, "map": None, "run": 1, **(about or {})}
+        empty = {"labels": {}, "titles": {}, "map": None, "run": 1}
+        self.about: Record = {**empty, **(about or {}), "statuses": SAID}
         self._revision = Revision()
         self._about_changed = 1
         self.tables = {
             name: Table(self._revision)
-            for name in ("goals", "cycles", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log")
+            for name in ("goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log")
         }
-        self._terms, self._words, self._shapes = Words(), Words(action_entry), Words(json.loads)
-        self.sentences, self.drawings = Sentences(), Drawings()
+        self._terms, self._shapes = Words(), Words(json.loads)
+        self._planned_actions = PlannedActions(self.tables["words"])
+        self._sentences, self.drawings = Sentences(), Drawings()
         self.believed: Sequence[str] = ()
         self._believed_since = 0.0
         self.position: Optional[Point] = None
@@ -95,14 +92,14 @@ class RunView(RunEvents):
         self._cycles: Dict[int, int] = {}
         self._sent: Set[str] = set()
         self.dispatched_actions: List[str] = []
-        self._actions = ActionRecords(self.tables["actions"], self._words)
+        self._actions = ActionRecords(self.tables["actions"], self._planned_actions)
         self._run = ""
         self._sent_returns = SentReturns()
         self._start: Optional[float] = None
         self.seconds = 0.0
 
-    def enter(self, time: float, cycle: int, kind: str, text: str) -> None:
-        """Handle a line of the log: seconds since the beginning, cycle, kind and text; for subclasses."""
+    def enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
+        """Handle a line of the log: seconds since the beginning, cycle, kind, text and details; for subclasses."""
 
     # ---- events -----------------------------------------------------------------------------------------------------
 
@@ -123,7 +120,8 @@ class RunView(RunEvents):
         self.sentences, self.drawings = sentences_of(found), drawings_of(found)
         for fault in self.drawings.faults if self.drawings.faults != known else ():
             self._log.add(self._now(time), "note", shortened(fault, SHOWN))
-        self.describe(labels={one.name: [one.x, one.y, one.yaw] for one in table})
+        labels = {one.name: [one.x, one.y, one.yaw] for one in table}
+        self.describe(labels=labels, titles=self.sentences.titles)
         self._draw()
 
     def begin(self, run: str) -> None:
@@ -143,11 +141,11 @@ class RunView(RunEvents):
 
     def _goal(self, time: float, key: str, text: str, heard: float, after: Iterable[str] = ()) -> None:
         if key not in self._goals:
-            now, shown = self._now(time, begins=True), shortened(text, SHOWN)
+            now, shown, words = self._now(time, begins=True), shortened(text, SHOWN), self._goal_words(text)
             self._goals[key] = self.tables["goals"].add(
-                id=key, request=shown, sent=now, ended=None, states=[[now, PENDING, ""]]
+                id=key, request=shown, words=words, sent=now, ended=None, states=[[now, PENDING, "", ""]]
             )
-            self._log.add(self._now(heard), "request", shown, after, _as_fed(text))
+            self._log.add(self._now(heard), "request", words, after, _as_fed(text), details=shown)
 
     def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
         """Record the states of all goals; goals that ended before the first report are history.
@@ -172,9 +170,8 @@ class RunView(RunEvents):
 
     def cancel(self, time: float, key: str) -> None:
         """Record a client's cancel of a goal; an empty key stands for all goals."""
-        known = key in self._goals
-        text = self.tables["goals"][self._goals[key]]["request"] if known else "every goal"
-        self._log.add(self._now(time, begins=True), "cancel", text)
+        goal = self.tables["goals"][self._goals[key]] if key in self._goals else {"words": "every goal", "request": ""}
+        self._log.add(self._now(time, begins=True), "cancel", goal["words"], details=goal["request"])
 
     def status(self, time: float, key: str, number: int, message: str) -> None:
         """Record a goal's status, each time it is published; a queued goal stays pending."""
@@ -186,8 +183,10 @@ class RunView(RunEvents):
         word, before = STATUS_WORDS[number], self._word(key)
         if self._state(time, key, word, message) and word != before:
             goal = self.tables["goals"][self._goals[key]]
-            text = f"{goal['request']}: {word}{reason_suffix(word, goal['states'][-1][2])}"
-            self._log.add(self._now(time), "goal", text, after)
+            _, _, reason, details = goal["states"][-1]
+            text = f"{goal['words']}: {SAID[word]}{reason_suffix(word, reason)}"
+            plain = f"{goal['request']}: {word}{reason_suffix(word, details or reason)}"
+            self._log.add(self._now(time), "goal", text, after, details=plain)
 
     def feedback(self, time: float, key: str, status: str) -> None:
         """Record why a goal is queued; other feedback repeats the status."""
@@ -208,19 +207,20 @@ class RunView(RunEvents):
         one["updates"].append(plain)
         self._updated = True
         cycle = step or self._log.cycle + 1
-        self._log.add(now, "update", " ".join(plain.split()), sources, f"update {step}", cycle)
+        fed = " ".join(plain.split())
+        self._log.add(now, "update", fed if step is None else f"step {step}", sources, f"update {step}", cycle, fed)
 
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
         """Record a plan, with the seconds of wall time for grounding and searching, if known."""
         now = self._now(time)
-        planned = self._words.numbers(actions)
+        planned = self._planned_actions.numbers(actions)
         ground, solve = (round(one, 4) if math.isfinite(one) else 0.0 for one in times) if times else (None, None)
         plan = {"time": now, "horizon": horizon, "actions": planned, "ground": ground, "solve": solve}
         self._cycle(cycle, now)["plans"].append(plan)
         ahead = [one for one in map(action_in, actions) if one is not None and one.cycle >= cycle]
-        words = ", ".join(f"{one.interface_name} {name_of(one.parameter)}" for one in ahead) or "nothing to do"
+        words = ", ".join(map(self.sentences.of, ahead)) or "nothing to do"
         first = not self._updated and not actions
         late = not self._updated and not self._planned and (cycle > 1 or bool(actions))
         self._planned = True
@@ -235,11 +235,12 @@ class RunView(RunEvents):
         self._actions.dispatched(now, fresh)
         for text in fresh:
             if text.startswith(CANCEL_ACTION):
-                self._log.add(now, "preempt", self._sentence(ACTION_LIB + text[len(CANCEL_ACTION) :]))
+                words = self._planned_actions.words(ACTION_LIB + text[len(CANCEL_ACTION) :])
+                self._log.add(now, "preempt", words, details=text)
             else:
                 self.dispatched_actions.append(text)
-                action = action_in(text)
-                self._log.add(now, "action", self._sentence(text), {f"plan {action.cycle if action else 0}"})
+                action, words = action_in(text), self._planned_actions.words(text)
+                self._log.add(now, "action", words, {f"plan {action.cycle if action else 0}"}, details=text)
 
     def returned(self, time: float, origin: str, facts: Sequence[str]) -> None:
         """Record facts of an interface."""
@@ -248,9 +249,12 @@ class RunView(RunEvents):
             if answer is None:
                 self._log.add(now, "fact", f"{shortened(text, SHOWN)} from {shortened(origin)}")
             else:
-                self._actions.returned(now, answer)
+                record = self._actions.returned(now, answer)
                 words = f"{name_of(answer.interface)} {name_of(answer.value)}"
-                self._log.add(now, "return", shortened(words, SHOWN), gives=str(answer.atom))
+                if record is not None:
+                    end = name_of(answer.value) if record["failed"] or record["preempted"] else "done"
+                    words = f"{self._planned_actions[record['action']]['words']}: {end}"
+                self._log.add(now, "return", shortened(words, SHOWN), gives=str(answer.atom), details=text)
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
         """Record the places of all packages: labels, the names of robots, or empty for the only robot."""
@@ -275,9 +279,10 @@ class RunView(RunEvents):
 
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Record a problem from the core's log."""
-        now = self._now(time)
-        self._cycle(cycle, now)["problems"].append([now, shortened(text, SHOWN)])
-        self._log.add(now, "note", shortened(text, SHOWN))
+        now, plain = self._now(time), shortened(text, SHOWN)
+        words = self.sentences.replace(plain)
+        self._cycle(cycle, now)["problems"].append([now, words, plain if words != plain else ""])
+        self._log.add(now, "note", words, details=plain)
 
     def pose(self, time: float, x: float, y: float, yaw: float, robot: str = "") -> None:
         """Record the robot's pose (m, rad), or that of one of several robots."""
@@ -315,6 +320,21 @@ class RunView(RunEvents):
         """Write all delayed lines."""
         self._log.finish()
 
+    @property
+    def sentences(self) -> Sentences:
+        """The program's sentences for actions and goals; new ones replace those of the known actions and goals."""
+        return self._sentences
+
+    @sentences.setter
+    def sentences(self, sentences: Sentences) -> None:
+        self._sentences = sentences
+        self._planned_actions.reword(sentences)
+        for number in self._goals.values():
+            goal = self.tables["goals"][number]
+            words = self._goal_words(goal["request"])
+            if goal["words"] != words:
+                self.tables["goals"].change(number)["words"] = words
+
     # ---- queries ----------------------------------------------------------------------------------------------------
 
     @property
@@ -324,7 +344,7 @@ class RunView(RunEvents):
 
     def client_state(self) -> ClientState:
         """Return the arguments of :meth:`changes` for changes after the present revision."""
-        words = len(self._terms.entries), len(self._words.entries), len(self._shapes.entries)
+        words = len(self._terms.entries), len(self._shapes.entries)
         return self.revision, words, (self._track.thinned, len(self._track.poses))
 
     def has_ended(self, key: str) -> bool:
@@ -335,7 +355,7 @@ class RunView(RunEvents):
     @property
     def full(self) -> bool:
         """Whether the tables have more than MOST records, see :meth:`successor`."""
-        words = self._words, self._terms, self._shapes
+        words = self._terms, self._shapes
         return sum(map(len, self.tables.values())) + sum(len(one.entries) for one in words) > MOST
 
     def successor(self) -> "RunView":
@@ -347,8 +367,8 @@ class RunView(RunEvents):
         fresh._met, fresh._history = self._met, {*self._history, *self._goals}
         for goal in (record for _, record in self.tables["goals"].changes_since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
-            for time, word, reason in goal["states"][1:]:
-                fresh._state(start + time, goal["id"], word, reason)
+            for time, word, reason, details in goal["states"][1:]:
+                fresh._state(start + time, goal["id"], word, details or reason)
         fresh.clock(start + self.seconds)
         places, pose = self.tables["packages"].last, self._track.poses[-1:]
         if places is not None:
@@ -364,11 +384,11 @@ class RunView(RunEvents):
         return fresh
 
     def changes(
-        self, revision: int = 0, words: Tuple[int, int, int] = (0, 0, 0), poses: Tuple[int, int] = (0, 0)
+        self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)
     ) -> Record:
         """Return the changes since a revision: records by table and number, and the present revision.
 
-        ``words`` are the numbers of terms, actions and shapes that the client has; ``poses`` how often its poses were
+        ``words`` are the numbers of terms and shapes that the client has; ``poses`` how often its poses were
         thinned, and their number.
         """
         known = poses[1] if poses[0] == self._track.thinned else 0
@@ -379,8 +399,7 @@ class RunView(RunEvents):
             "seconds": round(self.seconds, 2),
             "about": self.about if self._about_changed > revision else None,
             "terms": self._terms.entries[words[0] :],
-            "words": self._words.entries[words[1] :],
-            "shapes": self._shapes.entries[words[2] :],
+            "shapes": self._shapes.entries[words[1] :],
             "thinned": self._track.thinned,
             "first": known,
             "poses": [[round(one[0] - start, 2), *one[1:]] for one in self._track.poses[known:]],
@@ -438,23 +457,25 @@ class RunView(RunEvents):
         if number is None:
             return False
         goal = self.tables["goals"][number]
-        reason = shortened(reason_of(goal["request"], message), SHOWN)
+        plain = shortened(reason_of(goal["request"], message), SHOWN)
+        reason = self.sentences.reason(_as_fed(goal["request"]), plain)
+        details = plain if reason != plain else ""
         last = goal["states"][-1]
-        if last[1:] == [word, reason] or (goal["ended"] is not None and last[1] != LOST):
+        if last[1:] == [word, reason, details] or (goal["ended"] is not None and last[1] != LOST):
             return False
         now = self._now(time)
         goal = self.tables["goals"].change(number)
-        goal["states"].append([now, word, reason])
+        goal["states"].append([now, word, reason, details])
         goal["ended"] = now if word in ENDED else None
         return True
 
-    def _sentence(self, text: str) -> str:
-        action = action_in(text)
-        return shortened(text, SHOWN) if action is None else self.sentences.of(action)
+    def _goal_words(self, text: str) -> str:
+        return shortened(self.sentences.goal(text), SHOWN)
 
-    def _enter(self, time: float, cycle: int, kind: str, text: str) -> None:
-        self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, text=shortened(text, SHOWN))
-        self.enter(time, cycle, kind, text)
+    def _enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
+        line = {"text": shortened(text, SHOWN), "details": shortened(details, SHOWN)}
+        self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, **line)
+        self.enter(time, cycle, kind, text, details)
 
 
 def _as_fed(text: str) -> str:

@@ -1,30 +1,76 @@
-"""The program's sentences for actions: ``_says(move_base,"drives to {}").`` among its facts.
+"""The program's sentences for actions and goals, the facts ``_says`` of its base part.
 
-The sentence of ``move_base`` is also that of ``move_base(r1)``: "r1 drives to office2".
+``_says(move_base,"drives to {}").`` is about an action; the sentence of ``move_base`` is also that of
+``move_base(r1)``: "r1 drives to office2". ``_says("bring(Room,Thing)","Bring the {Thing} to the {Room}").`` is about
+goals: those that the pattern matches. A label with a title is named by its title.
 """
 
-from typing import Dict, Iterable, List, Mapping, Optional
+import re
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from clingo import SymbolType
+from clingo import Symbol, SymbolType
 
-from rosoclingo.reasoning.keywords import Action, name_of
+from rosoclingo.oclingo import ProgressionError, parse_term
+from rosoclingo.oclingo.program.nodes import parse
+from rosoclingo.planning.explaining.atom_patterns import Bound, arguments_in, matches, names_of, patterns_of
+from rosoclingo.reasoning.keywords import ACTION_LIB, REQUEST, RETURN, Action, name_of
 from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
-from rosoclingo.runs.topic_atoms import action_in
+from rosoclingo.runs.topic_atoms import action_in, atom_in, return_in
 
 #: ``_says(A,Text)``: a text about action A, with ``{}`` in place of its parameter; a text without ``{}`` omits it.
+#: ``_says(Pattern,Text)``: a text about goals, with ``{Name}`` in place of the variables of the pattern, a string.
 SAYS = "_says"
 
 _PLACE = "{}"
+_NAMED = re.compile(r"\{(\w+)\}")
+_CALL = re.compile(r"(?<!\w)_*[a-z][\w']*\(")
+_EDGE = re.compile(r'[()]|"(?:[^"\\]|\\.)*"')
 
 _CANCELLING = ("recalling", "preempting")
 
 
-class Sentences:
-    """Describes actions: by a text for each interface, or by interface and parameter if it has no text."""
+class GoalSentence(NamedTuple):
+    """The text of a ``_says`` fact about goals, with the pattern of the goals."""
 
-    def __init__(self, texts: Optional[Mapping[str, str]] = None) -> None:
+    pattern: Symbol
+    text: str
+
+    def of(self, goal: Symbol, names: Mapping[str, str]) -> Optional[str]:
+        """Return the sentence for a goal, None for a goal of another kind; ``names`` replace terms."""
+        bound: Bound = {}
+        if not matches(self.pattern, goal, bound):
+            return None
+        words = {name: names.get(str(term), name_of(term)) for name, term in bound.items()}
+        return _NAMED.sub(lambda found: words.get(found.group(1), found.group()), self.text)
+
+    @property
+    def unbound(self) -> Tuple[str, ...]:
+        """The names in the text that are no variables of the pattern."""
+        known = names_of(self.pattern)
+        return tuple(name for name in _NAMED.findall(self.text) if name not in known)
+
+
+class Sentences:
+    """Describes actions and goals; an action or a goal without a text is described by its terms.
+
+    ``texts`` maps names of interfaces to texts; the first of ``goals`` that matches a goal counts.
+
+    Attributes:
+        titles: the titles of labels, which replace their names.
+
+    """
+
+    def __init__(
+        self,
+        texts: Optional[Mapping[str, str]] = None,
+        goals: Sequence[GoalSentence] = (),
+        titles: Optional[Mapping[str, str]] = None,
+    ) -> None:
         self._texts: Dict[str, str] = dict(texts or {})
+        self._goals = tuple(goals)
+        self.titles: Dict[str, str] = dict(titles or {})
+        self._calls = {ACTION_LIB, REQUEST, RETURN, *(one.pattern.name for one in goals)}
 
     def of(self, action: Action) -> str:
         """Return the sentence for an action, "drives to office2"."""
@@ -32,7 +78,46 @@ class Sentences:
         text = self._texts.get(name, f"{name} {_PLACE}")
         if actors.type is SymbolType.Function and actors.name in self._texts and name not in self._texts:
             text = f"{', '.join(map(name_of, actors.arguments))} {self._texts[actors.name]}"
-        return text.replace(_PLACE, name_of(action.parameter))
+        return text.replace(_PLACE, self.titles.get(str(action.parameter), name_of(action.parameter)))
+
+    def goal(self, request: str) -> str:
+        """Return the sentence for a goal, "Bring package 1 from office3 to office2"; other texts are unchanged."""
+        try:
+            return self._of_goal(parse_term(request)) or request
+        except ProgressionError:
+            return request
+
+    def _of_goal(self, goal: Symbol) -> Optional[str]:
+        return next(filter(None, (one.of(goal, self.titles) for one in self._goals)), None)
+
+    def reason(self, request: str, message: str) -> str:
+        """Return a message about a goal without the goal at its beginning, and with sentences in place of terms."""
+        for opening in (request, f"the program rejects {request}: ", f"the program aborts {request}: "):
+            message = message[len(opening) :] if message.startswith(opening) else message
+        return self.replace(message.strip())
+
+    def replace(self, message: str) -> str:
+        """Return a message with sentences in place of the goals, actions and returns in it."""
+        found, at = [], 0
+        for call in _CALL.finditer(message):
+            end = _end_of(message, call.end()) if call.start() >= at and call.group()[:-1] in self._calls else 0
+            words = self._of_call(message[call.start() : end]) if end else None
+            if words is not None:
+                quoted = message[: call.start()].endswith("'")
+                found += [message[at : call.start()], words if quoted else f"'{words}'"]
+                at = end
+        return "".join([*found, message[at:]])
+
+    def _of_call(self, text: str) -> Optional[str]:
+        """Return the words for a goal, an action, a request or a return; None for any other text."""
+        action, answer, term = action_in(text), return_in(text), atom_in(text)
+        if action is not None:
+            return self.of(action)
+        if answer is not None:
+            return f"{answer.interface_name} returned {name_of(answer.value)}"
+        if term is not None and term.match(REQUEST, 2):
+            term = term.arguments[0]
+        return None if term is None else self._of_goal(term)
 
     def now(self, cycle: int, state: str, plan: Iterable[str]) -> str:
         """Return a line about the actions of a cycle in a plan, for a goal with this state (its feedback)."""
@@ -49,13 +134,47 @@ def actions_now(cycle: int, plan: Iterable[str]) -> List[Action]:
     return [one for one in filter(None, map(action_in, plan)) if one.cycle == cycle]
 
 
+def actors_of(action: Action) -> List[str]:
+    """Return the robots of an action, the arguments of its interface: ``r1`` for ``move_base(r1)``."""
+    return [name_of(one) for one in arguments_in(action.interface)]
+
+
 def sentences_of(program: RunProgram) -> Sentences:
     """Return the sentences in a program's texts; invalid texts are ignored."""
-    facts = [one for one in facts_of(program, {SAYS}) if one.match(SAYS, 2)]
-    return Sentences(
-        {
-            name_of(action): text.string
-            for action, text in (one.arguments for one in facts)
-            if text.type is SymbolType.String
-        }
-    )
+    texts, goals = {}, []
+    for what, text in (one.arguments for one in facts_of(program, {SAYS}) if one.match(SAYS, 2)):
+        if text.type is SymbolType.String:
+            sentence = goal_sentence(what, text)
+            if sentence is None:
+                texts[name_of(what)] = text.string
+            else:
+                goals.append(sentence)
+    titles = program.settings.get("titles", {})
+    found = titles.items() if isinstance(titles, dict) else ()
+    return Sentences(texts, goals, {name: title for name, title in found if isinstance(title, str)})
+
+
+def goal_sentence(what: Symbol, text: Symbol) -> Optional[GoalSentence]:
+    """Return the sentence for goals of ``_says(what,text)``; None if the fact is not about goals.
+
+    A pattern is a string with a goal, in which names in upper case are variables.
+    """
+    if what.type is not SymbolType.String or "#" in what.string:
+        return None
+    try:
+        _, rule = parse(f"_goal({what.string}).", lambda _code, _message: None)
+        patterns = patterns_of(rule.head.atom.symbol.arguments[0], {})
+    except (RuntimeError, ValueError, AttributeError, IndexError):  # no term, or more than a term
+        return None
+    alone = len(patterns) == 1 and len(rule.head.atom.symbol.arguments) == 1 and not rule.body
+    return GoalSentence(patterns[0], text.string) if alone and arguments_in(patterns[0]) else None
+
+
+def _end_of(text: str, start: int) -> int:
+    """Return the end of a call whose arguments begin at ``start``, 0 if it does not end."""
+    depth = 1
+    for edge in _EDGE.finditer(text, start):
+        depth += {"(": 1, ")": -1}.get(edge.group(), 0)
+        if not depth:
+            return edge.end()
+    return 0

@@ -56,12 +56,12 @@ def test_watch_prints_the_account_of_a_bag(messages, tmp_path):
     assert [line.split("cycle ")[1].split(None, 2) for line in lines[: lines.index("")]] == [
         ["2", "plan", "go x"],
         ["2", "request", "g(1)"],
-        ["2", "goal", "g(1): active"],
+        ["2", "goal", "g(1): under way"],
         ["2", "state", "+at(a,now)"],
         ["2", "action", "go x"],
-        ["2", "return", "go x"],
+        ["2", "return", "go x: done"],
         ["3", "update", "#step 3. _return(go,x,2). #end step."],
     ]
-    assert lines[lines.index("") :] == ["", "g(1): active", "robot: a", "actions: go x", "time: 1.0 s"]
+    assert lines[lines.index("") :] == ["", "g(1): under way", "robot: a", "actions: go x", "time: 1.0 s"]
     with pytest.raises(RecordingError, match="the bag has no core other"):
         watch_bag(path, "other", True, lines.append)

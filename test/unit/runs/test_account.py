@@ -146,7 +146,7 @@ def test_account_has_a_summary(account):
     account.program(12.1, RunProgram("r", (), {}, "", {"labels": {"office2": [1.0, 2.0]}}).text())
     account.pose(12.1, 1.1, 2.1, 0.0)
     assert account.summary.lines() == [
-        "goal(office2,office1,1): succeeded",
+        "goal(office2,office1,1): done",
         "packages carried: 2",
         "packages office1: 4",
         "packages office2: 1, 3",
@@ -216,12 +216,12 @@ def test_account_can_begin_during_a_run(account, lines):
     assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [
         ["412", "plan", "go y"],
         ["412", "request", "g(2)"],
-        ["412", "goal", "g(2): active"],
+        ["412", "goal", "g(2): under way"],
         ["412", "request", "g(3)"],
         ["412", "action", "go y"],
         ["413", "update", "#step 413. :- not _action_lib(go,y,412). #end step."],
         ["413", "request", "g(4)"],
-        ["413", "goal", "g(2): succeeded"],
+        ["413", "goal", "g(2): done"],
     ]
     assert [goal.text for goal in account.summary.goals] == ["g(2)", "g(3)", "g(4)"]
     assert account.summary.lines()[-1] == "actions: go y"

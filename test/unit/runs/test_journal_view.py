@@ -36,8 +36,8 @@ def test_journal_view_goals_have_times_states_and_reasons(whole):
     assert [(key, goal["request"], goal["sent"]) for key, goal in goals.items()] == [
         (key, text, LASTS * number) for number, (key, text) in enumerate(GOALS)
     ]
-    assert [word for _, word, _ in goals["a"]["states"]] == ["pending", "active", "succeeded"]
-    assert [word for _, word, _ in goals["b"]["states"]][-2:] == ["canceling", "canceled"]
+    assert [word for _, word, *_ in goals["a"]["states"]] == ["pending", "active", "succeeded"]
+    assert [word for _, word, *_ in goals["b"]["states"]][-2:] == ["canceling", "canceled"]
     assert all(goal["ended"] > goal["sent"] for goal in goals.values())
     assert goals["b"]["states"][-1][2]
 
@@ -62,7 +62,7 @@ def test_journal_view_actions_have_their_begin_and_end(whole):
     view = journal_view(file)
     actions = records(view, "actions")
     sent = [action for event in published if isinstance(event, ActionsDispatched) for action in event.actions]
-    names = [view.changes()["words"][one["action"]] for one in actions]
+    names = [view.changes()["words"][one["action"]][1] for one in actions]
     assert [(one["interface"], one["parameter"], one["cycle"]) for one in names] == [
         (one.interface_name, str(one.parameter), one.cycle) for one in sent
     ]
@@ -102,7 +102,7 @@ def test_journal_view_shows_a_queued_goal(tmp_path):
     program, settings = shipped("mailbot.lp", "office.lp"), CoreSettings(goals_at_once=1)
     file, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
     _, waiting = records(journal_view(file), "goals")
-    assert [word for _, word, _ in waiting["states"]] == ["pending", "waiting", "pending", "active", "succeeded"]
+    assert [word for _, word, *_ in waiting["states"]] == ["pending", "waiting", "pending", "active", "succeeded"]
 
 
 @pytest.mark.slow
@@ -124,7 +124,7 @@ def test_journal_view_of_rewritten_journal_begins_with_open_goals(tmp_path, monk
     assert first > 1
     assert f"it begins with cycle {first}" in view.about["lacks"]
     last = [one for event in published if isinstance(event, ActionsDispatched) for one in event.actions][-1]
-    word = view.changes()["words"][records(view, "actions")[-1]["action"]]
+    word = view.changes()["words"][records(view, "actions")[-1]["action"]][1]
     assert (word["interface"], word["cycle"]) == (last.interface_name, last.cycle)
     assert all(goal["ended"] is not None for goal in records(view, "goals"))
 

@@ -23,7 +23,7 @@ def records(changes, name):
 
 
 def names(changes, numbers):
-    words = [changes["words"][number] for number in numbers]
+    words = [records(changes, "words")[number] for number in numbers]
     return [f"{word['interface']} {word['parameter']}" for word in words]
 
 
@@ -31,7 +31,11 @@ def test_view_is_json_and_begins_with_first_request(published):
     assert json.loads(json.dumps(published, allow_nan=False))["seconds"] == 32.5
     (goal,) = records(published, "goals")
     assert (goal["request"], goal["sent"], goal["ended"]) == (GOAL, 0.0, 32.5)
-    assert goal["states"] == [[0.0, "pending", ""], [1.5, "active", "is accepted"], [32.5, "succeeded", "is met"]]
+    assert goal["states"] == [
+        [0.0, "pending", "", ""],
+        [1.5, "active", "is accepted", ""],
+        [32.5, "succeeded", "is met", ""],
+    ]
 
 
 def test_view_cycle_has_update_and_plans_with_times(published):
@@ -58,7 +62,8 @@ def test_view_action_has_its_return(published):
 def test_view_log_equals_the_account(published):
     log = records(published, "log")
     assert [one["kind"] for one in log[:4]] == ["plan", "request", "update", "plan"]
-    assert log[-1] == {"time": 32.5, "cycle": 6, "kind": "goal", "text": f"{GOAL}: succeeded"}
+    assert {**log[-1], "details": ""} == {"time": 32.5, "cycle": 6, "kind": "goal", "text": f"{GOAL}: done", "details": ""}
+    assert log[-1]["details"] == f"{GOAL}: succeeded"
     assert [one["time"] for one in log] == sorted(one["time"] for one in log)
 
 
@@ -73,14 +78,14 @@ def test_view_sends_only_changes():
     first = view.changes()
     view.goal(140.0, "b", "goal(office1,office2,2)")
     view.pose(140.0, 4.0, 1.0, 0.0)
-    known = len(first["terms"]), len(first["words"]), len(first["shapes"])
+    known = len(first["terms"]), len(first["shapes"])
     more = view.changes(first["revision"], known, (first["thinned"], len(first["poses"])))
     assert [number for number, _ in more["goals"]] == [1]
     assert (more["about"], more["cycles"], more["words"]) == (None, [], [])
     assert (more["first"], more["poses"]) == (len(first["poses"]), [[40.0, 4.0, 1.0, 0.0, 5.0]])
     view.status(141.0, "b", 1, "")
     ((number, goal),) = view.changes(more["revision"])["goals"]
-    assert (number, goal["states"][-1]) == (1, [41.0, "active", ""])
+    assert (number, goal["states"][-1]) == (1, [41.0, "active", "", ""])
 
 
 def test_view_keeps_the_reason_of_a_queued_goal():
@@ -90,7 +95,7 @@ def test_view_keeps_the_reason_of_a_queued_goal():
     view.feedback(2.0, "a", "waiting: there is too much to do")
     view.feedback(3.0, "nobody", "waiting: for ever")
     (goal,) = records(view.changes(), "goals")
-    assert goal["states"] == [[0.0, "pending", ""], [2.0, "waiting", "there is too much to do"]]
+    assert goal["states"] == [[0.0, "pending", "", ""], [2.0, "waiting", "there is too much to do", ""]]
 
 
 def test_view_pending_goal_waits_until_core_begins():
@@ -127,10 +132,10 @@ def test_view_reports_earlier_goals_at_once():
         "b": (5.0, None),
         "c": (11.5, 12.0),
     }
-    assert found["a"]["states"] == [[0.0, "pending", ""], [10.0, "active", "is accepted"]]
-    words = [(word, why) for _, word, why in found["b"]["states"]]
+    assert found["a"]["states"] == [[0.0, "pending", "", ""], [10.0, "active", "is accepted", ""]]
+    words = [(word, why) for _, word, why, _ in found["b"]["states"]]
     assert words == [("pending", ""), ("waiting", "at most 8 goals are planned for at a time"), ("pending", "")]
-    assert found["c"]["states"][-1][1:] == ["rejected", "there is no g"]
+    assert found["c"]["states"][-1][1:3] == ["rejected", "there is no g"]
     view.finish()
     lines = [line["text"] for line in records(view.changes(), "log")]
     assert lines.count("g(1)") == 1
@@ -147,7 +152,7 @@ def test_view_reports_goal_of_both_topics_once():
     view.goals(11.6, [GoalReport("a", "g(1)", 1, "g(1) is accepted", 9.5)])
     view.goals(12.0, [GoalReport("a", "g(1)", 2, "g(1) is cancelled", 9.5), GoalReport("b", "g(2)", 77, "", 0.0)])
     (goal,) = [goal for goal in records(view.changes(), "goals") if goal["id"] == "a"]
-    assert [word for _, word, _ in goal["states"]] == ["pending", "active", "canceling", "canceled"]
+    assert [state[1] for state in goal["states"]] == ["pending", "active", "canceling", "canceled"]
 
 
 def test_view_does_not_bring_back_dropped_entries():
@@ -168,7 +173,7 @@ def test_view_ignores_invalid_status_and_unsent_goal():
     view.status(2.0, "a", 5, "g(1) is refused")
     view.status(3.0, "a", 1, "too late")
     (goal,) = records(view.changes(), "goals")
-    assert goal["states"][1:] == [[2.0, "rejected", "is refused"]]
+    assert goal["states"][1:] == [[2.0, "rejected", "is refused", ""]]
 
 
 def test_view_matches_returns_with_concurrent_actions():
@@ -293,7 +298,7 @@ def test_view_goals_of_vanished_core_are_lost_unless_reported():
         view.status(6.0, key, 1, "")
     view.begin("two")
     first, second = records(view.changes(), "goals")
-    assert first["states"][-1] == second["states"][-1] == [1.0, "lost", "the core was restarted"]
+    assert first["states"][-1] == second["states"][-1] == [1.0, "lost", "the core was restarted", ""]
     view.status(8.0, "a", 1, "")
     assert (first["ended"], second["ended"]) == (None, 1.0)
 
@@ -307,7 +312,7 @@ def test_view_that_continues_has_only_open_goals():
     fresh = view.successor()
     found = fresh.changes()
     (goal,) = records(found, "goals")
-    assert (goal["request"], goal["states"][-1]) == ("g(b)", [1.0, "waiting", "much to do"])
+    assert (goal["request"], goal["states"][-1]) == ("g(b)", [1.0, "waiting", "much to do", ""])
     assert (found["about"], found["cycles"], found["actions"]) == (view.about, [], [])
     assert records(found, "packages")[0]["places"] == [("1", "office1"), ("2", "office1")]
     assert found["poses"][-1][1:3] == [5.0, 1.0]

@@ -75,7 +75,7 @@ def test_journal_view_ends_each_long_action_once(tmp_path):
     path, _ = play_journal(tmp_path, program, goals, cancel_at=99, ends=lambda awaited: awaited[next(turns) < 4 :])
     changes = journal_view(path).changes()
     records = [record for _, record in changes["actions"]]
-    names = [changes["words"][one["action"]] for one in records]
+    names = [changes["words"][one["action"]][1] for one in records]
     assert [(one["interface"], one["parameter"]) for one in names] == [
         ("saw", "1"),
         ("drill", "2"),

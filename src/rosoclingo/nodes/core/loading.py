@@ -1,6 +1,6 @@
 """Read and check the parameters of the core node, and load its program."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
@@ -33,8 +33,8 @@ PLACES = "~places"
 class CoreParameters:
     """The parameters of the core node.
 
-    ``floor`` is text that is added to the program. ``places`` are the known poses of labels in the map (x, y, yaw; m,
-    rad). ``recovery_timeout`` and ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or
+    ``floor`` is text that is added to the program. ``places`` are the labels with known poses.
+    ``recovery_timeout`` and ``plan_time`` are in seconds of processor time. ``journal`` is a folder, AUTO or
     NONE. :mod:`rosoclingo.common.required_node` reads ``required`` itself, even if other parameters are invalid.
     """
 
@@ -49,7 +49,7 @@ class CoreParameters:
     resume: str = RESUMES[0]
     required: bool = False
     floor: str = ""
-    places: Mapping[str, List[float]] = field(default_factory=dict)
+    places: LabelTable = LabelTable()
 
     @property
     def time_to_shorten(self) -> Optional[float]:
@@ -58,9 +58,10 @@ class CoreParameters:
 
     @property
     def deciding(self) -> Dict[str, Any]:
-        """The parameters that affect decisions, by name, and the poses of the labels."""
+        """The parameters that affect decisions, by name, and the poses in the map and the titles of the labels."""
         times = {"plan": self.plan, "plan_time": self.plan_time, "recovery_timeout": self.recovery_timeout}
-        return {**asdict(self.settings), **times, "labels": dict(self.places)}
+        labels = {one.name: [one.x, one.y, one.yaw] for one in self.places if one.frame == DEFAULT_FRAME}
+        return {**asdict(self.settings), **times, "labels": labels, "titles": self.places.titles}
 
 
 def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:
@@ -165,13 +166,12 @@ def _labels(reader: Reader) -> Tuple[str, ...]:
     )
 
 
-def _places(value: Any) -> Dict[str, List[float]]:
-    """Return the poses of labels; the nodes that use poses report their faults, not the core."""
+def _places(value: Any) -> LabelTable:
+    """Return the labels; the nodes that use poses report their faults, not the core."""
     try:
-        table = LabelTable.from_mapping(value)
+        return LabelTable.from_mapping(value)
     except LabelError:
-        return {}
-    return {label.name: [label.x, label.y, label.yaw] for label in table if label.frame == DEFAULT_FRAME}
+        return LabelTable()
 
 
 def _term(reader: Reader, text: str) -> str:

@@ -207,7 +207,7 @@ class _Viewer(WebSocketHandler):
 
     def forget(self) -> None:
         """Send the whole view next."""
-        self._known: ClientState = (-1, (0, 0, 0), (0, 0))
+        self._known: ClientState = (-1, (0, 0), (0, 0))
 
     def check_origin(self, origin: str) -> bool:
         """Return whether the request comes from a page of this server."""
