@@ -6,13 +6,12 @@ goals: those that the pattern matches. A label with a title is named by its titl
 """
 
 import re
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
 
 from clingo import Symbol, SymbolType
 
 from rosoclingo.oclingo import ProgressionError, parse_term
-from rosoclingo.oclingo.program.nodes import parse
-from rosoclingo.planning.explaining.atom_patterns import Bound, arguments_in, matches, names_of, patterns_of
+from rosoclingo.planning.explaining.atom_patterns import ANY, Bound, arguments_in, is_variable, matches, pattern_in
 from rosoclingo.reasoning.keywords import ACTION_LIB, REQUEST, RETURN, Action, name_of
 from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
@@ -44,17 +43,11 @@ class GoalSentence(NamedTuple):
         words = {name: names.get(str(term), name_of(term)) for name, term in bound.items()}
         return _NAMED.sub(lambda found: words.get(found.group(1), found.group()), self.text)
 
-    @property
-    def unbound(self) -> Tuple[str, ...]:
-        """The names in the text that are no variables of the pattern."""
-        known = names_of(self.pattern)
-        return tuple(name for name in _NAMED.findall(self.text) if name not in known)
-
 
 class Sentences:
     """Describes actions and goals; an action or a goal without a text is described by its terms.
 
-    ``texts`` maps names of interfaces to texts; the first of ``goals`` that matches a goal counts.
+    ``texts`` maps names of interfaces to texts. Of the ``goals`` that match, the pattern with most fixed names counts.
 
     Attributes:
         titles: the titles of labels, which replace their names.
@@ -68,7 +61,7 @@ class Sentences:
         titles: Optional[Mapping[str, str]] = None,
     ) -> None:
         self._texts: Dict[str, str] = dict(texts or {})
-        self._goals = tuple(goals)
+        self._goals = sorted(goals, key=lambda one: -_size(one.pattern))
         self.titles: Dict[str, str] = dict(titles or {})
         self._calls = {ACTION_LIB, REQUEST, RETURN, *(one.pattern.name for one in goals)}
 
@@ -159,15 +152,14 @@ def goal_sentence(what: Symbol, text: Symbol) -> Optional[GoalSentence]:
 
     A pattern is a string with a goal, in which names in upper case are variables.
     """
-    if what.type is not SymbolType.String or "#" in what.string:
-        return None
-    try:
-        _, rule = parse(f"_goal({what.string}).", lambda _code, _message: None)
-        patterns = patterns_of(rule.head.atom.symbol.arguments[0], {})
-    except (RuntimeError, ValueError, AttributeError, IndexError):  # no term, or more than a term
-        return None
-    alone = len(patterns) == 1 and len(rule.head.atom.symbol.arguments) == 1 and not rule.body
-    return GoalSentence(patterns[0], text.string) if alone and arguments_in(patterns[0]) else None
+    pattern = pattern_in(what.string) if what.type is SymbolType.String else None
+    return GoalSentence(pattern, text.string) if pattern is not None and arguments_in(pattern) else None
+
+
+def _size(pattern: Symbol) -> int:
+    """Return the number of functions and constants in a pattern."""
+    fixed = not (is_variable(pattern) or pattern == ANY)
+    return int(fixed) + sum(map(_size, arguments_in(pattern)))
 
 
 def _end_of(text: str, start: int) -> int:

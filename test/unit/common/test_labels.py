@@ -32,6 +32,13 @@ def test_labels_frames_lose_their_leading_slash():
     assert [label.frame for label in table] == ["map", "robot/odom"]
 
 
+def test_labels_can_have_titles_for_people():
+    table = LabelTable.from_mapping({"a": {"x": 1, "y": 2, "title": "Anna's <room>"}, "b": [1, 2]})
+    assert table.titles == {"a": "Anna's <room>"}
+    with pytest.raises(LabelError, match="labels.a.title: must be a name for people, not 7"):
+        LabelTable.from_mapping({"a": {"x": 1, "y": 2, "title": 7}})
+
+
 def test_labels_compound_names_look_as_clingo_prints_them():
     assert LabelTable.from_mapping({"room( 1, 2 )": [0, 0]})["room(1,2)"].x == 0.0
 
@@ -50,7 +57,7 @@ def test_labels_error_lists_the_known_labels():
         ({"a": 3}, r"labels.a: must be {x, y, yaw} or \[x, y, yaw\], not 3"),
         ({"a": [1, 2, 3, 4]}, r"labels.a: must be \[x, y\] or \[x, y, yaw\] in finite numbers, not \[1, 2, 3, 4\]"),
         ({"a": {"x": 1}}, "labels.a.y: is missing: give a finite number"),
-        ({"a": {"x": 1, "y": 2, "z": 3}}, "labels.a: unknown key 'z'; keys are x, y, yaw, frame"),
+        ({"a": {"x": 1, "y": 2, "z": 3}}, "labels.a: unknown key 'z'; keys are x, y, yaw, frame, title"),
         ({"a": {"x": 1, "y": 2, "yav": 3}}, r"labels.a: unknown key 'yav' \(did you mean yaw\?\)"),
         ({"a": {"x": "1", "y": 2}}, "labels.a.x: must be a finite number, not '1'"),
         ({"a": {"x": True, "y": 2}}, "labels.a.x: must be a finite number"),

@@ -1,6 +1,8 @@
-"""Actions in the words of a program."""
+"""Actions, goals and reasons in the words of a program."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from shipped import shipped
 
 from rosoclingo.oclingo import parse_atom
@@ -16,11 +18,22 @@ _says(plain,no_text). _says(one). _says(X,Y) :- known(X,Y). known(1,2).
 #program cumulative(t).
 #external _request/2.
 """
+GOALS = """
+_says("run(P,_)","Run {P}"). _says("run(go(L),_)","Go to {L}"). _says("run(day)","Serve all day").
+_says("goal(From,To,Id)","Bring package {Id} from {From} to {To}"). _says("same(X,X)","{X} twice, {Y}").
+_says("odd(X)) :- p(X","odd"). _says("odd(X). #include <file>","odd"). _says("odd(","odd"). _says("odd(X)",no_text).
+_says("odd(1;2)","odd"). _says(move_base,"drives to {}").
+"""
+TITLES = {"office3": "Anna's office", "room(1,2)": "<b>", "7": "\u202eseven\n"}
+
+
+def program(text, titles=None):
+    settings = {} if titles is None else {"titles": titles}
+    return RunProgram("run", (ProgramFile("words.lp", text, False),), {}, "", settings)
 
 
 def words(text, *actions):
-    program = RunProgram("run", (ProgramFile("words.lp", text, False),), {}, "")
-    return [sentences_of(program).of(action_of(parse_atom(one))) for one in actions]
+    return [sentences_of(program(text)).of(action_of(parse_atom(one))) for one in actions]
 
 
 def test_sentences_of_actions_come_from_program_facts():
@@ -37,15 +50,79 @@ def test_sentences_of_other_actions_are_plain(interface):
 
 
 def test_sentences_ignore_unreadable_facts():
-    program = RunProgram("run", (ProgramFile("broken.lp", '_says(go,"goes to {}"). ((', False),), {}, "")
-    assert sentences_of(program).of(action_of(parse_atom("_action_lib(go,x,1)"))) == "go x"
+    broken = program('_says(go,"goes to {}"). ((')
+    assert sentences_of(broken).of(action_of(parse_atom("_action_lib(go,x,1)"))) == "go x"
 
 
-@pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")])
-def test_sentences_of_the_shipped_delivery_rules(files):
+@pytest.mark.parametrize(
+    ("files", "actions", "goal", "sentence"),
+    [
+        (("mailbot.lp", "office.lp"), "picks up", "goal(a,b,1)", "Bring package 1 from a to b"),
+        (("house.lp", "home.lp"), "picks up", "bring(study,cup)", "Bring the cup to the study"),
+        (("household.lp", "home.lp"), "takes hold of", "bring(study,cup)", "Bring the cup to the study"),
+        (("fleet.lp", "fleet/offices.lp"), "picks up", "goal(a,b,1)", "Bring package 1 from a to b"),
+        (("mailbot.lp", "office.lp", "golog/mailbot_day.golog"), "picks up", "run(go(office3))", "Go to office3"),
+        (("mailbot.lp", "office.lp", "golog/mailbot_day.golog"), "picks up", "run(visit(a),7)", "Run visit(a)"),
+    ],
+)
+def test_sentences_of_the_shipped_programs(files, actions, goal, sentence):
     sentences = sentences_of(RunProgram.of("run", shipped(*files), {}))
     said = [sentences.of(action_of(parse_atom(f"_action_lib({one},1)"))) for one in ("move_base,tap", "pickup,cup")]
-    assert said == ["drives to tap", "picks up cup"]
+    assert [*said, sentences.goal(goal)] == ["drives to tap", f"{actions} cup", sentence]
+
+
+@pytest.mark.parametrize(
+    ("goal", "sentence"),
+    [
+        ("goal( office3 ,office2,1)", "Bring package 1 from Anna's office to office2"),
+        ('goal("x y",room(1,2),7)', "Bring package \u202eseven\n from x y to <b>"),
+        ("goal(office3,1)", "goal(office3,1)"),
+        ("run(go(a),3)", "Go to a"),
+        ("run(pick(a),3)", "Run pick(a)"),
+        ("run(day)", "Serve all day"),
+        ("run(night)", "run(night)"),
+        ("same(a,a)", "a twice, {Y}"),
+        ("same(a,b)", "same(a,b)"),
+        ("odd(1)", "odd(1)"),
+        ("move_base(1)", "move_base(1)"),
+        ("no goal ((", "no goal (("),
+    ],
+)
+def test_sentence_of_goal_has_the_most_fixed_pattern(goal, sentence):
+    assert sentences_of(program(GOALS, TITLES)).goal(goal) == sentence
+
+
+def test_sentences_of_actions_name_titled_labels():
+    sentences = sentences_of(program(GOALS, TITLES))
+    assert sentences.of(action_of(parse_atom("_action_lib(move_base(r1),office3,4)"))) == "r1 drives to Anna's office"
+    damaged = sentences_of(program(GOALS, {"office3": 5}))
+    assert damaged.goal("run(go(office3),1)") == "Go to office3"
+    assert sentences_of(program(GOALS, ["office3"])).goal("run(go(office3),1)") == "Go to office3"
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        ("goal(a,b,1) is met", "is met"),
+        ("the program rejects goal(a,b,1): there is no a", "there is no a"),
+        ("the program aborts goal(a,b,1): package 1 is not at a", "package 1 is not at a"),
+        ("goal(a,b,1) cannot be met together with goal(b,c,2)", "cannot be met together with 'Bring package 2 from b to c'"),
+        ("since '_return(move_base,blocked,3)' from 'robot'", "since 'move_base returned blocked' from 'robot'"),
+        ("_action_lib(move_base(r1),a,3) and _request(goal(a,b,2),5)", "'r1 drives to a' and 'Bring package 2 from a to b'"),
+        ('_request(run(go("x)("),1),2), goal(goal(a', "'Go to x)(', goal(goal(a"),
+        ("_seen(cup,3), goal(a), regoal(a,b,1)", "_seen(cup,3), goal(a), regoal(a,b,1)"),
+    ],
+)
+def test_sentences_replace_terms_in_reasons(message, reason):
+    assert sentences_of(program(GOALS)).reason("goal(a,b,1)", message) == reason
+
+
+@given(st.text(alphabet="goal(a,b1)\"\\' _returnX\n\u202e", max_size=60))
+def test_sentences_accept_any_message_and_pattern(text):
+    sentences = sentences_of(program(GOALS))
+    assert isinstance(sentences.reason(text, text), str)
+    quoted = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    assert sentences_of(program(f'_says("{quoted}","text").')).goal("b(1)") in ("b(1)", "text")
 
 
 @pytest.mark.parametrize(

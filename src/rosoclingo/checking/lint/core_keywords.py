@@ -1,5 +1,6 @@
 """Checks of the atoms that a program exchanges with the core: goals, actions, returns and statuses."""
 
+import re
 from typing import Dict, Iterator, List, Optional, Set
 
 import clingo
@@ -12,11 +13,21 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.first_steps import TrialGrounding
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_value, likeness
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, signature_and_arguments
 from rosoclingo.oclingo.program.survey import Survey, fault_at, term_text
 from rosoclingo.oclingo.progression.terms import Signature
-from rosoclingo.planning.explaining.atom_patterns import ANY, is_variable
+from rosoclingo.planning.explaining.atom_patterns import (
+    ANY,
+    arguments_in,
+    is_variable,
+    matches,
+    names_of,
+    pattern_in,
+    patterns_of,
+    substitute,
+)
 from rosoclingo.planning.explaining.reach import HeadRule
 
 REQUEST = Signature("_request", 2)
@@ -148,13 +159,32 @@ def misspelt_cancels(survey: Survey) -> Iterator[Fault]:
 
 
 def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
-    """Yield the ``_says`` facts about actions that the program does not have."""
+    """Yield the ``_says`` facts about actions and goals that the program does not have."""
     survey = program.survey
     actions = Actions(program) if _SAYS in survey.defining else None
     known = [] if actions is None else [*actions.parameters, *(one.partition("(")[0] for one in actions.parameters)]
-    for place in survey.defining.get(_SAYS, ()) if actions is not None and actions.all_known else ():
-        name = place.occurrence.arguments[0]
+    for place in survey.defining.get(_SAYS, ()) if actions is not None else ():
+        name, text = place.occurrence.arguments
         value = evaluate(name, survey.constants)
-        if value is not None and str(value) not in known:
+        if value is None or str(value) in known:
+            continue
+        goal = pattern_in(value.string) if value.type is clingo.SymbolType.String else None
+        if goal is not None and arguments_in(goal):
+            yield from _idle_goal_words(survey, name, goal, text)
+        elif actions is not None and actions.all_known:
             message = f"the program has no action {value}"
             yield fault_at(name, "idle-words", message, likely_value(str(value), list(dict.fromkeys(known))))
+
+
+def _idle_goal_words(survey: Survey, name: Node, goal: clingo.Symbol, text: Node) -> Iterator[Fault]:
+    """Yield a fault for a sentence about a goal that no rule asks for, and for its names without a variable."""
+    terms = [one.occurrence.arguments[0] for one in survey.using.get(REQUEST, ())]
+    asked = [substitute(one, {}) for term in terms for one in patterns_of(term, survey.constants)]
+    if not any(matches(goal, one, {}) for one in asked):
+        goals = dict.fromkeys(term_text(one) for one in terms if not str(one).startswith(f"{_CANCEL}("))
+        yield fault_at(name, "idle-words", f"no rule asks for a goal {goal}", f"rules ask for {', '.join(goals)}")
+    value = evaluate(text, survey.constants)
+    named = re.findall(r"\{(\w+)\}", value.string) if value is not None and value.type is clingo.SymbolType.String else ()
+    for one in dict.fromkeys(named):
+        if one not in names_of(goal):
+            yield fault_at(text, "idle-words", f"the goal has no variable {one}", "name a variable of the goal")

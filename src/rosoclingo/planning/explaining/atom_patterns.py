@@ -8,7 +8,7 @@ from typing import Dict, FrozenSet, Optional, Tuple
 import clingo
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.signatures import evaluate
 
 Bound = Dict[str, clingo.Symbol]
@@ -43,6 +43,19 @@ def patterns_of(term: Node, values: Dict[str, clingo.Symbol]) -> Patterns:
         return _range(term, values)
     value = evaluate(term, values)
     return (ANY if value is None else value,)
+
+
+def pattern_in(text: str) -> Optional[clingo.Symbol]:
+    """Return the pattern in a text, ``goal(From,_,1)``; None if the text is not one term."""
+    if "#" in text:  # a directive, which could read a file
+        return None
+    try:
+        _, rule = parse(f"_pattern({text}).", lambda _code, _message: None)
+        (term,) = rule.head.atom.symbol.arguments
+        (pattern,) = patterns_of(term, {})
+    except (RuntimeError, ValueError, AttributeError):
+        return None
+    return None if rule.body else pattern
 
 
 def _products(name: str, rows: "list[Patterns]") -> Patterns:

@@ -185,6 +185,8 @@ SEEDS = [
         "did you mean cancel(...)",
     ),
     ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "did you mean move_base?"),
+    ("template", "@NAME@.lp", '_says("visit(', '_says(@"visits(', "idle-words", "rules ask for visit(P)"),
+    ("template", "@NAME@.lp", '"Visit the {Place}"', '@"Visit the {Room}"', "idle-words", "has no variable Room"),
     (
         "template",
         "@NAME@.lp",
