@@ -7,9 +7,6 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-import pytest
-
-from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 
 
@@ -36,10 +33,8 @@ def kill(process):
 @contextmanager
 def preparing_process(program):
     """Yield a pool for many tests that prefetches, improves plans only briefly, and keeps its workers."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "GROWTH", 2**60)  # none is replaced because of its size
-        with WorkerPool(program, shortest=True, plan_time=0.02, standby=True) as one:
-            yield one
+    with WorkerPool(program, shortest=True, plan_time=0.02, standby=True, growth=2**60) as one:
+        yield one
 
 
 def wait_until_prepared(process, again=lambda: None):

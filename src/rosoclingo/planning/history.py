@@ -160,6 +160,8 @@ class History:
         elif isinstance(entry, Checkpoint):
             self.length, message = 0, entry.message
             self.step, self.horizon, self.keep_from = message["step"], message["horizon"], message["keep_from"]
+            if before is not None:
+                before._path()[0].before = None  # release all entries before the last checkpoint but one
 
     def _advance(self, entry: AcceptedUpdate) -> None:
         self.horizon = entry.horizon
@@ -260,18 +262,7 @@ class History:
         """Return the history with a checkpoint of its ``snapshot`` or an equivalent one; the plan stays in force."""
         history = self.with_entries(Checkpoint(snapshot_to_message(snapshot)))
         history._snapshot = snapshot
-        return (history if self.plan is None else history.with_entries(AdoptedPlan(self.plan))).cut()
-
-    def cut(self) -> "History":
-        """Release all entries before the last checkpoint but one, and return this history."""
-        history, checkpoints = self, 0
-        while history.before is not None:
-            checkpoints += isinstance(history.entry, Checkpoint)
-            if checkpoints > 1:
-                history.before = None
-                break
-            history = history.before
-        return self
+        return history if self.plan is None else history.with_entries(AdoptedPlan(self.plan))
 
     def is_longer(self, limit: int, snapshot: Snapshot) -> bool:
         """Return whether there are more than ``limit`` updates to fold; a larger ``snapshot`` raises the limit."""

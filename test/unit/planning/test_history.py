@@ -228,9 +228,9 @@ def test_history_returns_later_entries_and_last_update():
         assert (one.before_update, one.update) == (longer.before, THREE.update)
 
 
-def test_history_cut_keeps_the_last_two_checkpoints():
+def test_history_keeps_the_last_two_checkpoints():
     first, second = (checkpoint_of(step=step, horizon=step) for step in (1, 2))
-    log = one = History().with_entries(ONE, first, TWO, second, THREE).cut()
+    log = one = History().with_entries(ONE, first, TWO, second, THREE)
     kept = []
     while one is not None:
         kept.append(one.entry)

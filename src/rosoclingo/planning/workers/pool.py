@@ -1,20 +1,18 @@
 """The worker processes of one program.
 
 clingo cannot be interrupted while it grounds, and a program can exhaust the memory. So the pool replaces workers that
-ignore a stop or crash. Workers have no state except caches, so this costs only time.
+ignore a stop, end or crash. Workers have no state except caches, so this costs only time.
 """
 
 import time
 from contextlib import suppress
-from typing import Any, Callable, Optional, Type, TypeVar
+from typing import Any, Callable, Optional, Type
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.question import Stop, never
 from rosoclingo.planning.workers.protocol import WorkerReply
 from rosoclingo.planning.workers.worker import SolverWorker, WorkerLostError, WorkerRequest
-
-T = TypeVar("T")
 
 PATIENCE = 2.0
 """Seconds of wall time after a stop until the worker is killed."""
@@ -56,14 +54,12 @@ class WorkerPool:
             fork: whether workers are forks of this process. Forks start much faster, but this process must have no
                 threads.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
-                :class:`ReactiveSolver`.
+                :class:`ReactiveSolver`. ``growth`` is the number of bytes by which a worker can grow before it is
+                replaced (default: 32 MB, or half of its first size if that is more).
 
         """
-        self._patience = patience
+        self._start_worker = lambda: SolverWorker(program, options, patience, fork)
         self._keeps_standby = standby
-        self._forked = program if fork else None
-        constants = {name: str(value) for name, value in program.constants.items()}
-        self._load = WorkerRequest("load", ([*program.texts], constants, options))
         self._active: Optional[SolverWorker] = None
         self._standby: Optional[SolverWorker] = None
         self._closed = False
@@ -111,7 +107,7 @@ class WorkerPool:
 
     def start(self, stopped: Stop = never) -> None:
         """Wait until a worker is ready, or until ``stopped``; raises like a search."""
-        self._run(lambda worker: worker.wait_until_ready(stopped), stopped)
+        self.ask(WorkerRequest("ping"), stopped, idle=True)
 
     def close(self) -> None:
         """Kill all workers; later calls raise SolverError."""
@@ -126,13 +122,30 @@ class WorkerPool:
 
         The standby worker takes over if it has begun this request. Raises DroppedError if workers are lost.
         """
-        prefetched = self._standby is not None and self._standby.has_begun(request)
-        if prefetched:
-            self._standby = self._activate(self._standby)
-        reply = self._run(lambda worker: worker.ask(request, stopped, idle), stopped)
-        if self._active is not None and self._active.has_grown():
-            self._replace()
-        elif self._keeps_standby and not prefetched:
+        if self._closed:
+            raise SolverError("the solver process has been closed")
+        losses = 0
+        while True:
+            try:
+                return self._ask(request, stopped, idle)
+            except WorkerLostError as error:
+                self._replace()
+                losses += 1
+                if losses > RETRIES or stopped():
+                    raise DroppedError(f"{error}; the request was discarded") from None
+            except SolverError:
+                raise
+            except BaseException:  # a message can be half read
+                self._end(self._activate(None))
+                raise
+
+    def _ask(self, request: WorkerRequest, stopped: Stop, idle: bool) -> WorkerReply:
+        standby = self._standby
+        if standby is not None and standby.has_begun(request):
+            self._standby = self._activate(standby)
+            return standby.ask(request, stopped, idle)
+        reply = self._get_active().ask(request, stopped, idle)
+        if self._keeps_standby and not idle:
             with suppress(WorkerLostError):
                 self._get_standby()
         return reply
@@ -141,11 +154,10 @@ class WorkerPool:
         """Begin ``request`` in the standby worker; return whether it is searching or has the answer."""
         if self._closed or not self._keeps_standby:
             return False
+        if self._standby is not None and self._standby.has_begun(request, same_plan=True):
+            return True
         with suppress(WorkerLostError):
-            if not self._get_standby().has_begun(request, same_plan=True):
-                if self._get_standby().has_grown():
-                    self._end(self._standby)
-                self._get_standby().begin(request)
+            self._get_standby().begin(request)
             return True
         return False
 
@@ -153,28 +165,11 @@ class WorkerPool:
         """Return whether the standby worker has the answer to ``request``; wait for it until ``stopped``."""
         return self._standby is not None and self._standby.has_answer(request, stopped)
 
-    def _run(self, action: Callable[[SolverWorker], T], stopped: Stop, retries: int = RETRIES) -> T:
-        """Call ``action`` with the active worker; repeat it with another worker if that one is lost before a stop."""
-        if self._closed:
-            raise SolverError("the solver process has been closed")
-        try:
-            return action(self._get_active())
-        except WorkerLostError as error:
-            self._replace()
-            if not retries or stopped():
-                raise DroppedError(f"{error}; the request was discarded") from None
-            return self._run(action, stopped, retries - 1)
-        except SolverError:
-            raise
-        except BaseException:  # a message can be half read
-            self._end(self._activate(None))
-            raise
-
     # ---- Workers -----------------------------------------------------------------------------------------------------
 
     def _get_active(self) -> SolverWorker:
         """Return the active worker; if there is none, the standby worker becomes active. Raises WorkerLostError."""
-        if self._active is None or not self._active.alive:
+        if self._active is None or not self._active.is_usable:
             self._end(self._activate(None))
             worker, self._standby = self._get_standby(), None
             self._activate(worker)
@@ -183,10 +178,10 @@ class WorkerPool:
 
     def _get_standby(self) -> SolverWorker:
         """Return the standby worker, started if there is none; raises WorkerLostError."""
-        if self._standby is None or not self._standby.alive:
+        if self._standby is None or not self._standby.is_usable:
             self._end(self._standby)
             self._standby = None  # remains None if the start fails
-            self._standby = SolverWorker(self._load, self._patience, self._forked)
+            self._standby = self._start_worker()
         return self._standby
 
     def _activate(self, worker: Optional[SolverWorker]) -> Optional[SolverWorker]:

@@ -1,15 +1,17 @@
 """Starts and ends worker processes: new processes, or forks of this one."""
 
 import os
+import pickle
 import signal
-import socket
 import sys
 import traceback
 from contextlib import suppress
-from typing import NoReturn, Optional
+from multiprocessing.connection import Connection, Pipe
+from tempfile import TemporaryFile
+from typing import Any, Mapping, Optional
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.workers.channel import CONNECTION
+from rosoclingo.planning.workers.protocol import CONNECTION, PROGRAM
 
 
 class WorkerProcess:
@@ -19,25 +21,30 @@ class WorkerProcess:
     the pipe closes when this process ends, and that ends the child.
 
     Attributes:
+        connection: the connection to the child.
         pid: process id.
 
     """
 
-    def __init__(self, connection: socket.socket, program: Optional[ReactiveProgram] = None) -> None:
-        """Start a new process or, if a ``program`` is given, a fork of this process; raises OSError.
+    def __init__(self, program: ReactiveProgram, options: Mapping[str, Any], fork: bool) -> None:
+        """Start a new process with ``program``, or a ``fork`` of this process; raises OSError.
 
         A fork starts in milliseconds, because it shares all loaded modules and the program. This process must have no
-        threads then: the fork would copy their locks, which are never released.
+        threads then: the fork would copy their locks, which are never released. For ``options`` see
+        :class:`~rosoclingo.planning.workers.pool.WorkerPool`.
         """
+        self.connection, theirs = Pipe()
         lifeline, self._lifeline = os.pipe()
         self._exit_code: Optional[int] = None
         try:
-            self.pid = _spawn(connection, lifeline) if program is None else _fork(connection, lifeline, program)
+            self.pid = (_fork if fork else _spawn)(program, options, theirs, lifeline)
         except OSError:
             os.close(self._lifeline)
+            self.connection.close()
             raise
         finally:
             os.close(lifeline)
+            theirs.close()
 
     @property
     def exit_code(self) -> Optional[int]:
@@ -45,7 +52,8 @@ class WorkerProcess:
         return self._wait(os.WNOHANG)
 
     def kill(self) -> int:
-        """Kill the process unless it has ended; return the exit code."""
+        """Kill the process unless it has ended, and close the connection; return the exit code."""
+        self.connection.close()
         if self.exit_code is None:
             os.kill(self.pid, signal.SIGKILL)
         code = self._wait(0)
@@ -64,24 +72,33 @@ class WorkerProcess:
         return self._exit_code
 
 
-def _spawn(connection: socket.socket, lifeline: int) -> int:
+def _spawn(program: ReactiveProgram, options: Mapping[str, Any], connection: Connection, lifeline: int) -> int:
     """Start a new process; return its process id."""
-    return os.posix_spawn(
-        sys.executable,
-        [sys.executable, "-m", "rosoclingo.planning.workers.worker_main"],
-        dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path))),
-        file_actions=[(os.POSIX_SPAWN_DUP2, lifeline, 0), (os.POSIX_SPAWN_DUP2, connection.fileno(), CONNECTION)],
-        setsid=True,
-    )
+    constants = {name: str(value) for name, value in program.constants.items()}
+    with TemporaryFile() as file:
+        pickle.dump(([*program.texts], constants, options), file)
+        file.seek(0)
+        return os.posix_spawn(
+            sys.executable,
+            [sys.executable, "-m", "rosoclingo.planning.workers.worker_main"],
+            dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path))),
+            file_actions=[
+                (os.POSIX_SPAWN_DUP2, lifeline, 0),
+                (os.POSIX_SPAWN_DUP2, connection.fileno(), CONNECTION),
+                (os.POSIX_SPAWN_DUP2, file.fileno(), PROGRAM),
+            ],
+            setsid=True,
+        )
 
 
-def _fork(connection: socket.socket, lifeline: int, program: ReactiveProgram) -> int:
-    """Start a fork of this process that already has the program; return its process id."""
-    return os.fork() or _run_fork(connection, lifeline, program)
+def _fork(program: ReactiveProgram, options: Mapping[str, Any], connection: Connection, lifeline: int) -> int:
+    """Start a fork of this process; return its process id.
 
-
-def _run_fork(connection: socket.socket, lifeline: int, program: ReactiveProgram) -> NoReturn:
-    """Run in the child: execute commands and exit, without flushing buffers that the parent has not written yet."""
+    The child executes commands and exits, without flushing buffers that the parent has not written yet.
+    """
+    pid = os.fork()
+    if pid:
+        return pid
     code = 1
     try:
         from rosoclingo.planning.workers.worker_main import work  # noqa: PLC0415 other parents do not need it
@@ -94,8 +111,7 @@ def _run_fork(connection: socket.socket, lifeline: int, program: ReactiveProgram
             if file > 2 and file != connection.fileno():
                 with suppress(OSError):  # the descriptor of the folder itself is closed already
                     os.close(file)
-        with suppress(SystemExit):
-            work(connection, program)
+        work(connection, lambda: program, options)
         code = 0
     except BaseException:  # noqa: BLE001 the child must not continue the code of the parent
         os.write(2, traceback.format_exc().encode())

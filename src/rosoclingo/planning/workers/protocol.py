@@ -1,37 +1,40 @@
-"""The messages between a worker and its parent."""
+"""The messages between a worker and its parent.
 
+A worker sends :class:`WorkerReply`, and during a search its last grounded step at intervals. The parent sends
+:class:`WorkerCommand` to an idle worker, and the time to drop a grounding, which interrupts a busy one.
+"""
+
+import copyreg
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+
+import clingo
 
 from rosoclingo.planning.history import Entry, History
 
+CONNECTION, PROGRAM = 3, 4
+"""File descriptors of a new worker process: the connection, and a file with the program and the options."""
+
+copyreg.pickle(clingo.Symbol, lambda symbol: (clingo.parse_term, (str(symbol),)))
+
 
 class WorkerCommand(NamedTuple):
-    """A call of a method of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain`.
+    """A call of a method of :class:`~rosoclingo.planning.workers.worker_main.WorkerMain` or of its solver.
 
     Attributes:
         name: the name of the method.
         arguments: the arguments of the call.
-        entries: the entries of the history before the call, None if it needs no history.
+        entries: the entries of the history before the call.
         continues: whether the entries continue the worker's own history.
+        drop_at: the time to drop a grounding, by the clock that all processes share; infinite unless the command is
+            interrupted already.
 
     """
 
     name: str
-    arguments: Tuple[Any, ...] = ()
-    entries: Optional[List[Entry]] = None
-    continues: bool = False
-
-
-class Interrupt(NamedTuple):
-    """Ends the running search; a grounding is dropped at ``drop_at``, by the clock that all processes share."""
-
+    arguments: Tuple[Any, ...]
+    entries: List[Entry]
+    continues: bool
     drop_at: float
-
-
-class SearchProgress(NamedTuple):
-    """The last grounded ``horizon`` of the running search."""
-
-    horizon: int
 
 
 class WorkerReply(NamedTuple):
@@ -41,6 +44,7 @@ class WorkerReply(NamedTuple):
         value: the result of the method, or the error that it raised.
         entries: the entries to append to the history.
         is_last: whether the command has ended; a search that improves its plan replies with each plan.
+        has_grown: whether the worker uses much more memory than after its first command.
         log: the history after the command; set by the parent.
 
     """
@@ -48,4 +52,5 @@ class WorkerReply(NamedTuple):
     value: Any = None
     entries: Sequence[Entry] = ()
     is_last: bool = True
+    has_grown: bool = False
     log: Optional[History] = None

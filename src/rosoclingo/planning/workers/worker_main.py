@@ -5,28 +5,28 @@ parent ends. The kernel then ends this process by SIGIO, even while it is ground
 """
 
 import fcntl
+import math
 import os
+import pickle
 import select
 import signal
-import socket
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Dict, FrozenSet, Iterator, Optional, Sequence, Tuple, Union
-
-import clingo
+from functools import partial
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Union
 
 from rosoclingo.oclingo.errors import DroppedError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History
-from rosoclingo.planning.question import Reply
+from rosoclingo.planning.question import Reply, Stop
 from rosoclingo.planning.text import Message
-from rosoclingo.planning.workers.channel import CONNECTION, Channel
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
-from rosoclingo.planning.workers.protocol import Interrupt, SearchProgress, WorkerCommand, WorkerReply
+from rosoclingo.planning.workers.protocol import CONNECTION, PROGRAM, WorkerCommand, WorkerReply
 
 if TYPE_CHECKING:
     from rosoclingo.planning.solver import PlanSolver
@@ -34,39 +34,56 @@ if TYPE_CHECKING:
 NICENESS = 10
 """Niceness of an explaining process."""
 
+GROWTH = 32 * 2**20
+"""Growth in bytes after which a worker is replaced; half of its first size if that is more."""
+
 REPORTING = 0.5
 """Seconds of wall time between two progress reports of a search."""
 
 
 class WorkerMain:
-    """Executes commands one after the other and replies to each; its public methods are the commands.
+    """Executes commands one after the other and replies to each.
 
     Its state consists of caches only: the history of the last command, and the groundings of the solver.
     """
 
-    def __init__(self, channel: Channel, program: Optional[ReactiveProgram] = None) -> None:
-        """Use ``program``; if it is None, :meth:`load` loads one."""
-        self._channel, self._given = channel, program
-        self._reported = time.monotonic()
-        self._solver: Union[PlanSolver, LoggedSolver]
+    def __init__(
+        self, connection: Connection, program: ReactiveProgram, growth: Optional[int] = None, **options: Any
+    ) -> None:
+        """Use a loaded ``program``; for the options see :class:`WorkerPool`."""
+        self._connection, self._program, self._growth = connection, program, growth
+        self._solver = _make_solver(program, self._is_dropped, **options)
+        self._most_memory: Optional[int] = None  # in bytes
         self._start = History()  # the history before the command
+        self._drop_at = math.inf  # the time to drop a grounding; finite if the command is interrupted
+        self._reported = time.monotonic()
 
     def run(self) -> None:
-        """Execute commands; raises EOFError when the parent closes the connection."""
+        """Reply that the program is loaded, then to commands; raises EOFError when the parent closes the connection."""
+        self._connection.send(WorkerReply())
         while True:
-            self._channel.wait()
-            command = self._channel.unread.popleft()
+            command = self._connection.recv()
             if isinstance(command, WorkerCommand):  # late interrupts are ignored
-                self._channel.send(self._execute(command))
+                reply = self._execute(command)
+                has_grown = command.name != "ping" and self._has_grown()
+                self._connection.send(reply._replace(has_grown=has_grown))
+
+    def _has_grown(self) -> bool:
+        """Return whether this process uses much more memory than at the first call: clingo never frees symbols."""
+        memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        if self._most_memory is None:
+            self._most_memory = memory + (max(GROWTH, memory // 2) if self._growth is None else self._growth)
+        return memory > self._most_memory
 
     def _execute(self, command: WorkerCommand) -> WorkerReply:
-        self._reported = time.monotonic()
-        if command.entries is not None:
-            before = self._solver.log if command.continues else History()
-            self._start = before.with_entries(*command.entries)
-            self._solver.restore(self._start)
+        self._reported, self._drop_at = time.monotonic(), command.drop_at
+        before = self._solver.log if command.continues else History()
+        self._start = before.with_entries(*command.entries)
+        self._solver.restore(self._start)
         try:
-            return self._reply(getattr(self, command.name)(*command.arguments))
+            call = getattr(self, command.name, None)
+            call = call or partial(getattr(self._solver, command.name), stopped=self._is_interrupted)
+            return self._reply(call(*command.arguments))
         except SolverError as error:
             return WorkerReply(error)
 
@@ -74,47 +91,26 @@ class WorkerMain:
         """Return the reply with ``value``; answers are sent without the atoms of old cycles."""
         if isinstance(value, SolveResult):
             value = replace(value, answers=tuple(map(self._solver.recent, value.answers)))
+        elif isinstance(value, Reply):  # nobody reads the answer of a hypothetical question
+            value = Reply(value.satisfiable, core=value.core)
         return WorkerReply(value, self._solver.log.entries_after(self._start) or [], is_last)
 
-    # ---- Commands ----------------------------------------------------------------------------------------------------
+    # ---- Commands that the solver does not have ----------------------------------------------------------------------
 
-    def load(self, sources: Sequence[Source], constants: Dict[str, str], options: Dict[str, Any]) -> None:
-        """Load a program from the texts of its files; for ``options`` see :class:`WorkerPool`."""
-        self._program = self._given or ReactiveProgram(sources, constants, whole=True)
-        if options.pop("shortest", False):
-            from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
-
-            self._solver = PlanSolver(self._program, dropped=self._is_dropped, **options)
-        else:
-            options.pop("plan_time", None)
-            self._solver = LoggedSolver(self._program, self._is_dropped, **options)
+    def ping(self) -> None:
+        """Do nothing; the reply shows that the program is loaded."""
 
     def search(self, update: Optional[StreamUpdate], improves: bool) -> SolveResult:
         """Accept an update and search for a plan; if it ``improves``, shorten the plan until interrupted."""
         result = self._solver.search(update, self._is_interrupted)
         with suppress(SolverError):  # the first plan remains valid
             while improves and result.answers and not self._is_interrupted():
-                self._channel.send(self._reply(result, is_last=False))
-                better = self.improve()
+                self._connection.send(self._reply(result, is_last=False))
+                better = self._solver.improve(self._is_interrupted)
                 if better is None:
                     break
                 result = replace(better, warnings=result.warnings, statistics=result.statistics)
         return result
-
-    def improve(self) -> Optional[SolveResult]:
-        """Search for a better plan."""
-        return self._planner.improve(self._is_interrupted)
-
-    def checkpoint(self) -> None:
-        """Append a checkpoint to the history."""
-        self._planner.checkpoint()
-
-    def inquire(
-        self, update: StreamUpdate, assumable: FrozenSet[clingo.Symbol], disabled: FrozenSet[clingo.Symbol]
-    ) -> Reply:
-        """Decide whether ``update`` has an answer if the ``disabled`` facts do not hold."""
-        reply = self._planner.inquire(update, assumable, disabled, self._is_interrupted)
-        return Reply(reply.satisfiable, core=reply.core)
 
     def explain(self, update: StreamUpdate, steps: int) -> Optional[Tuple[str, Message]]:
         """Explain, in words and as a value for JSON, why there is no plan; return None if there is one."""
@@ -129,28 +125,34 @@ class WorkerMain:
             raise DroppedError("stopped before a cause was found") from None
         return None if found is None else (found.text(), found.to_message())
 
-    @property
-    def _planner(self) -> "PlanSolver":
-        assert not isinstance(self._solver, LoggedSolver)
-        return self._solver
-
     # ---- The parent --------------------------------------------------------------------------------------------------
 
     def _is_interrupted(self) -> bool:
         """Return whether to stop the running search; report its progress at intervals."""
         if time.monotonic() - self._reported >= REPORTING:
             self._reported = time.monotonic()
-            self._channel.send(SearchProgress(self._solver.reached))
-        return any(self._interrupts())
+            self._connection.send(self._solver.reached)
+        self._read_interrupts()
+        return self._drop_at < math.inf
 
     def _is_dropped(self) -> bool:
         """Return whether to drop the running command."""
-        return any(time.monotonic() >= one.drop_at for one in self._interrupts())
+        self._read_interrupts()
+        return time.monotonic() >= self._drop_at
 
-    def _interrupts(self) -> Iterator[Interrupt]:
-        """Yield the messages that interrupt the running command."""
-        self._channel.wait(0.0)
-        return (one for one in self._channel.unread if isinstance(one, Interrupt))
+    def _read_interrupts(self) -> None:
+        while self._connection.poll():
+            self._drop_at = min(self._drop_at, self._connection.recv())
+
+
+def _make_solver(
+    program: ReactiveProgram, dropped: Stop, shortest: bool = False, plan_time: Optional[float] = None, **options: Any
+) -> "Union[PlanSolver, LoggedSolver]":
+    if not shortest:
+        return LoggedSolver(program, dropped, **options)
+    from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
+
+    return PlanSolver(program, dropped=dropped, plan_time=plan_time, **options)
 
 
 def end_with_parent(lifeline: int) -> None:
@@ -160,16 +162,23 @@ def end_with_parent(lifeline: int) -> None:
     fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([lifeline], [], [], 0)[0]:
-        raise SystemExit(0)  # it was closed before F_SETOWN
+        os._exit(0)  # it was closed before F_SETOWN
 
 
-def work(connection: socket.socket, program: Optional[ReactiveProgram] = None) -> None:
-    """Execute the commands that the parent sends over ``connection``."""
+def work(connection: Connection, load: Callable[[], ReactiveProgram], options: Mapping[str, Any]) -> None:
+    """Load the program and execute the commands that the parent sends over ``connection``."""
     end_with_parent(0)
     os.dup2(2, 1)  # scripts in a program can print, but standard output belongs to the parent
-    with suppress(EOFError):
-        WorkerMain(Channel(connection), program).run()
+    with suppress(EOFError, ConnectionError):
+        WorkerMain(connection, load(), **options).run()
+
+
+def main() -> None:
+    """Run a new process, see :mod:`~rosoclingo.planning.workers.process`."""
+    with os.fdopen(PROGRAM, "rb") as file:
+        texts, constants, options = pickle.load(file)
+    work(Connection(CONNECTION), lambda: ReactiveProgram(texts, constants, whole=True), options)
 
 
 if __name__ == "__main__":
-    work(socket.socket(fileno=CONNECTION))
+    main()

@@ -29,7 +29,6 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.planning.workers.worker import SolverWorker
 
 DATA = Path(__file__).parents[3] / "data"
 CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
@@ -193,40 +192,45 @@ def test_standby_takes_the_place_of_killed_worker():
     assert ended(standby)
 
 
-@pytest.fixture
-def memory(monkeypatch):
-    """Fake sizes of workers, one per query; a worker that grows by more than 100, or by half, is replaced."""
-    sizes = []
-    monkeypatch.setattr(worker, "GROWTH", 100)
-    monkeypatch.setattr(SolverWorker, "memory", property(lambda self: sizes.pop(0)))
-    return sizes
+MUCH = 2**40
 
 
 @pytest.mark.slow
-def test_grown_worker_is_replaced_between_two_searches(memory):
+@pytest.mark.parametrize(("growth", "workers"), [(MUCH, 1), (-MUCH, 4)])
+def test_grown_worker_is_replaced_between_two_searches(growth, workers):
     """clingo never frees symbols: only the end of the process returns the memory."""
-    memory += [100, 190, 201, 300, 440, 451, 99]
-    with pool_of(ENDLESS, **PLANS, horizon_limit=100, log_limit=0) as pool:
+    with pool_of(ENDLESS, **PLANS, horizon_limit=100, log_limit=0, growth=growth) as pool:
         solver, twin, pids = ProcessSolver(pool), PlanSolver(ReactiveProgram.from_text(ENDLESS)), []
-        for step in range(1, 8):
-            pids.append(pool.pid)
+        for step in range(1, 5):
             text = f"{step} : 0. e({step})."
             assert answers(fed(solver, text)) == answers(fed(twin, text))
-    assert [pids.index(one) for one in pids] == [0, 0, 0, 3, 3, 3, 6]
+            pids.append(pool.pid)
+    assert len(set(pids)) == workers
 
 
 @pytest.mark.slow
-def test_grown_standby_is_replaced_after_prefetching(memory):
-    memory += [10, 10, 200, 10]
-    with pool_of(ENDLESS, **PLANS, standby=True) as pool:
+def test_worker_that_has_grown_by_half_is_replaced():
+    many = "#external big/1.\n#cumulative t.\nn(X) :- big(B), X = 1..B, t = 1.\n"
+    with pool_of(many, **PLANS, fork=True) as pool:
+        solver, pids = ProcessSolver(pool), []
+        for text in ("1.", "1.", "1. big(1000000).", "2."):
+            fed(solver, text)
+            pids.append(pool.pid)
+    assert [pids.index(one) for one in pids] == [0, 0, 0, 3]
+
+
+@pytest.mark.slow
+def test_grown_standby_is_replaced_before_the_next_prefetching():
+    with pool_of(ENDLESS, **PLANS, standby=True, growth=-MUCH) as pool:
         solver, pids = ProcessSolver(pool), []
         fed(solver, "1 : 0. e(1).")
-        wait_until_prepared(pool)
-        for step in (2, 3):
+        for step in (2, 2, 3):
             solver.prefetch(parse_update(f"#step {step} : 0. e({step}). #endstep."))
             pids.append(pool.standby_pid)
             wait_until_prepared(pool)
-    assert pids[0] != pids[1]
+        assert [pids.index(one) for one in pids] == [0, 0, 2]
+        fed(solver, "3 : 0. e(3).")
+        assert pool.pid == pids[2], "the answer of a grown standby is used"
 
 
 # ---- Stops -----------------------------------------------------------------------------------------------------------

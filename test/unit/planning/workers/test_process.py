@@ -3,7 +3,6 @@
 import os
 import select
 import signal
-import socket
 
 import pytest
 from children import ended, kill
@@ -28,14 +27,12 @@ def test_forked_workers_answer_and_are_replaced():
     assert sorted(map(str, result.answers[0])) == ["c(1)", "c(2)", "e(1)", "e(2)"]
 
 
-@pytest.mark.parametrize("program", [PROGRAM, None])
-def test_process_reports_its_exit_code(program):
-    ours, theirs = socket.socketpair()
-    with ours, theirs:
-        process = WorkerProcess(theirs, program)
-        assert process.exit_code is None
-        for _ in range(2):
-            assert (process.kill(), process.exit_code) == (-signal.SIGKILL, -signal.SIGKILL)
+@pytest.mark.parametrize("fork", [False, True])
+def test_process_reports_its_exit_code(fork):
+    process = WorkerProcess(PROGRAM, {}, fork)
+    assert process.exit_code is None
+    for _ in range(2):
+        assert (process.kill(), process.exit_code) == (-signal.SIGKILL, -signal.SIGKILL)
 
 
 def test_fork_that_fails_ends_with_the_error(monkeypatch, capfd):
@@ -43,11 +40,9 @@ def test_fork_that_fails_ends_with_the_error(monkeypatch, capfd):
         raise ValueError("a fault of its own")
 
     monkeypatch.setattr(worker_main, "work", fail)
-    ours, theirs = socket.socketpair()
-    with ours, theirs:
-        process = WorkerProcess(theirs, PROGRAM)
-        assert ended(process.pid)
-        assert process.exit_code == 1
+    process = WorkerProcess(PROGRAM, {}, fork=True)
+    assert ended(process.pid)
+    assert process.kill() == 1
     assert "ValueError: a fault of its own" in capfd.readouterr().err
 
 
