@@ -88,9 +88,9 @@ def return_rules(program: ReactiveProgram) -> Optional[ReturnRules]:
             position = _position_of_return(statement, returns, part.parameter, constants)
             if position is None:
                 return None
-            rule = _ReturnRule.of(len(texts), statement, position)
-            with_actions.update([rule.number] if rule.acts else [])
-            texts.append((part.name, [part.parameter], rule.asks + rule.acts))
+            asks, acts = _auxiliary_rules(len(texts), statement, position)
+            with_actions.update([len(texts)] if acts else [])
+            texts.append((part.name, [part.parameter], asks + acts))
     return ReturnRules(tuple(texts), len(texts), frozenset(with_actions))
 
 
@@ -151,51 +151,26 @@ def _is_atom(literal: Node, signature: Signature) -> bool:
     )
 
 
-class _ReturnRule(NamedTuple):
-    """A rule with a return in its body.
+def _auxiliary_rules(number: int, statement: Node, position: int) -> Tuple[str, str]:
+    """Return both rules for a rule whose return is at ``position`` in its body; the second one can be empty.
 
-    Attributes:
-        number: the number of the rule.
-        cycle: the cycle of the return, as text.
-        arguments: all arguments of the return, as text.
-        names: the variables in the arguments.
-        rest: the other literals of the body.
-
+    ``_`` in the return gets a name, so that heads can contain it.
     """
+    rest = list(_body(statement))
+    atom = rest.pop(position).atom.symbol
+    texts = [str(one) for one in atom.arguments]
+    arguments = ",".join(f"Any{index}__" if text == "_" else text for index, text in enumerate(texts))
 
-    number: int
-    cycle: str
-    arguments: str
-    names: Set[str]
-    rest: List[Node]
+    def rule(name: str, literals: Sequence[Node]) -> str:
+        """Return the rule that derives the auxiliary atom ``name`` from the action and ``literals``."""
+        body = [f"{ACTION.name}({arguments})", *map(str, literals)]
+        return f"{name}({number},{arguments}) :- {'; '.join(body)}.\n"
 
-    @classmethod
-    def of(cls, number: int, statement: Node, position: int) -> "_ReturnRule":
-        """Split a rule whose return is at ``position`` in its body; ``_`` gets a name, so that heads can contain it."""
-        body = list(_body(statement))
-        atom = body.pop(position).atom.symbol
-        texts = [str(one) for one in atom.arguments]
-        named = [f"Any{index}__" if text == "_" else text for index, text in enumerate(texts)]
-        return cls(number, texts[-1], ",".join(named), set(names_in(atom)), body)
-
-    @property
-    def asks(self) -> str:
-        """The auxiliary rule for all other literals of the body."""
-        return self._rule(ASKS, self.rest)
-
-    @property
-    def acts(self) -> str:
-        """The auxiliary rule for the actions of the same cycle in the body; empty if there are none."""
-        actions = [
-            one for one in self.rest if _is_atom(one, ACTION) and str(one.atom.symbol.arguments[-1]) == self.cycle
-        ]
-        bound = self.names.union(*(names_in(one.atom) for one in actions if one.sign == Sign.NoSign))
-        others = [*actions, *filter(_is_comparison, self.rest)]
-        return self._rule(ACTS, [one for one in others if bound.issuperset(names_in(one.atom))]) if actions else ""
-
-    def _rule(self, name: str, rest: Sequence[Node]) -> str:
-        body = [f"{ACTION.name}({self.arguments})", *map(str, rest)]
-        return f"{name}({self.number},{self.arguments}) :- {'; '.join(body)}.\n"
+    actions = [one for one in rest if _is_atom(one, ACTION) and str(one.atom.symbol.arguments[-1]) == texts[-1]]
+    bound = set(names_in(atom)).union(*(names_in(one.atom) for one in actions if one.sign == Sign.NoSign))
+    others = [*actions, *filter(_is_comparison, rest)]
+    acts = rule(ACTS, [one for one in others if bound.issuperset(names_in(one.atom))]) if actions else ""
+    return rule(ASKS, rest), acts
 
 
 def _is_comparison(literal: Node) -> bool:
