@@ -4,6 +4,7 @@ from typing import Callable, FrozenSet, Generator, NamedTuple, Optional, Sequenc
 
 import clingo
 
+from rosoclingo.planning.history import Plan
 from rosoclingo.planning.prediction import PredictedReturns
 
 Assumptions = Sequence[Tuple[clingo.Symbol, bool]]
@@ -96,6 +97,11 @@ class Reply(NamedTuple):
     permanent: bool = False
     predicted: PredictedReturns = PredictedReturns()
     read: Tuple[Tuple[FrozenSet[clingo.Symbol], ...], ...] = ()
+
+    @property
+    def plan(self) -> Plan:
+        """The plan in the last answer."""
+        return Plan.from_atoms(self.answers[-1], self.horizon)
 
 
 UNKNOWN = Reply(None)

@@ -2,7 +2,6 @@
 
 from typing import Generator, Optional
 
-from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import Assumptions, Question, Reply, Stop
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
@@ -25,8 +24,7 @@ def cheaper(
     """
     last = found.horizon
     if not found.cost:
-        plan = Plan.from_atoms(found.answers[-1], last)
-        fixed = plan.fixing(runner.actions(step, last))
+        fixed = found.plan.fixing(runner.actions(step, last))
         reply = yield Question(last, last, fixed, conflicts=CONFLICTS, best=True, proven=False, until=until)
         if not reply.satisfiable:
             return found

@@ -14,18 +14,14 @@ see trim.py.
 
 from contextlib import suppress
 from random import Random
-from typing import Iterator, List, Optional, Tuple
-
-import clingo
+from typing import Iterator, Optional, Tuple
 
 from rosoclingo.planning.history import Plan, cycle_of, delay
-from rosoclingo.planning.question import Question, Reply, StoppedError, Strategy
+from rosoclingo.planning.question import Assumptions, Question, Reply, StoppedError, Strategy
 from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner
-
-Assumption = Tuple[clingo.Symbol, bool]
 
 SIZE = 16
 """Number of steps in a window of the first round; each further round enlarges it by half, up to the whole plan."""
@@ -48,9 +44,8 @@ class Improvement:
         self._plan, self._step, self._first = plan, step, first
         self._random = Random(0)
         self._runner: StrategyRunner  # the runner of the last call
-        self._costed: Optional[Tuple[StrategyRunner, Reply]] = (
-            None  # the plan with its cost, and the grounding of the search
-        )
+        self._present: Assumptions  # fix the actions up to the present step as executed
+        self._costed: Optional[Tuple[StrategyRunner, Reply]] = None  # the plan with its cost, and its grounding
         self._exhausted = False
         self._questions = self._rounds()
 
@@ -66,55 +61,44 @@ class Improvement:
     def run(self, runner: StrategyRunner) -> Strategy[Optional[Reply]]:
         """Return the first better plan; None after a stop, or if the search is exhausted."""
         self._runner = runner
-        present: Optional[List[Assumption]] = None
+        # the first cycle that is not closed in the grounding can precede the present step
+        cycles = [runner.step, self._step, *map(cycle_of, self._plan.actions)]
+        self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
         with suppress(StoppedError):
             while not runner.is_stopped():
-                present = self._present(runner) if present is None else present
                 question = next(self._questions, None)
                 if question is None:
                     self._exhausted = True
                     break
-                found = yield from (self._cheaper if question.best else self._shorter)(question, runner, present)
+                found = yield from (self._cheaper if question.best else self._shorter)(question)
                 if found is not None:
-                    self._plan = Plan.from_atoms(found.answers[-1], found.horizon)
+                    self._plan = found.plan
                     return found
         return None
 
-    def _shorter(
-        self, question: Question, runner: StrategyRunner, present: List[Assumption]
-    ) -> Strategy[Optional[Reply]]:
+    def _shorter(self, question: Question) -> Strategy[Optional[Reply]]:
         """Return the trimmed plan if there is an answer to ``question``."""
-        last = min(question.last, self._plan.horizon - 1, runner.horizon)  # the grounding does not grow
+        last = min(question.last, self._plan.horizon - 1, self._runner.horizon)  # the grounding does not grow
         if last < self._begin:  # earlier questions of the round have excluded all shorter plans
             return None
-        found = yield question._replace(last=last, given=[*present, *question.given])
+        found = yield question._replace(last=last, given=[*self._present, *question.given])
         if found.satisfiable:
             self._costed = None
-            return (yield from trimmed(found, runner, self._step, self._first, present))
+            return (yield from trimmed(found, self._runner, self._step, self._first, self._present))
         if found.satisfiable is False and not question.given:
             self._first = last + 1
         return None
 
-    def _cheaper(
-        self, question: Question, runner: StrategyRunner, present: List[Assumption]
-    ) -> Strategy[Optional[Reply]]:
+    def _cheaper(self, question: Question) -> Strategy[Optional[Reply]]:
         """Return a cheaper plan of the same length if ``question`` has such an answer."""
         known = Reply(True, (self._plan.actions,), self._plan.horizon)
-        if self._costed is not None and self._costed[0] is runner:
+        if self._costed is not None and self._costed[0] is self._runner:
             known = self._costed[1]
-        found = yield from cheaper(known, runner, self._step, [*present, *question.given], question.conflicts)
+        given = [*self._present, *question.given]
+        found = yield from cheaper(known, self._runner, self._step, given, question.conflicts)
         if found.cost:
-            self._costed = runner, found._replace(optimal=found.optimal and not question.given)
-        changed = Plan.from_atoms(found.answers[-1], found.horizon).rest(self._step) != self._plan.rest(self._step)
-        return found if changed else None
-
-    def _present(self, runner: StrategyRunner) -> List[Assumption]:
-        """Return assumptions that fix the actions up to the present step as executed.
-
-        They begin with the first cycle that is not closed in the grounding, which can precede the present step.
-        """
-        cycles = [runner.step, self._step, *map(cycle_of, self._plan.actions)]
-        return self._plan.fixing(runner.actions(min(cycles), self._step))
+            self._costed = self._runner, found._replace(optimal=found.optimal and not question.given)
+        return found if found.plan.rest(self._step) != self._plan.rest(self._step) else None
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 

@@ -37,7 +37,7 @@ def trimmed(
 
     def without_idling(found: Reply) -> _Trimmed:
         """Return the plan without idle steps, or at least without idle steps at its end."""
-        plan = _plan_after(found, step)
+        plan = found.plan.rest(step + 1)
         for shorter in dict.fromkeys((_without_idling(plan, step), plan)):
             end = max(first, step, shorter.last_cycle)
             if end < found.horizon:
@@ -49,16 +49,12 @@ def trimmed(
     with suppress(StoppedError):
         found = yield from without_idling(found)  # questions about fewer steps are cheaper
         fewer = found
-        while fewer.satisfiable and not advises and _plan_after(found, step).actions:
-            fewer = yield question(_plan_after(found, step), first, found.horizon, fewer=True)
+        while fewer.satisfiable and not advises and found.plan.rest(step + 1).actions:
+            fewer = yield question(found.plan.rest(step + 1), first, found.horizon, fewer=True)
             found = fewer if fewer.satisfiable else found
         if not advises:
             found = yield from without_idling(found)
     return found
-
-
-def _plan_after(found: Reply, step: int) -> Plan:
-    return Plan.from_atoms(found.answers[-1], found.horizon).rest(step + 1)
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
