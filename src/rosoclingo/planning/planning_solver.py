@@ -68,17 +68,16 @@ class PlanningSolver(ABC):
     def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         """Accept ``update``, if there is one, and search for answers even if it is predicted."""
 
-    @abstractmethod
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a better plan; return None after a stop or if nothing is left to try."""
+        return None
 
     def compact(self, stopped: Optional[Stop] = None) -> None:
         """Append a checkpoint if many predicted updates followed the last one, unless stopped."""
         if self.log.length > LONG_PREDICTED and self._known_answer is not None:
             self.checkpoint(stopped or never)
 
-    @abstractmethod
-    def checkpoint(self, stopped: Stop = never) -> None:
+    def checkpoint(self, stopped: Stop = never) -> None:  # noqa: B027 optional
         """Append a checkpoint to the history, with past steps compacted if there are enough, unless stopped."""
 
     @abstractmethod

@@ -19,7 +19,7 @@ from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedError, never
+from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedError
 from rosoclingo.planning.snapshot import Snapshot
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
@@ -230,15 +230,6 @@ class SharedSolver(PlanningSolver):
         if rule is not None:
             raise SolverError(f"only facts and executed actions are supported, not {rule}")
         return snapshot
-
-    @staticmethod
-    def improve(stopped: Optional[Stop] = None) -> Optional[SolveResult]:
-        """Return None, as plans are shortest."""
-        return None
-
-    @staticmethod
-    def checkpoint(stopped: Stop = never) -> None:
-        """Leave the history as it is."""
 
     def inquire(
         self,
