@@ -1,12 +1,10 @@
 """The search for a shortest plan, which refutes all shorter horizons."""
 
-from typing import Generator, List, NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 from rosoclingo.planning.question import Question, Reply, Strategy
 from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner
-
-_Asks = Generator[Question, Reply, Reply]
 
 
 class SearchResult(NamedTuple):
@@ -31,42 +29,24 @@ def shortest(runner: StrategyRunner, models: int, hint: int) -> Strategy[SearchR
     Args:
         runner: the runner of the strategy, which has the snapshot and its grounding.
         models: the number of answers to compute, 0 for all.
-        hint: a likely horizon, such as the horizon of the last answer.
+        hint: a likely horizon, such as the horizon of the last answer; it and the lower ones are searched first.
 
     """
-    reply = yield from _search(runner, models, runner.min_horizon, runner.horizon, hint)
-    while reply.satisfiable is False and not reply.hopeless and runner.may_grow(runner.horizon):
-        first = runner.horizon + 1
-        reply = yield from _search(runner, models, first, runner.last(runner.horizon + runner.block))
-    if reply.satisfiable and models == 1 and not runner.program.optimizes:
-        reply = yield from trimmed(reply, runner, runner.step - 1, reply.horizon)
-    return SearchResult(reply, bool(reply.satisfiable))
-
-
-def _search(runner: StrategyRunner, models: int, first: int, last: int, hint: Optional[int] = None) -> _Asks:
-    """Compute the answers for the least horizon in first..last that has any."""
-    if first == last:
-        return (yield Question(first, last, models=models, best=True))
-    reply, low = Reply(False), first
-    for low, high in _ranges(first, last, hint):
-        reply = yield Question(low, high)
-        if reply.satisfiable or reply.hopeless:
+    first = runner.min_horizon
+    while True:
+        ground = (end for end in (hint - 1, hint, runner.horizon) if first <= end <= runner.horizon)
+        end = next(ground, runner.last(runner.horizon + runner.block))
+        reply = yield Question(first, end)
+        if reply.satisfiable is not False or reply.hopeless or not (end < runner.horizon or runner.may_grow(end)):
             break
-    if not reply.satisfiable:
-        return reply
-    while low < reply.horizon:
-        shorter = yield Question(low, reply.horizon - 1)
+        first = end + 1
+    while reply.satisfiable and first < reply.horizon:
+        shorter = yield Question(first, reply.horizon - 1)
         if not shorter.satisfiable:
             break
         reply = shorter
-    if models != 1 or runner.program.optimizes:
-        return (yield Question(reply.horizon, reply.horizon, models=models, best=True))
-    return reply
-
-
-def _ranges(first: int, last: int, hint: Optional[int]) -> List[Tuple[int, int]]:
-    """Split first..last into the horizons below ``hint``, ``hint`` itself and the horizons above."""
-    if hint is None:
-        return [(first, last)]
-    middle = min(max(hint, first), last)
-    return [(low, high) for low, high in ((first, middle - 1), (middle, middle), (middle + 1, last)) if low <= high]
+    if reply.satisfiable and (models != 1 or runner.program.optimizes):
+        reply = yield Question(reply.horizon, reply.horizon, models=models, best=True)
+    elif reply.satisfiable:
+        reply = yield from trimmed(reply, runner, runner.step - 1, reply.horizon)
+    return SearchResult(reply, bool(reply.satisfiable))

@@ -42,8 +42,8 @@ def test_shortest_finds_the_least_horizon_unless_stopped(answers, world, hint, b
 @pytest.mark.parametrize(
     ("answers", "options", "asked"),
     [
-        ([3, 4], {"block": 3}, "1..1! >4 2..4 2..3 2..2"),
-        ([4], {"block": 8, "most": 4}, "1..1! >4 2..4 2..3"),
+        ([3, 4], {"block": 3}, "1..1 >4 2..4 2..3 2..2"),
+        ([4], {"block": 8, "most": 4}, "1..1 >4 2..4 2..3"),
         ([2, 4], {"hint": 4, "horizon": 5}, "1..3 1..1"),
         ([5], {"hint": 4, "horizon": 5}, "1..3 4..4 5..5"),
         ([2, 5], {"hint": 1, "horizon": 5}, "1..1 2..5 2..4"),
