@@ -411,9 +411,8 @@ class Grounding:
             return Reply(False)
         blame = set(core)
         timeless = not question.given and not lacking and blame.isdisjoint(horizon)
-        facts = self._assumables.among(blame)
-        blamed = frozenset(one for one, literal in kept.items() if literal in blame)
-        return Reply(False, core=facts, blamed=blamed, hopeless=timeless and self._is_complete)
+        facts = self._assumables.among(blame).union(one for one, literal in kept.items() if literal in blame)
+        return Reply(False, core=facts, hopeless=timeless and self._is_complete)
 
     def _keep(self, model: clingo.Model, question: Question, answers: List[Reply]) -> None:
         """Record a model as an answer; models that are not proven optimal only if the question accepts them."""

@@ -31,7 +31,7 @@ class Question(NamedTuple):
         last: the greatest horizon; the program is ground up to it.
         given: assumed truth values of atoms.
         lacking: at least one of these atoms has to be false.
-        kept: these atoms have to be true; the reply blames some of them if there is no answer.
+        kept: these atoms have to be true.
         disabled: the assumable facts that do not hold; all other facts hold.
         believes: trust the program if it claims that there is no plan.
         models: the number of answers to compute, 0 for all.
@@ -77,8 +77,7 @@ class Reply(NamedTuple):
         horizon: the horizon of the last answer.
         cost: the costs of the last answer by priority, highest first, if the program optimizes.
         optimal: whether no answer with these horizons and assumptions costs less.
-        core: the assumable facts in the unsat core.
-        blamed: the atoms of ``kept`` in the unsat core.
+        core: the assumable facts and the atoms of ``kept`` in the unsat core.
         hopeless: whether all other horizons are unsatisfiable too, for the same reason.
         permanent: whether the program stays unsatisfiable after any further update.
         predicted: returns that leave the last answer valid.
@@ -92,7 +91,6 @@ class Reply(NamedTuple):
     cost: Tuple[int, ...] = ()
     optimal: bool = False
     core: FrozenSet[clingo.Symbol] = frozenset()
-    blamed: FrozenSet[clingo.Symbol] = frozenset()
     hopeless: bool = False
     permanent: bool = False
     predicted: PredictedReturns = PredictedReturns()

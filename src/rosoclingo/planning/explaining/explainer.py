@@ -114,11 +114,12 @@ class _Explainer:
     # -- rules
 
     def _ask_rules(self, kept: Rules) -> Witness[int]:
-        reply = self._questions.ask(_selectors(kept))
+        selectors = _selectors(kept)
+        reply = self._questions.ask(selectors)
         if reply.satisfiable:
             broken = {one.number for one in self._relaxed.breaches(reply.answers[-1])}
             return Witness(True, frozenset(self._all) - broken)
-        return Witness(False, frozenset(atom.arguments[0].number for atom in reply.blamed))
+        return Witness(False, frozenset(atom.arguments[0].number for atom in reply.core.intersection(selectors)))
 
     def _relax_each(self, rules: Rules, oracle: Oracle[int], found: Relaxations) -> None:
         """For each rule, find the shortest plan without it that obeys a maximal set of the other rules."""
@@ -139,7 +140,7 @@ class _Explainer:
         def ask(kept: FrozenSet[clingo.Symbol]) -> Witness[clingo.Symbol]:
             """Return whether there is a plan that obeys the rules at the selected steps."""
             reply = self._questions.ask(kept)
-            return Witness(bool(reply.satisfiable), kept if reply.satisfiable else reply.blamed)
+            return Witness(bool(reply.satisfiable), kept if reply.satisfiable else reply.core & kept)
 
         found: Dict[int, List[int]] = {}
         for atom in self._checked(find_mus(selectors, ask)).items:
@@ -173,7 +174,7 @@ class _Explainer:
     def _find_stream_facts(self, rules: Rules) -> Blamed[clingo.Symbol]:
         """Find the facts of the stream without which a plan obeys the rules."""
         kept = _selectors(rules)
-        core = self._questions.ask(kept).core
+        core = self._questions.ask(kept).core & self._questions.facts
         return self._find_blamed(sorted(core), lambda facts: self._questions.ask(kept, facts))
 
     def _find_program_facts(self, rules: Rules) -> Blamed[int]:

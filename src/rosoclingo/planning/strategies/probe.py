@@ -29,7 +29,6 @@ def probe(
     """
     idles = runner.block > 1
     core: Set[clingo.Symbol] = set()
-    blamed: Set[clingo.Symbol] = set()
     last = min(runner.horizon, end)
     while True:
         first = min(runner.min_horizon, last)
@@ -37,7 +36,6 @@ def probe(
         if reply.satisfiable is not False:
             return reply
         core = set(reply.core) if idles else core | reply.core
-        blamed = set(reply.blamed) if idles else blamed | reply.blamed
         if last == end or reply.hopeless:
-            return reply._replace(core=frozenset(core), blamed=frozenset(blamed))
+            return reply._replace(core=frozenset(core))
         last = min(end, last + (max(last - runner.min_horizon + 1, PIECE) if idles else 1))
