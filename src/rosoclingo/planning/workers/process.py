@@ -7,7 +7,6 @@ import sys
 import traceback
 from contextlib import suppress
 from multiprocessing.connection import Connection, Pipe
-from tempfile import TemporaryFile
 from typing import Any, Mapping, Optional
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -75,7 +74,7 @@ class WorkerProcess:
 def _spawn(program: ReactiveProgram, options: Mapping[str, Any], connection: Connection, lifeline: int) -> int:
     """Start a new process; return its process id."""
     constants = {name: str(value) for name, value in program.constants.items()}
-    with TemporaryFile() as file:
+    with os.fdopen(os.memfd_create("program"), "w+b") as file:  # the disk can be full
         pickle.dump(([*program.texts], constants, options), file)
         file.seek(0)
         return os.posix_spawn(
