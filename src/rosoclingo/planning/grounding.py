@@ -383,7 +383,7 @@ class Grounding:
         horizon = self._ends.range(question.first, question.last)
         self._session.close()
         assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first ones in cores
-        blames = bool(blameable) and question.blames
+        blames = bool(blameable) and not question.brief
         limits = SearchLimits(question.models, question.conflicts, question.best, question.advised)
         answers: List[Reply] = []
         this = proxy(self)  # the control holds the callback; a reference cycle would delay its release

@@ -40,8 +40,8 @@ class Question(NamedTuple):
         proven: require a proof of optimality; otherwise accept the best answer found before the stop.
         advised: use the ``#heuristic`` statements.
         until: an additional stop for this question.
-        blames: compute the unsat core: assumable facts and atoms of ``kept`` that have no answer together.
-        brief: solve without a thread, which is faster. No stop is polled then, so ``conflicts`` has to be small.
+        brief: solve without a thread, which is faster. No stop is polled then, so ``conflicts`` has to be small, and
+            the reply has no unsat core.
         shows: compute the shown atoms of each answer.
         differ: any two answers differ in at least one of these atoms.
         reads: functions to apply to the model of each answer.
@@ -61,7 +61,6 @@ class Question(NamedTuple):
     proven: bool = True
     advised: bool = True
     until: Optional[Stop] = None
-    blames: bool = True
     brief: bool = False
     shows: bool = True
     differ: Sequence[clingo.Symbol] = ()

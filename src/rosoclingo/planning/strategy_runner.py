@@ -22,6 +22,8 @@ class StrategyRunner:
     Attributes:
         program: the reactive logic program.
         snapshot: the snapshot of the history.
+        step: the step of the last update.
+        min_horizon: the least possible horizon of an answer.
         block: the number of steps to ground at once; 1 if further steps can invalidate an answer.
         grounding: the grounding.
         seconds: wall time spent in clingo's search so far.
@@ -34,6 +36,7 @@ class StrategyRunner:
     ) -> None:
         """Ground the program up to the horizon of ``snapshot``; steps after ``limit`` are never grounded."""
         self.program, self.snapshot, self.block = program, snapshot, block
+        self.step, self.min_horizon = snapshot.step, snapshot.min_horizon
         self._build, self._limit = build, limit
         self.grounding = build(snapshot, snapshot.horizon)
         self.seconds = 0.0
@@ -56,16 +59,6 @@ class StrategyRunner:
             return result
 
     # ---- For strategies ----------------------------------------------------------------------------------------------
-
-    @property
-    def step(self) -> int:
-        """The step of the last update."""
-        return self.snapshot.step
-
-    @property
-    def min_horizon(self) -> int:
-        """The least possible horizon of an answer."""
-        return self.snapshot.min_horizon
 
     @property
     def horizon(self) -> int:

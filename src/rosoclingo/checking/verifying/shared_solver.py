@@ -28,7 +28,7 @@ Readers = Callable[[Grounding, int], Sequence[Read]]
 _FIRST, _GROWTH = 16, 2
 """Steps of the first grounding, and the factor by which further ones are longer."""
 
-_BRIEFLY: Dict[str, Any] = {"believes": False, "blames": False, "brief": True, "conflicts": 20_000}
+_BRIEFLY: Dict[str, Any] = {"believes": False, "brief": True, "conflicts": 20_000}
 """Options of questions: a limit of conflicts between two polls of the stop."""
 
 _MOST = 16
