@@ -17,7 +17,7 @@ from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past, recent_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, Plan
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
@@ -45,7 +45,7 @@ _OUTCOMES = {
 class _Cached(NamedTuple):
     """The grounding of an earlier question; the key contains the values from which it was built."""
 
-    key: Tuple[object, ...]
+    key: object
     runner: StrategyRunner
 
 
@@ -214,14 +214,21 @@ class PlanSolver(PlanningSolver):
 
     def _last_search(self, halt: Stop) -> Tuple[StrategyRunner, FrozenSet[clingo.Symbol]]:
         """Return the grounding of the last search and the returns since then; reground unless all were predicted."""
-        key, searched = self.log.key, self._searched
-        if searched is not None and key[: len(searched.key)] == searched.key:
-            later = [one for one in key[len(searched.key) :] if isinstance(one, AcceptedUpdate)]
-            if all(one.predicted for one in later) and len(searched.key) + len(later) == len(key):
-                heads = (head for one in later if one.update is not None for head in one.update.heads)
-                return searched.runner, frozenset(head for head in heads if head is not None)
-        self._searched = _Cached(key, self._runner(self.snapshot, halt))
-        return self._searched.runner, frozenset()
+        searched, log, returns = self._searched, self.log, set()
+        while searched is not None and searched.key != log.key:
+            entry = log.entry
+            if isinstance(entry, AcceptedUpdate) and entry.predicted and entry.update is not None:
+                returns |= {head for head in entry.update.heads if head is not None}
+            elif not isinstance(entry, AdoptedPlan):
+                searched = None
+            if log.before is None:
+                searched = None
+            else:
+                log = log.before
+        if searched is None:
+            searched, returns = _Cached(self.log.key, self._runner(self.snapshot, halt)), set()
+        self._searched = searched
+        return searched.runner, frozenset(returns)
 
     # ---- Hypothetical questions --------------------------------------------------------------------------------------
 
