@@ -2,9 +2,33 @@
 
 from core_driver import Driver
 from core_scripts import play
+from golog_programs import ENCODINGS
 
-from rosoclingo.oclingo import parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.solver import PlanSolver
+
+#: Actions are named act; an action is impossible while ``no(Action)`` holds. Other actions than those of the programs
+#: are possible while ``shared`` holds. Facts set the fluents.
+DOMAIN = """
+#include "golog.lp".
+#program base.
+act(a;b;c;d;tidy;calm).
+#program cumulative(t).
+#external _set/2. #external _unset/2.
+golog_action(A,act,A,t) :- act(A), not holds(no(A),t).
+holds(F,t) :- _set(F,t).
+holds(F,t) :- holds(F,t-1), not _unset(F,t).
+golog_holds(F,t) :- holds(F,t).
+golog_holds(is(X),t) :- act(X).
+golog_free(t) :- holds(shared,t-1).
+:- 2 { _action_lib(A,X,t) }.
+"""
+
+
+def domain_with(procedures, rules=""):
+    """Return the program of DOMAIN with these procedures and further rules of each step."""
+    return ReactiveProgram([Source("domain.lp", DOMAIN + rules, ENCODINGS), Source("test.golog", procedures)])
 
 
 class ProgramDriver(Driver):

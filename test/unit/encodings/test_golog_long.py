@@ -4,29 +4,12 @@ from collections import Counter
 
 import pytest
 from core_driver import Driver, shortest
-from golog_programs import ENCODINGS
+from golog_scripts import domain_with
 from workloads import sized
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
-from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.oclingo import parse_update
 from rosoclingo.planning import solver as plan_solver
 from rosoclingo.reasoning import stream_planner
-
-#: Actions are named act; others can run concurrently with programs once ``shared`` holds. Facts set the fluents.
-DOMAIN = """
-#include "golog.lp".
-#program base.
-act(a;b;c;d;tidy).
-#program cumulative(t).
-#external _set/2. #external _unset/2.
-golog_action(A,act,A,t) :- act(A).
-golog_free(t) :- holds(shared,t-1).
-holds(F,t) :- _set(F,t).
-holds(F,t) :- holds(F,t-1), not _unset(F,t).
-golog_holds(F,t) :- holds(F,t).
-:- 2 { _action_lib(A,X,t) }.
-#show _g_reach/3.
-"""
 
 PROGRAMS = """
 proc watch { prefer { interrupts { when f { c; await not f; } } until g; } over { await g; } }
@@ -37,9 +20,7 @@ proc row { alone { %s } }
 
 def program(length=1):
     """Return the domain with these programs; ``row`` repeats two actions a number of times."""
-    return ReactiveProgram(
-        [Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS % ("a; b; " * length))]
-    )
+    return domain_with(PROGRAMS % ("a; b; " * length), "#show _g_reach/3.")
 
 
 #: Rounds of a program that never ends; each takes at least four cycles.
@@ -54,7 +35,6 @@ def at_once(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_golog_endless_program_keeps_a_bounded_past():
     solver = shortest(program())
     driver = Driver(program=solver.program, solver=lambda _: solver)

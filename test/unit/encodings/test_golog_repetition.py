@@ -6,27 +6,11 @@ import pytest
 from busy_driver import BusyDriver
 from core_driver import Driver, shortest
 from core_scripts import play, scripts
-from golog_programs import ENCODINGS
-from golog_scripts import run
+from golog_scripts import domain_with, run
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
-from rosoclingo.oclingo.program.sources import Source
-
-#: Actions are named act; a fluent no(A) makes one impossible. The fluent acts holds the executed actions.
-DOMAIN = """
-#include "golog.lp".
-#program base.
-act(a;b;c;d;tidy;calm).
-#program cumulative(t).
-#external _set/2. #external _unset/2.
-golog_action(A,act,A,t) :- act(A), not holds(no(A),t).
-holds(F,t) :- _set(F,t).
-holds(F,t) :- holds(F,t-1), not _unset(F,t).
-golog_holds(F,t) :- holds(F,t).
-:- 2 { _action_lib(A,X,t) }.
-"""
+from rosoclingo.oclingo import parse_update
 
 PROGRAMS = """
 proc short { a; b; }
@@ -48,7 +32,7 @@ NAMES = [line.split()[1] for line in PROGRAMS.splitlines() if line]
 @lru_cache(maxsize=None)
 def program():
     """Return the domain with these programs."""
-    return ReactiveProgram([Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS)])
+    return domain_with(PROGRAMS)
 
 
 GIVEN_UP = "goal old run(tidied,1); succeed; stuck 3; is old aborted; does act,tidy,..."
@@ -182,7 +166,6 @@ class Play:
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(1, settings.default.max_examples // 2), phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.lists(HAPPENED, min_size=4, max_size=12))
 def test_golog_goals_end_and_the_core_continues(script):
