@@ -30,9 +30,10 @@ from rosoclingo.reasoning.events import ActionsPreempted
 FAULTS = {"refused": SolverError, "dropped": DroppedError, "undecided": SolveOutcome.INTERRUPTED}
 
 
-def scripts(rows):
-    """Parametrize a test by rows: the name of each, and its values, as ``row``."""
-    return pytest.mark.parametrize("row", [pytest.param(row, id=name) for name, row in rows.items()])
+def scripts(rows, slow=()):
+    """Parametrize a test by rows, and by ``slow`` ones: the name of each, and its values, as ``row``."""
+    further = [pytest.param(slow[name], id=name, marks=pytest.mark.slow) for name in slow]
+    return pytest.mark.parametrize("row", [*(pytest.param(row, id=name) for name, row in rows.items()), *further])
 
 
 def lines_of(script):

@@ -29,7 +29,7 @@ def shipped_example(name, facts, **constants):
 
 
 #: The example and the script.
-QUICK_RUNS = {
+RUNS = {
     "coffee that cannot be bought is done without": ("airport", """
         facts _set(delayed,now) _set(parked(a),now); goal g run(catch_plane,1); step go(airport) look buy_paper go(a)
         breaks buy_coffee closed; performs board(a)"""),
@@ -40,7 +40,7 @@ QUICK_RUNS = {
         facts _set(up(left),now); goal g run(by_latches,1); breaks flip(right); performs flip(right)
         is g succeeded"""),
 }  # fmt: skip
-RUNS = {
+SLOW_RUNS = {
     "the elevator serves alarm, temperature and calls in this order": ("reactive_elevator", """
         goal g run(control,1); tell _set(call(3)); step down(2) up(1); tell _set(too_hot); succeed; step fan_on
         tell _unset(too_hot) _set(alarm); performs reset(3) ring; tell _set(too_cold); does; tell _unset(alarm)
@@ -59,16 +59,8 @@ RUNS = {
 }  # fmt: skip
 
 
-@scripts(QUICK_RUNS)
+@scripts(RUNS, SLOW_RUNS)
 def test_golog_example_runs_as_published(row):
-    name, script = row
-    run(example(name), script, CoreSettings())
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@scripts(RUNS)
-def test_golog_further_example_runs_as_published(row):
     name, script = row
     run(example(name), script, CoreSettings())
 
@@ -101,7 +93,6 @@ def test_golog_example_has_exactly_the_published_plans(name, request_, found):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_golog_builds_each_tower_of_three_blocks():
     found = plans(example("blocks"), "some_tower")
     assert len(found) == 6

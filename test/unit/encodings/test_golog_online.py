@@ -5,28 +5,11 @@ from functools import lru_cache
 import pytest
 from core_scripts import play, scripts
 from golog_programs import ENCODINGS
-from golog_scripts import run
+from golog_scripts import domain_with, run
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.settings import CoreSettings
-
-#: Actions are named act; an action is impossible while ``no(Action)`` holds. Facts set the fluents.
-DOMAIN = """
-#include "golog.lp".
-#program base.
-act(a;b;c;d;tidy).
-#program cumulative(t).
-#external _set/2. #external _unset/2.
-golog_action(A,act,A,t) :- act(A), not holds(no(A),t).
-holds(F,t) :- _set(F,t).
-holds(F,t) :- holds(F,t-1), not _unset(F,t).
-golog_holds(F,t) :- holds(F,t).
-golog_holds(is(X),t) :- act(X).
-golog_free(t) :- holds(shared,t).
-:- 2 { _action_lib(A,X,t) }.
-"""
-
 
 PROCEDURES = """
 proc other { a; await f; b; }
@@ -135,8 +118,7 @@ TEXTS = {
 def program():
     """Return all programs of this file as procedures p0, p1, ... in the domain."""
     texts = [f"proc p{number} {{ {text} }}" for text, number in TEXTS.items()]
-    sources = [Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROCEDURES + "\n".join(texts))]
-    return ReactiveProgram(sources)
+    return domain_with(PROCEDURES + "\n".join(texts))
 
 
 def core(text):
@@ -231,14 +213,8 @@ SLOW_SCENES = {
 }  # fmt: skip
 
 
-@scripts(SCENES)
+@scripts(SCENES, SLOW_SCENES)
 def test_golog_scene_follows_the_script(row):
-    run(program(), row)
-
-
-@pytest.mark.slow
-@scripts(SLOW_SCENES)
-def test_golog_further_scene_follows_the_script(row):
     run(program(), row)
 
 
@@ -288,7 +264,6 @@ def test_golog_domain_requests_are_served_with_programs():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("first", "end"), [("hold", "facts _hour(evening,now)"), ("wait", "cancel g")])
 def test_golog_domain_request_waits_during_a_search(first, end):
     run(
@@ -302,7 +277,6 @@ def test_golog_domain_request_waits_during_a_search(first, end):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_golog_begins_no_search_to_defer_a_request():
     run(
         mailbot(),

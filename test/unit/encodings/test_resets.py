@@ -70,14 +70,8 @@ SLOW_CORRECTIONS = {
 }  # fmt: skip
 
 
-@scripts(CORRECTIONS)
+@scripts(CORRECTIONS, SLOW_CORRECTIONS)
 def test_correction_follows_the_script(row):
-    deliver("mailbot", row)
-
-
-@pytest.mark.slow
-@scripts(SLOW_CORRECTIONS)
-def test_correction_in_further_situations_follows_script(row):
     deliver("mailbot", row)
 
 
