@@ -11,24 +11,6 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
 
-#: A robot on a line of numbers with requested places.
-WALK = """
-#program base.
-at(0,0).
-#program cumulative(t).
-#external _request/2.
-{ _action_lib(move,X,t) : X = (P-1;P+1), at(P,t-1) } 1.
-moves(t) :- _action_lib(move,X,t).
-at(X,t) :- _action_lib(move,X,t).
-at(X,t) :- at(X,t-1), not moves(t).
-wanted(X,t) :- _request(X,t).
-wanted(X,t) :- wanted(X,t-1).
-reached(X,t) :- wanted(X,t), at(X,t).
-reached(X,t) :- reached(X,t-1).
-#program volatile(t).
-:- wanted(X,t), not reached(X,t).
-"""
-
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 
 #: The incremental solver and the planner.

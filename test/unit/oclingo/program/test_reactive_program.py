@@ -102,7 +102,6 @@ def test_program_reports_all_faults_at_once():
     [
         ("a :- b(.\n" + STEPS, 1, "syntax error"),
         ("#program foo(t).\n", 1, "unknown program part foo(t)"),
-        ("#program base(t).\n", 1, "unknown program part base(t)"),
         ("#cumulative T.\n", 1, "write #cumulative t."),
         ("#volatile t : w.\n", 1, "'w' is not a number"),
         ("#iinit x.\n", 1, "'x' is not a number"),
@@ -143,12 +142,6 @@ def test_redefinitions_are_reported_at_rules_of_steps():
 def test_external_of_a_step_needs_no_step_argument():
     text = "d(1..2). #cumulative t. #external e(X) : d(X), t = 1. c(t) :- e(t+1). #volatile t."
     assert answers(text, "#step 1 : 0. e(2). #endstep.") == ["c(1) d(1) d(2) e(2)"]
-
-
-def test_program_warns_about_odd_oclingo_programs():
-    program = ReactiveProgram.from_text("#cumulative t.\n#external e(t).\nc(t) :- e(t+1).\n", "p.lp")
-    assert [line.split(":")[1] for line in program.warnings if "late" in line] == ["3"]
-    assert any("volatile part" in line for line in program.warnings)
 
 
 def test_open_externals_with_similar_names_are_distinct():

@@ -3,7 +3,7 @@
 import clingo
 import pytest
 from clingo.ast import parse_string
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo.program.signatures import (
@@ -71,15 +71,12 @@ def test_atom_terms_expand_pools_into_alternatives():
 
 
 CONSTANTS = {"n": clingo.Number(3), "word": clingo.Function("text")}
-LEAVES = st.sampled_from(["n", "n", "word", "c", "-2", "0", "1", "7", '"s"', "-c", "#inf"])
+LEAVES = st.one_of(st.integers(-20, 20).map(str), st.sampled_from(["n", "n", "n", "word", "c", '"s"', "-c", "#inf"]))
 TERMS = st.recursive(
     LEAVES,
     lambda inner: st.one_of(
-        st.tuples(inner, st.sampled_from(["+", "-", "*", "/", "\\", "**"]), inner).map(
-            lambda one: "({}{}{})".format(*one)
-        ),
-        inner.map("-({})".format),
-        inner.map("~({})".format),
+        st.builds("({}{}{})".format, inner, st.sampled_from(["+", "-", "*", "/", "\\", "**", "&", "?", "^"]), inner),
+        st.builds("{}({})".format, st.sampled_from("-~"), inner),
         inner.map("|{}|".format),
     ),
     max_leaves=5,
@@ -95,28 +92,13 @@ def value_of(text):
 
 
 @given(TERMS)
-def test_evaluate_agrees_with_clingo_or_returns_none(text):
-    value = evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS)
-    assert value is None or value == value_of(text)
-
-
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("n+1", 4),
-        ("n-5", -2),
-        ("n*n", 9),
-        ("7/2", 3),
-        ("-7/2", -3),
-        ("-n", -3),
-        ("n", 3),
-        ("-(n-1)", -2),
-        ("7\\4", 3),
-        ("2**n", 8),
-    ],
-)
-def test_evaluate_returns_values_of_simple_terms(text, value):
-    assert evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS) == clingo.Number(value)
+@example("2**n")
+def test_evaluate_agrees_with_clingo_on_arithmetic(text):
+    """Powers and values beyond 32 bits can be left to clingo."""
+    value, expected = evaluate(statement(f"v({text}).").head.atom.symbol.arguments[0], CONSTANTS), value_of(text)
+    assert value is None or value == expected
+    if expected is not None and expected.type is clingo.SymbolType.Number and abs(expected.number) < 1000:
+        assert value == expected or ("**" in text and text != "2**n")
 
 
 @pytest.mark.parametrize("text", ["1/0", "1\\0", "c+1", '"s"*2', "1-c", "X", "1..2", "f(1)"])

@@ -7,9 +7,10 @@ import clingo
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from solver_reference import Parts, Reference
+from solver_reference import Parts
+from test_solver_properties import compare
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_term, parse_update
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_term, parse_update
 from rosoclingo.oclingo.progression.updates import Assert, Forget, Literal, Retract, Statement, StreamUpdate, Volatile
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
@@ -162,15 +163,7 @@ STREAMS = st.lists(
 @settings(max_examples=max(300, settings().max_examples))  # about one example in a hundred reveals the bug
 @given(PARTS, STREAMS)
 def test_answers_after_several_updates_equal_those_from_scratch(parts, updates):
-    reference = Reference(parts)
-    solver = ReactiveSolver(ReactiveProgram.from_text(parts.text()), models=0)
-    for update in updates:
-        satisfiable, answers, _, _ = reference.update(update)
-        result = solver.update(update)
-        assert {frozenset(map(str, answer)) for answer in result.answers} == answers, (parts.text(), str(update))
-        assert (result.outcome is SolveOutcome.SATISFIABLE) == satisfiable
-        if result.permanent:
-            return
+    compare(parts, updates)
 
 
 REGRESSIONS = [

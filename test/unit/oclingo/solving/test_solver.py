@@ -3,7 +3,8 @@
 import time
 
 import pytest
-from stream_play import SOLVERS, WALK, play, solver_of
+from plain_walk import program_text
+from stream_play import SOLVERS, play, solver_of
 
 from rosoclingo.oclingo import SolveOutcome, SolverError, parse_update
 from rosoclingo.planning.history import Plan
@@ -112,7 +113,7 @@ def test_later_update_cannot_add_a_rule_for_a_fact():
 
 
 def test_horizon_limit_refuses_later_steps():
-    solver = solver_of(WALK, horizon_limit=3)
+    solver = solver_of(program_text(), horizon_limit=3)
     assert play(solver, "#step 3.").outcome is SolveOutcome.SATISFIABLE
     with pytest.raises(SolverError, match="step 4 is beyond the horizon limit 3"):
         play(solver, "#step 4.")
