@@ -1,18 +1,17 @@
 """The programs in which the lint must find nothing, and the findings in any other."""
 
-import json
 import re
 from functools import lru_cache
 from pathlib import Path
 
 import pytest
+from shipped import ENCODINGS, GOLDEN, ROOT
 
 from rosoclingo.checking.lint.linting import findings, lint_sources
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
-ROOT = Path(__file__).resolve().parents[2]
-ENCODINGS, DATA = ROOT / "encodings", ROOT / "test" / "data"
+DATA = ROOT / "test" / "data"
 FILES = {
     "mailbot": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"],
     "house": [ENCODINGS / "house.lp", ENCODINGS / "home.lp"],
@@ -23,7 +22,6 @@ FILES = {
     "template": [ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"],
     **{name: [DATA / f"{name}.lp"] for name in ("battery", "errands", "team", "two_arms")},
 }
-GOLDEN = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 
 def block(page, file):
@@ -62,7 +60,7 @@ def program(name):
 def marked(seeds, quick=4):
     """Return the rows of a table of tests, those of large programs marked as slow, except for the first ones."""
     large = [one for one in seeds if one[0] in ("mailbot", "house")][quick:]
-    return [pytest.param(*one, marks=[pytest.mark.slow, pytest.mark.once] if one in large else []) for one in seeds]
+    return [pytest.param(*one, marks=pytest.mark.slow if one in large else []) for one in seeds]
 
 
 def short(name):

@@ -1,11 +1,16 @@
-"""The shipped encodings as programs."""
+"""The shipped encodings as programs, and the recorded answers of the original oClingo."""
 
+import json
 from functools import lru_cache
 from pathlib import Path
 
 from rosoclingo.oclingo import ReactiveProgram
 
-ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
+ROOT = Path(__file__).resolve().parents[2]
+ENCODINGS = ROOT / "encodings"
+
+#: Programs with updates, and the answers, the horizon and the end of each.
+GOLDEN = json.loads((ROOT / "test" / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=None)

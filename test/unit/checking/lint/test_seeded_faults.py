@@ -314,7 +314,6 @@ def seeded(name, file, old, new):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_lint_finds_a_seeded_fault(name, file, old, new, kind, words):
     sources, (line, column) = seeded(name, file, old, new)

@@ -1,18 +1,15 @@
 """The TCP service over real sockets."""
 
-import json
 import random
 import socket
 import struct
-from pathlib import Path
 
 import pytest
 from service_helpers import TIMEOUT, running
+from shipped import GOLDEN
 
 from rosoclingo.oclingo.service import connection as service_client
 from rosoclingo.oclingo.service import server as service
-
-CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n"
 GOAL = ECHO + ":- not c(t).\n"  # a search is endless until an update asserts e(t)
@@ -41,7 +38,7 @@ def kill(client):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+@pytest.mark.parametrize("case", GOLDEN, ids=[case["name"] for case in GOLDEN])
 def test_service_gives_the_answers_of_oclingo(case):
     with running(case["program"]) as found:
         client = found.client()
@@ -218,7 +215,6 @@ def test_client_that_does_not_read_blocks_no_other(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_connection_serves_thousands_of_updates(echo, client):
     count = 3_000
     message = b"#volatile. #endstep.\0"

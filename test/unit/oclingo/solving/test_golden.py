@@ -1,14 +1,10 @@
 """The library gives the recorded answers of the original oClingo (test/data/oclingo_golden.json)."""
 
-import json
-from pathlib import Path
-
 import pytest
+from shipped import GOLDEN
 from stream_play import drop_grounding
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
-
-CASES = json.loads((Path(__file__).parents[3] / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 
 def words(answer):
@@ -16,20 +12,14 @@ def words(answer):
     return sorted(set(" ".join(map(str, answer)).split()))
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-def test_solver_gives_the_answers_of_oclingo(case):
+@pytest.mark.parametrize("way", ["in place", "regrounding"])
+@pytest.mark.parametrize("case", GOLDEN, ids=[case["name"] for case in GOLDEN])
+def test_solver_gives_the_answers_of_oclingo(case, way):
     solver = ReactiveSolver(ReactiveProgram.from_text(case["program"]), models=0)
     for update in case["updates"]:
+        if way == "regrounding":
+            drop_grounding(solver)
         result = solver.update(parse_update(update["update"]))
         assert sorted(map(words, result.answers)) == sorted(sorted(answer) for answer in update["answers"])
         assert result.horizon == update["horizon"]
         assert (result.outcome is SolveOutcome.SATISFIABLE) == (update["end"] == "ok")
-
-
-@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-def test_regrounding_gives_the_answers_of_oclingo(case):
-    solver = ReactiveSolver(ReactiveProgram.from_text(case["program"]), models=0)
-    for update in case["updates"]:
-        drop_grounding(solver)
-        result = solver.update(parse_update(update["update"]))
-        assert sorted(map(words, result.answers)) == sorted(sorted(answer) for answer in update["answers"])

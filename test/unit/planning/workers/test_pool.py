@@ -1,6 +1,5 @@
 """Worker pools: the same answers even if processes are killed or replaced."""
 
-import json
 import os
 import random
 import signal
@@ -8,11 +7,11 @@ import subprocess
 import sys
 import time
 from contextlib import nullcontext, suppress
-from pathlib import Path
 
 import pytest
 from children import ended, kill, wait_until_prepared
 from plain_walk import LINE
+from shipped import GOLDEN
 
 from rosoclingo.oclingo import (
     DroppedError,
@@ -29,9 +28,6 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
-
-DATA = Path(__file__).parents[3] / "data"
-CASES = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n"
 ENDLESS = ECHO + "#volatile t.\n:- not c(t).\n"
@@ -80,7 +76,7 @@ def after_work(pool, seconds=0.1):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", [case for case in CASES if len(case["updates"]) > 2], ids=lambda case: case["name"])
+@pytest.mark.parametrize("case", [case for case in GOLDEN if len(case["updates"]) > 2], ids=lambda case: case["name"])
 def test_pool_answers_as_solver_in_this_process(case):
     program = ReactiveProgram.from_text(case["program"])
     here = ReactiveSolver(program, models=0)
@@ -305,7 +301,6 @@ def update_of(cycle, done):
     return f"{cycle}. {past}" + "".join(f":- not {atom}. " for atom in done) + request
 
 
-@pytest.mark.once
 @pytest.mark.slow
 def test_pool_stream_survives_twenty_kills():
     """Kills hit the active worker, the standby or both, between updates and during searches."""
