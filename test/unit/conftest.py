@@ -1,9 +1,10 @@
-"""Profiles for hypothesis, markers for slow tests, the first case of each test, and a browser.
+"""Profiles for hypothesis, markers for slow tests, the first case of each test, messages, and a browser.
 
 The standing run uses the same random examples each time, the other profiles use new ones.
 """
 
 import os
+from pkgutil import extend_path
 
 import browser
 import pytest
@@ -58,6 +59,16 @@ def reorder_effort():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reorder, "EFFORT", sized(4_000, reorder.EFFORT))
         yield
+
+
+@pytest.fixture
+def messages(monkeypatch):
+    """The package's messages, where unit tests import the package from its sources, without messages."""
+    import rosoclingo
+
+    pytest.importorskip("rosbag")
+    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
+    return pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,9 @@
 import importlib
 import runpy
 from pathlib import Path
-from pkgutil import extend_path
 
 import pytest
 import yaml
-
-import rosoclingo
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKER = runpy.run_path(str(ROOT / "doc" / "make_reference.py"))
@@ -23,15 +20,7 @@ class ParametersReadError(Exception):  # noqa: N818 it ends a node's start, not 
 
 
 @pytest.fixture
-def workspace(monkeypatch):
-    """The built messages, where unit tests import the package from its sources, without messages."""
-    pytest.importorskip("rospy")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
-
-
-@pytest.fixture
-def read_parameters(monkeypatch, workspace):
+def read_parameters(monkeypatch, messages):
     """Start a node of a class until it has read its parameters; return their names and the defaults."""
     import rospy
 
@@ -76,7 +65,7 @@ def concrete(name):
     return name
 
 
-def test_reference_page_equals_the_docstrings(workspace):
+def test_reference_page_equals_the_docstrings(messages):
     assert MAKER["page"]() == MAKER["PAGE"].read_text(encoding="utf-8"), "regenerate it: doc/make_reference.py"
 
 

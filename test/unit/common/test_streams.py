@@ -2,12 +2,12 @@
 
 import os
 import re
-import resource
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from full_disk import room_for
 
 from rosoclingo.common.streams import LenientStream
 
@@ -35,17 +35,13 @@ def test_streams_rospy_log_survives_a_full_disk():
 
 def test_streams_resume_once_the_disk_has_room(tmp_path):
     path = Path(tmp_path, "log")
-    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     with open(path, "w") as file:
         stream = LenientStream(file)
         assert stream.write("first\n") == 6
         stream.flush()
-        resource.setrlimit(resource.RLIMIT_FSIZE, (6, limit[1]))
-        try:
+        with room_for(6):
             stream.write("second\n")
             stream.flush()
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, limit)
         stream.write("third\n")
         stream.flush()
         assert stream.fileno() == file.fileno(), "all else is as it was"

@@ -1,11 +1,10 @@
 """The memory of an interface: begun and answered actions, all of which survive its death."""
 
-import contextlib
-import resource
 import tempfile
 from pathlib import Path
 
 import pytest
+from full_disk import room_for
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -123,17 +122,6 @@ def test_memory_reports_unwritable_disk_and_continues(tmp_path):
     one.note_answered("_action_lib(pickup,2,3)", ANSWER)
     assert not one.trouble
     assert memory(folder).recall(PICKUP) == Record("goal-1")  # with the entries that could not be written before
-
-
-@contextlib.contextmanager
-def room_for(size):
-    """Limit files of this process to ``size`` bytes: EFBIG stands for ENOSPC."""
-    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limit[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
 
 
 def test_memory_is_written_once_full_disk_has_room(tmp_path):

@@ -1,11 +1,9 @@
 """The bag during recording: its content after any flush, and after its writer dies anywhere."""
 
-import resource
-from contextlib import contextmanager
-
 import genpy
 import pytest
 import rosbag
+from full_disk import room_for
 from std_msgs.msg import String
 
 from rosoclingo.nodes.recording import bag_file
@@ -71,17 +69,6 @@ def test_bag_path_that_is_not_writable_is_reported(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(BagError, match=r"file/run\.bag cannot be written"):
         BagFile(tmp_path / "file" / "run.bag", "/notes")
-
-
-@contextmanager
-def room_for(size):
-    """Limit files of this process to ``size`` bytes: EFBIG stands for ENOSPC."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def fill(bag):

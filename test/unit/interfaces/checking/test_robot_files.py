@@ -3,27 +3,18 @@
 import json
 import re
 import sys
-from pkgutil import extend_path
 
 import lint_programs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import rosoclingo
 from rosoclingo.checking import check_command
 from rosoclingo.interfaces.checking.robot_files import RobotFiles
 
+pytestmark = pytest.mark.usefixtures("messages")
 TEMPLATE = lint_programs.ROOT / "templates" / "package" / "config"
 CONFIG = lint_programs.ROOT / "config"
-
-
-@pytest.fixture(autouse=True)
-def workspace(monkeypatch):
-    """The built messages, where unit tests import the package from its sources, without messages."""
-    pytest.importorskip("genpy")
-    monkeypatch.setattr(rosoclingo, "__path__", extend_path(list(rosoclingo.__path__), rosoclingo.__name__))
-    pytest.importorskip("rosoclingo.msg", reason="there is no built workspace")
 
 
 def texts(name):
@@ -65,14 +56,12 @@ def check_files(folder, files, capsys, *options):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_robot_files_of_correct_systems_have_no_finding(name, tmp_path, capsys):
     assert check_files(tmp_path, texts(name), capsys) == []
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
     files = texts(name)
@@ -80,7 +69,6 @@ def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_robot_files_drawing_of_a_defined_predicate_has_no_finding(tmp_path, capsys):
     office = "#program base. place(a). place(b). connection(a,b). start(a)."
     files = {name: office if name == "office.lp" else text for name, text in texts("mailbot").items()}
@@ -213,7 +201,6 @@ SEEDS = [
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_robot_files_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)
