@@ -9,6 +9,11 @@ from rosoclingo.oclingo.program.sources import Source
 END = "\n#program cumulative(t).\n#program volatile(t).\n"
 
 
+def misspelt(pair):
+    """Return the verdicts on a pair of names, in both orders."""
+    return {is_misspelling(*names) for names in (pair.split(), pair.split()[::-1])}
+
+
 @pytest.mark.parametrize(
     "pair",
     [
@@ -21,9 +26,7 @@ END = "\n#program cumulative(t).\n#program volatile(t).\n"
     ],
 )
 def test_is_misspelling_finds_misspelt_names(pair):
-    one, other = pair.split()
-    assert is_misspelling(one, other)
-    assert is_misspelling(other, one)
+    assert misspelt(pair) == {True}
 
 
 @pytest.mark.parametrize(
@@ -34,9 +37,7 @@ def test_is_misspelling_finds_misspelt_names(pair):
     ],
 )  # fmt: skip
 def test_is_misspelling_accepts_names_of_a_series(pair):
-    one, other = pair.split()
-    assert not is_misspelling(one, other)
-    assert not is_misspelling(other, one)
+    assert misspelt(pair) == {False}
 
 
 @pytest.mark.parametrize(

@@ -111,14 +111,8 @@ def test_dialect_of_gringo_3_statements_is_detected(text):
     assert translate(text, "x.lp").dialect is Dialect.GRINGO3
 
 
-@pytest.mark.parametrize("text", CLINGO5)
-def test_translate_leaves_clingo_5_statements_unchanged(text):
-    result = translate(text, "x.lp", Dialect.GRINGO3)
-    assert (result.text, result.warnings) == (text, ())
-
-
-@pytest.mark.parametrize("text", EITHER)
-def test_translate_leaves_common_statements_unchanged(text):
+@pytest.mark.parametrize("text", [*CLINGO5, *EITHER])
+def test_translate_leaves_statements_of_clingo_5_unchanged(text):
     result = translate(text, "x.lp", Dialect.GRINGO3)
     assert (result.text, result.warnings) == (text, ())
 
