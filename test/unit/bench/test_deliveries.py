@@ -1,22 +1,17 @@
 """The deliveries that benches measure: instances, rules, and routes as actions, checked by the mailbot's world."""
 
 import sys
-from pathlib import Path
 
+import deliveries
 import pytest
+import routing
+from deliveries import Request, office_of, task_of
 from mailbot_world import fewest_steps, neighbours
+from planning_domains import RuleError, check
 
 from rosoclingo.oclingo import StreamUpdate, fact, parse_term
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.solver import PlanSolver
-
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.append(str(ROOT / "bench"))
-
-import deliveries  # noqa: E402
-import routing  # noqa: E402
-from deliveries import Request, office_of, task_of  # noqa: E402
-from planning_domains import RuleError, check  # noqa: E402
 
 FLOORS = [deliveries.row(4), deliveries.row(7), deliveries.loops()]
 
@@ -100,7 +95,7 @@ def test_deliveries_copy_is_independent():
 
 @pytest.mark.parametrize(
     "floor",
-    [FLOORS[0], *(pytest.param(one, marks=[pytest.mark.slow, pytest.mark.once]) for one in FLOORS[1:])],
+    [FLOORS[0], *(pytest.param(one, marks=pytest.mark.slow) for one in FLOORS[1:])],
     ids=lambda floor: floor.name,
 )
 def test_deliveries_shortest_plan_is_valid_and_minimal(floor):

@@ -2,13 +2,8 @@
 
 import json
 import sys
-from pathlib import Path
 
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-# ruff: noqa: E402
-
 from figures import Figure, FigureError, Option, Row, main, number, parse, quantiles, read, rows, table, write
 
 UPDATE, PACE = Figure("an update", 2.5, "ms"), Figure("pace", 60.0, "s per s", "higher")

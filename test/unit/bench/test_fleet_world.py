@@ -1,15 +1,9 @@
 """The model of a fleet: it refuses collisions and actions without their package."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
-
-from deliveries import Request, row  # noqa: E402
-from fleet_world import FleetWorld  # noqa: E402
-from planning_domains.task import RuleError  # noqa: E402
+from deliveries import Request, row
+from fleet_world import FleetWorld
+from planning_domains.task import RuleError
 
 
 def world(room=1, **starts):

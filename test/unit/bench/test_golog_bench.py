@@ -1,18 +1,12 @@
 """The bench of control programs, with few blocks: all variants have plans of equal length that reach the end."""
 
 import random
-import sys
-from pathlib import Path
 
+import golog
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-
-import golog  # noqa: E402
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_golog_bench_control_knowledge_keeps_a_shortest_plan():
     dice = random.Random(3)
     for _ in range(3):

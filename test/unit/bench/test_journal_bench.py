@@ -1,19 +1,12 @@
 """The bench of the journal, with few goals."""
 
-import sys
-from pathlib import Path
-
+import journal
 import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
 
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-
-import journal  # noqa: E402
-
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_journal_bench_measures_run_and_resumed_cores(tmp_path):
     program = ReactiveProgram.from_files(journal.PROGRAM)
     figures = {one.name: one.value for one in journal.play(program, 4, 2, tmp_path)}

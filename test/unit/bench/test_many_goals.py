@@ -1,18 +1,13 @@
 """The bench of many requests, with few requests and without OR-Tools."""
 
-import sys
 from argparse import Namespace
-from pathlib import Path
 
+import comparison
+import many_goals
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-
-import comparison  # noqa: E402
-import many_goals  # noqa: E402
-from acting_core import Robot  # noqa: E402
-from deliveries import random_requests, row, task_of  # noqa: E402
-from workloads import sized  # noqa: E402
+from acting_core import Robot
+from deliveries import random_requests, row, task_of
+from workloads import sized
 
 OPTIONS = Namespace(
     seconds=[10.0], action_time=0.01, limit=60.0, seed=1, without=["or-tools", "fast-downward"], lama_seconds=1.0
@@ -25,7 +20,6 @@ def task(offices, count, seed=1):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_many_goals_rows_for_batch_and_stream():
     once = many_goals.measure_row("4", 3, "once", OPTIONS)
     assert once["first"] == once["all"] >= once["executed"] == 12
@@ -36,7 +30,6 @@ def test_many_goals_rows_for_batch_and_stream():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_many_goals_slow_plan_for_all_is_dropped():
     offices, goals, seconds = sized((6, 24, 0.1), (20, 40, 0.3))
     large = task(offices, goals)
@@ -55,7 +48,6 @@ def test_many_goals_best_plan_of_each_time_counts():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_many_goals_improvement_ends_with_its_time():
     with Robot(task(8, 6)) as robot:
         robot.ask()
@@ -65,7 +57,6 @@ def test_many_goals_improvement_ends_with_its_time():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_many_goals_robot_pauses_only_between_planned_actions():
     with Robot(task(4, 2)) as robot:
         robot.ask([1])

@@ -1,24 +1,18 @@
 """The bench of domains, with its smallest tasks and without Fast Downward; and the domains' PDDL."""
 
 import re
-import sys
 from argparse import Namespace
-from pathlib import Path
 
+import domains
+import fast_downward
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-
-import domains  # noqa: E402
-import fast_downward  # noqa: E402
-from deliveries import random_requests, row, task_of  # noqa: E402
-from planning_domains import DOMAINS, RuleError, check, superfluous  # noqa: E402
+from deliveries import random_requests, row, task_of
+from planning_domains import DOMAINS, RuleError, check, superfluous
 
 OPTIONS = Namespace(seed=1, seconds=0.5, action_time=0.1, limit=60.0, lama_seconds=1.0)
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_planning_domains_row_has_valid_plans_of_planners():
     cells = domains.measure_row("crates", "small", OPTIONS)
     assert cells["incmode"] == cells["best"] <= cells["improved"] <= cells["out"] <= cells["first"]
@@ -28,7 +22,6 @@ def test_planning_domains_row_has_valid_plans_of_planners():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_planning_domains_cell_beyond_limit_is_empty(monkeypatch):
     monkeypatch.setattr(fast_downward, "driver", lambda: None)
     cells = domains.measure_row("tiles", "large", Namespace(**{**vars(OPTIONS), "limit": 1e-6}))

@@ -6,13 +6,10 @@ import sys
 from pathlib import Path
 
 import pytest
+import run
 
 pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.append(str(ROOT / "bench"))
-
-import run  # noqa: E402
-
 NEED_ROS = {"page", "response", "ros_tours", "simulator"}
 BENCH = """#!/usr/bin/env python3
 import sys
@@ -82,7 +79,6 @@ def test_bench_run_uses_own_bench_for_commits_without(repository, capfd):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_bench_run_uses_own_bench_if_commits_differ(repository):
     repository.bench("another value")
     commit = repository.commit(3)
@@ -137,7 +133,6 @@ def runner(*arguments):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_bench_run_of_a_real_bench(tmp_path):
     done = runner("cut_off", "--work", tmp_path)
     assert done.returncode == 0, done.stderr

@@ -1,12 +1,7 @@
 """Collisions that are detected from the robot's standstill, as Stage reports them."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
-from stalls import Stalls  # noqa: E402
+from stalls import Stalls
 
 
 def drive(*parts):

@@ -1,11 +1,11 @@
 """The fleet encoding, driven by the core: a world in plain Python executes the actions and refuses collisions."""
 
 import re
-import sys
-from pathlib import Path
 
 import pytest
 from core_driver import Driver, shortest, soon
+from deliveries import Floor, Request
+from fleet_world import FleetWorld
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shipped import ENCODINGS
@@ -14,11 +14,6 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
-
-from deliveries import Floor, Request  # noqa: E402
-from fleet_world import FleetWorld  # noqa: E402
 
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 3))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
@@ -190,7 +185,6 @@ EVENTS = ("end", "end", "end", "ask", "fail", "cancel", "lost", "back", "decommi
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @RUNS
 @given(st.data())
 def test_fleet_never_collides_and_ends_each_goal(data):
