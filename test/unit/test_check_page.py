@@ -33,7 +33,6 @@ def matches(shown, printed):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("page", [PAGE, WHY, VERIFY], ids=["check", "why_no_plan", "verify"])
 def test_check_page_shows_the_real_output(tmp_path, page):
     pytest.importorskip("genpy", reason="message types are checked")

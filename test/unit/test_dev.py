@@ -146,7 +146,6 @@ needs_workspace = pytest.mark.skipif(
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @needs_workspace
 def test_dev_overlay_packages_are_found(tmp_path):
     first = overlay(tmp_path / "first", "stage_ros", "first")
@@ -160,7 +159,6 @@ def test_dev_overlay_packages_are_found(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @needs_workspace
 def test_dev_overlay_above_distribution_mixes_no_libraries(tmp_path):
     """Debian's half of cffi with the virtual environment's other half breaks every import of it."""

@@ -171,7 +171,6 @@ def test_launch_core_respawns_or_ends_the_launch(file, given, again, journal):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_launch_floor_is_made_of_a_map():
     found = parameters(
         load("mailbot.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office1"), "/rosoclingo/"
@@ -182,7 +181,6 @@ def test_launch_floor_is_made_of_a_map():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_launch_reports_a_floor_that_cannot_be_made():
     with pytest.raises(RLException, match="places"):
         load("core.launch", places=str(ROOT / "worlds" / "office.yaml"), start="office9")

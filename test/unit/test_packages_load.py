@@ -76,7 +76,7 @@ for name in sys.argv[2].split(","):
 
 @pytest.mark.parametrize(
     "packages",
-    [("reasoning",), pytest.param(OTHERS, marks=[pytest.mark.slow, pytest.mark.once])],
+    [("reasoning",), pytest.param(OTHERS, marks=pytest.mark.slow)],
     ids=["reasoning", "others"],
 )
 def test_packages_for_own_robot_need_no_simulation(packages):

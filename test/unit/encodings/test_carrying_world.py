@@ -87,7 +87,6 @@ def check(name, seed, goals):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(1, settings.default.max_examples // 25), deadline=None)
 @given(st.sampled_from(sorted(DOMAINS)), st.integers(0, 10**6))
 def test_carrying_world_loses_nothing_and_reports_the_truth(name, seed):

@@ -30,7 +30,6 @@ def improved(corridors, requests, questions):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("corridors", [ROW, TWO_RINGS], ids=["row", "rings"])
 def test_reorder_first_better_plan_is_far_better(corridors):
     """One further question turns 116 and 124 steps into 96 and 94."""

@@ -112,7 +112,6 @@ class Play:
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @RUNS
 @given(st.data())
 def test_golog_remaining_program_agrees_with_the_definitions(data):

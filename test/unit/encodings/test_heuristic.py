@@ -119,7 +119,6 @@ def first_step(graph, office, targets):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("corridors", "number"), [(ROW[:3], 20), (STAR, 8), (THETA, 10), (MESH, 8)])
 def test_heuristic_finds_plan_for_many_requests_without_conflicts(corridors, number):
     offices = max(max(pair) for pair in corridors)
@@ -132,7 +131,6 @@ def test_heuristic_finds_plan_for_many_requests_without_conflicts(corridors, num
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("offices", "number"), [(4, 20), (20, 8)])
 def test_heuristic_beats_nearest_place_first_on_a_row(offices, number):
     requests = errands(number, offices)
@@ -149,7 +147,6 @@ def test_heuristic_turns_back_for_load_that_goes_far_ahead(end, steps):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_heuristic_is_needed_within_the_conflict_limit():
     requests = errands(20, 4)
     control, _ = ground(mailbot(ROW[:3]), requests, nearest_first(ROW[:3], requests), heuristic="Vsids")
@@ -157,7 +154,6 @@ def test_heuristic_is_needed_within_the_conflict_limit():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
 def test_heuristic_finds_plan_soon_with_a_blocked_way(way):
     requests = errands(8, 12)
@@ -168,7 +164,6 @@ def test_heuristic_finds_plan_soon_with_a_blocked_way(way):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("file", ["heuristic.lp", "search.lp"])
 @ANSWERS
 @given(st.data())
@@ -202,7 +197,6 @@ def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_heuristic_rules_of_a_step_grow_linearly():
     def cost(offices, number):
         """Return the number of statements that the heuristic adds to each step."""
@@ -227,7 +221,6 @@ def test_heuristic_of_a_domain_applies_to_the_house():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (60, 1)])
 def test_plan_bound_counts_several_loads(window, hopeless):
     """Seven packages, three at a time, over one corridor: three loads in one direction or the other."""
@@ -239,7 +232,6 @@ def test_plan_bound_counts_several_loads(window, hopeless):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_plan_bound_refutes_short_horizons_at_once():
     """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
@@ -273,7 +265,6 @@ def claimed(program, requests):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_plan_bound_refutes_goals_behind_blocked_way_at_once():
     """This holds for any number of other goals and of steps."""
     program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (1, 3)], 3)

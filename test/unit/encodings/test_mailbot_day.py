@@ -69,7 +69,6 @@ SOLVERS = {"shortest": shortest, "hasty": partial(soon, plan_time=0.0)}
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("solver", "reason"), [("hasty", "timeout"), *sized([], [("shortest", "blocked")])])
 def test_mailbot_day_ends_as_its_scenario_says(solver, reason):
     day = Day(SOLVERS[solver], reason).play()

@@ -42,7 +42,6 @@ def floors(draw):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @PLANS
 @given(st.data())
 def test_mailbot_plans_are_shortest(data):
@@ -207,7 +206,6 @@ class Robot(Mailbot):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @scripts(LIVES)
 def test_mailbot_life_follows_the_script(row):
     corridors, script = row
@@ -215,7 +213,6 @@ def test_mailbot_life_follows_the_script(row):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("corridors", "capacity"), [(ROW, 3), (RING, 1), (FLOOR, 3)])
 def test_mailbot_carries_at_most_its_capacity(corridors, capacity):
     robot = Robot(6, corridors, 3, capacity)
@@ -240,7 +237,6 @@ def test_mailbot_failure_value_can_name_something_else(reason):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(
     ("moves", "then"),
     [
@@ -308,14 +304,7 @@ def test_mailbot_rejects_an_office_without_a_way(tmp_path: Path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "absent",
-    [
-        ["search.lp", "heuristic.lp", "floor.lp"],
-        *(
-            pytest.param([one], marks=(pytest.mark.slow, pytest.mark.once))
-            for one in ["search.lp", "heuristic.lp", "faults.lp"]
-        ),
-    ],
+    "absent", [["search.lp", "heuristic.lp", "floor.lp"], ["search.lp"], ["heuristic.lp"], ["faults.lp"]]
 )
 def test_mailbot_plans_need_neither_bounds_nor_failure_rules(absent, tmp_path: Path):
     """Without these files the shortest plans are exactly the same: the other rules are complete."""
@@ -345,7 +334,6 @@ def test_mailbot_reference_search_finds_shortest_plans():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_mailbot_memory_of_a_long_run_is_bounded():
     """The requests of a bound stay as long as the bound (``_window``); all other past is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
@@ -364,7 +352,6 @@ def test_mailbot_memory_of_a_long_run_is_bounded():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_mailbot_can_leave_a_place_unknown_to_navigation():
     driver = Driver.of_shipped("mailbot.lp", "office.lp")
     driver.core.add_goal("first", "goal(office1,office3,1)")

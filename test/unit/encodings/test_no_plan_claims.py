@@ -113,7 +113,6 @@ def test_no_plan_claims_agree_with_program_without_them(updates, outcomes):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=settings.default.max_examples // 4)
 @given(st.sampled_from(sorted(FLOORS)), st.lists(news(), min_size=2, max_size=7))
 def test_no_plan_claims_preserve_existing_plans(floor, updates):

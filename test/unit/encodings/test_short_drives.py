@@ -42,7 +42,6 @@ def driven(places, distances):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(3, settings.default.max_examples // 20))
 @given(
     st.fixed_dictionaries({(a, b): st.integers(1, 9) for a, b in WAYS}),

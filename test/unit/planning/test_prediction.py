@@ -49,7 +49,6 @@ def searched(solver, log, update, demanded=()):
     return other.update(StreamUpdate(update.step, update.bound, items))
 
 
-@pytest.mark.once
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(st.sets(st.sampled_from(RULES), max_size=4), NEWS, st.sampled_from([None, 0.0, 5.0]))

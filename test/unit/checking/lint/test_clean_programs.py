@@ -5,7 +5,6 @@ import pytest
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", lint_programs.NAMES)
 def test_lint_has_no_findings_in_correct_programs(name):
     assert list(map(str, lint_programs.lint(lint_programs.program(name)))) == []

@@ -75,7 +75,6 @@ def test_lint_handles_mutations_of_small_programs(name, data):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", ["garden", "paper", "mailbot"])
 @settings(max_examples=max(1, settings.default.max_examples // 12))
 @given(st.data())

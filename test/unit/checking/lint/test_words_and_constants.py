@@ -168,7 +168,6 @@ def test_lint_reports_a_constant_without_definition():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", ["mailbot", "house"])
 def test_lint_accepts_constants_of_shipped_programs(name):
     assert lint_programs.lint(lint_programs.program(name), {"capacity": "1", "tries": "5"}) == []

@@ -104,7 +104,7 @@ FOREIGN = {
 
 ASKED = {"visit(P)": "visit(hall) visit(den)", "bring(X)": "bring(cup)", "do(J)": "do(wash) do(iron)",
          "use(M)": "use(saw) use(drill)"}  # fmt: skip
-NAMES = [*SEEDS, *(pytest.param(name, marks=[pytest.mark.slow, pytest.mark.once]) for name in FOREIGN)]
+NAMES = [*SEEDS, *(pytest.param(name, marks=pytest.mark.slow) for name in FOREIGN)]
 
 
 @lru_cache(maxsize=None)
@@ -172,7 +172,6 @@ def test_verify_finds_sound_programs_clean(text):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", SOUND)
 def test_verify_finds_sound_foreign_programs_clean(name):
     text, goals = SOUND[name]

@@ -39,7 +39,6 @@ PROGRAMS = {"paper": lambda: shipped("paper.lp"), "tutorial": tutorial, "templat
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_verify_finds_small_programs_clean(name):
     verdict = verify(PROGRAMS[name](), EventSelection(most=1), VerifyLimits(events=2, steps=12), seconds=300)
@@ -47,7 +46,6 @@ def test_verify_finds_small_programs_clean(name):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")], ids=["office", "house"])
 def test_verify_finds_delivery_programs_clean(files):
     verdict = verify(shipped(*files), EventSelection(most=1), VerifyLimits(events=1, steps=20), seconds=300)
@@ -64,7 +62,6 @@ def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFF
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("fact", ["_aboard", "_off"])
 def test_verify_accepts_late_corrections_of_the_mailbot(fact):
     """For example, a package is reported aboard for a cycle before it was picked up."""
@@ -73,7 +70,6 @@ def test_verify_accepts_late_corrections_of_the_mailbot(fact):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(
     ("kind", "facts", "events", "word", "floor"),
     [

@@ -129,7 +129,6 @@ def check_facts(named, everything, has_plan):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(5, settings.default.max_examples // 3))
 @given(CASES)
 def test_explain_finds_the_fewest_conflicting_rules(case):

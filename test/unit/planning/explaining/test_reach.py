@@ -86,7 +86,6 @@ WORLDS = st.builds(
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(5, settings.default.max_examples // 3))
 @given(WORLDS)
 def test_reach_agrees_with_brute_force_in_small_worlds(world):

@@ -48,7 +48,6 @@ def test_reordered_continues_open_chains_on_the_way():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_reordered_uses_return_ways_in_some_searches():
     ring = plan_of("go a; go b; go c; go d; take 1; go a; go b; go c; go d; take 2; go a")
     assert {candidate(ring, 1, seed=seed).horizon for seed in range(9)} == {5, 7}
@@ -115,7 +114,6 @@ def some_plan(packages, carried, draw):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @given(
     st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=6), st.integers(0, 2), st.randoms()
 )

@@ -46,7 +46,6 @@ at(P,t) :- _action_lib(go,P,t).
     assert [one.text for one in found.stream_facts] in (["_request(go,2).", f"shut(3,{n})."] for n in (1, 2))
 
 
-@pytest.mark.once
 @pytest.mark.slow
 def test_explaining_process_ends_at_its_deadline(monkeypatch):
     monkeypatch.setattr(explanation, "PATIENCE", 0.2)

@@ -36,7 +36,6 @@ REACHED = NavigationOutcome.REACHED
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_driving_reaches_the_labels_of_the_office():
     world = Simulation(load_world(ROOT / "worlds" / "office_world.yaml"))
     labels = yaml.safe_load((ROOT / "config" / "office_labels.yaml").read_text())
@@ -50,7 +49,7 @@ def test_driving_reaches_the_labels_of_the_office():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, *(pytest.param(one, marks=pytest.mark.once) for one in range(1, 4))])
+@pytest.mark.parametrize("seed", range(4))
 def test_driving_tours_random_goals_among_unmapped_obstacles(seed):
     random = np.random.default_rng(seed)
     walls = [
@@ -133,7 +132,6 @@ def test_driving_takes_detour_when_a_door_closes():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("opens", [False, True])
 def test_driving_ends_at_closed_door_unless_it_opens(opens):
     drive = door_drive((2.9, 4.9, 3.1, 6.0))
@@ -223,7 +221,6 @@ def test_driving_passes_tight_places(name):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(
     ("resolution", "wide", "radius"),
     [(0.1, 0.4, 0.18), (0.05, 0.4, 0.18), (0.05, 0.45, 0.2)],  # the middle of the first gap lies between two cells
@@ -239,7 +236,6 @@ def test_driving_passes_gaps_with_two_centimetres_margin(resolution, wide, radiu
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("seed", range(3))
 def test_driving_touches_no_tight_door(seed):
     """Four and a half centimetres on either side, entered from any direction, to and fro."""
@@ -252,7 +248,6 @@ def test_driving_touches_no_tight_door(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("space", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize("yaw", [0.0, np.pi])
 @pytest.mark.parametrize(("footprint", "side"), [(ERRATIC, 0.175), (LONG, 0.2)])

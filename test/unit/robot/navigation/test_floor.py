@@ -130,7 +130,6 @@ def test_floor_names_start_of_the_robot():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_floor_command_prints_facts(tmp_path):
     script = [sys.executable, str(ROOT / "scripts" / "places")]
     environment = {"PYTHONPATH": str(ROOT / "src"), "PATH": "/usr/bin:/bin", "NUMBA_DISABLE_JIT": "1"}

@@ -15,7 +15,7 @@ NEAR = 0.03  # fraction of navfn's length
 WIDER, CORNERS = 0.04, 0.5  # the same for the planner, and its additional clearance (m) around obstacles
 PLAIN, INFLATED = (0.0, 10.0), (0.55, 10.0)  # radius (m), scaling (1/m)
 
-pytestmark = [pytest.mark.slow, pytest.mark.once]
+pytestmark = pytest.mark.slow
 
 
 def measured(name, inflation):

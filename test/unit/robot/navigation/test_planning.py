@@ -149,7 +149,6 @@ def test_planning_snapshot_keeps_the_costmap_unchanged():
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_planning_on_a_big_map_can_be_cancelled():
     cells = np.zeros((4000, 4000), dtype=np.int8)
     cells[::60], cells[:, ::60] = 100, 100

@@ -61,7 +61,6 @@ def run(code, *arguments, **environment):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_rehearsal_leaves_nothing_to_compile():
     assert int(run(DRIVES)) > 45
 
