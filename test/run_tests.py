@@ -40,10 +40,14 @@ ON_BOTH = ("configured_interfaces", "core_words", "goal_server", "scenario_playe
 WAITING = (
     "configured_interfaces",
     "core_defence",
+    "core_interrupted",
     "core_killed",
     "core_start",
     "exactly_once",
+    "hosts",
     "interface_respawn",
+    "long_actions",
+    "lost_interface",
     "mailbot_killed",
     "master_restarted",
     "office",
@@ -53,6 +57,7 @@ WAITING = (
     "scenario_player",
     "shipped_interfaces",
     "silence",
+    "simulated_time_interfaces",
     "simulator",
     "time_jump",
     "tutorial",
@@ -109,17 +114,17 @@ class Tests:
     def whole(self) -> Outcome:
         """Run all groups: next to the rostests, which have time limits, one low-priority group at a time.
 
-        More at a time would take longer.
+        More at a time would take longer. The unit tests, which can use all cores up to the end, come last.
         """
         outcome = self.lint(())
         with Lanes() as lanes, ThreadPoolExecutor(1) as pool:
             others = self._begin(lanes, ROSTESTS, "", os.environ)
             others.append(pool.submit(self.install, ()))
-            others.append(pool.submit(self.unit, ()))
             python38 = _python38_environment()
             others += self._begin(lanes, _chosen(ROSTESTS, ON_BOTH) if python38 else (), ON_PYTHON38, python38)
             others.append(pool.submit(self._pip, python38))
             others.append(pool.submit(self._unit_again, python38))
+            others.append(pool.submit(self.unit, ()))
             return outcome + sum((one.result() for one in others), Outcome())
 
     def python38(self, _names: Sequence[str]) -> Outcome:
