@@ -51,9 +51,9 @@ def name_of(item):
     return item.nodeid.partition("[")[0]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session", autouse=True)
 def reorder_effort():
-    """Try fewer orders of a plan's tasks in the standing run, which would otherwise spend most of its time there."""
+    """Try fewer orders of a plan's tasks in the standing run, which would otherwise spend much of its time there."""
     from rosoclingo.planning.strategies import reorder
 
     with pytest.MonkeyPatch.context() as patch:

@@ -5,11 +5,16 @@ import random
 import golog
 import pytest
 
+sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
+
+import golog  # noqa: E402
+from workloads import sized  # noqa: E402
+
 
 @pytest.mark.slow
 def test_golog_bench_control_knowledge_keeps_a_shortest_plan():
     dice = random.Random(3)
-    for _ in range(3):
+    for _ in range(sized(1, 3)):
         first, last = golog.towers(range(1, 6), dice), golog.towers(range(1, 6), dice)
         found = {kind: golog.plan_of(kind, golog.program_of(kind, first, last), 60.0)[0] for kind in golog.KINDS}
         assert len({len(moves) for moves in found.values()}) == 1, found

@@ -69,6 +69,7 @@ def test_worker_answers_questions(make, monkeypatch):
     assert worker.ask(lambda: 42, PATIENCE) == 42
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("job", [lambda: 1 / 0, None])
 def test_worker_end_leaves_no_question_waiting(make, monkeypatch, job):
     monkeypatch.setattr(rospy, "get_name", lambda: "/node")

@@ -5,11 +5,12 @@ from itertools import combinations
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.planning.solver import PlanSolver
 
-BOUND = 60
+BOUND = sized(30, 60)
 
 #: Rooms 0 to 4 in a row; door D, between rooms D and D+1, is shut from the cycle after ``_shut`` until ``_opened``.
 ROW = """

@@ -27,8 +27,10 @@ def objects(driver, first, last):
 
 
 @pytest.mark.slow
-def test_core_memory_does_not_grow_with_goals():
+def test_core_memory_does_not_grow_with_goals(request):
     driver = Driver(FORGETFUL, events=10)
+    gc.freeze()  # the objects of other tests are neither counted nor visited
+    request.addfinalizer(gc.unfreeze)
     objects(driver, 0, GOALS)
     more = sized(50, GOALS)
     before = objects(driver, GOALS, GOALS + more)

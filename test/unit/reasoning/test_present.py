@@ -99,6 +99,7 @@ def test_beliefs_of_the_house_name_locations_of_things():
     assert "thing_at(book,hallway,now)" in present(driver)
 
 
+@pytest.mark.slow
 def test_beliefs_include_predicted_and_improved_answers():
     driver = Driver(program=shipped("mailbot.lp", "office.lp"), solver=lambda program: soon(program, 0.0))
     driver.goal("a", "goal(office4,office1,1)").goal("b", "goal(office4,office2,2)")

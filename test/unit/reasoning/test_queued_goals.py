@@ -213,7 +213,7 @@ def test_packages_are_delivered_despite_interrupted_searches(seed, corrections):
     program = shipped("mailbot.lp", "office.lp")
     driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=3, chance=0.3)
     world, draw, wanted, fails = World(), Random(seed), {}, False
-    packages, at_once = sized((8, 6), (14, 7))
+    packages, at_once = sized((6, 5), (14, 7))
     for _ in range(400):
         while len(wanted) < packages and len(driver.core.live_goals) < at_once:
             start, end = draw.sample(OFFICES, 2)

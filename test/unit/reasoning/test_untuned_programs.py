@@ -22,8 +22,6 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
 from incmode import shortest_plan  # noqa: E402
 from planning_domains import DOMAINS, check, superfluous  # noqa: E402
 
-pytestmark = pytest.mark.usefixtures("reorder_effort")
-
 #: Accepts the first plan: no time is left to improve it.
 FIRST = partial(soon, plan_time=0.0)
 

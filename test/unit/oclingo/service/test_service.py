@@ -215,8 +215,9 @@ def test_client_that_does_not_read_blocks_no_other(monkeypatch):
 
 
 @pytest.mark.slow
-def test_connection_serves_thousands_of_updates(echo, client):
-    count = 3_000
+@pytest.mark.once
+def test_connection_serves_many_updates(echo, client):
+    count = sized(1_000, 3_000)
     message = b"#volatile. #endstep.\0"
     sent = answered = 0
     while answered < count:

@@ -15,8 +15,6 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, History, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 
-pytestmark = pytest.mark.usefixtures("reorder_effort")
-
 
 def requested(*places, text=EARLY, horizon=1, delay=0, further="", **options):
     """Return a solver with a plan for some places.
@@ -231,7 +229,7 @@ def test_improve_asks_no_question_after_a_stop(looks, monkeypatch):
 def test_improve_stopped_while_grounding_continues_later():
     solver = requested(3, text=program_text(), delay=2)
     plan = solver.log.plan
-    solver.restore(solver.log.with_entries(AcceptedUpdate(None, 150)))
+    solver.restore(solver.log.with_entries(AcceptedUpdate(None, 80)))
     looks = count()
     assert solver.improve(lambda: next(looks) >= 2) is None
     assert next(looks) <= 5, "it does not continue piece by piece"

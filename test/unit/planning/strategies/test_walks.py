@@ -16,8 +16,6 @@ from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import soon
 
-pytestmark = pytest.mark.usefixtures("reorder_effort")
-
 FOREVER = float("inf")
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
 

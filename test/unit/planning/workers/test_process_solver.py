@@ -263,7 +263,7 @@ def idling(pool):
     return solver, worse, action
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("event", ["", "stopped", "killed"])
 def test_worker_improves_the_plan_in_force(event):
     """Also a worker started later; a stop does not wait for the improvement."""

@@ -52,9 +52,8 @@ def test_long_actions_end_once_without_a_kill():
 @pytest.mark.once
 def test_long_actions_survive_kill_at_every_instant():
     _, fate = played(SCRIPT)
-    for instant in fate.every_instant():
-        for cut in (0, 500, 1000) if instant in fate.writes else (0,):
-            assert played(SCRIPT, [(instant, cut, cut < 1000)])[0].kills == 1
+    for instant, share in fate.kills_at_every_instant():
+        assert played(SCRIPT, [(instant, share, share < 1000)])[0].kills == 1
 
 
 @pytest.mark.slow
