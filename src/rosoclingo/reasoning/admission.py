@@ -16,7 +16,7 @@ import math
 from typing import Callable, Container, List, Optional, Sequence
 
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.records import Record
+from rosoclingo.reasoning.records import PersistentPart, fields
 
 #: Maximum patience for a goal without a plan in time, a power of two.
 MOST_PATIENCE = 8
@@ -37,7 +37,7 @@ FEWER = 0.5
 MOST_JOINING = 1.5
 
 
-class Admission:
+class Admission(PersistentPart):
     """Decides which of the ``live`` goals, oldest first, are queued. All others are with the program or being fed.
 
     The program has at most ``at_once`` goals at a time. A search can take ``seconds``. 0 for no limit.
@@ -48,6 +48,9 @@ class Admission:
         interrupted: whether an arrival has interrupted the last search.
 
     """
+
+    GROUP = "queue"
+    FIELDS = fields(stuck=int, _room=Optional[int], _growth=float)
 
     def __init__(
         self, live: Callable[[], List[Goal]], at_once: int = 0, overtaking_limit: int = 0, seconds: float = 0.0
@@ -224,13 +227,3 @@ class Admission:
             return "a goal was cancelled"
         yields = self.tried is not None and self.first not in self._movable and not (self.interrupted or self.stuck)
         return "a goal has arrived" if new and yields else ""
-
-    # -- persisted state
-
-    def record(self) -> Record:
-        """Return the state as plain values."""
-        return {"stuck": self.stuck, "room": self._room, "growth": self._growth}
-
-    def restore(self, record: Record) -> None:
-        """Restore from :meth:`record`."""
-        self.stuck, self._room, self._growth = record["stuck"], record["room"], record["growth"]

@@ -77,7 +77,7 @@ class Core:
         self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
         self._plan: Optional[TaskPlan] = TaskPlan()  # None after an interrupted search, which has to be repeated
-        self._latest = (0, TaskPlan())  # the last executed plan and its cycle
+        self._last_plan, self._last_cycle = TaskPlan(), 0  # the last executed plan and its cycle
         self._step, self._waits = 0, 0
         self._improvable = False  # whether a shorter plan can exist
 
@@ -168,7 +168,7 @@ class Core:
 
     def prepare(self) -> None:
         """Prefetch the answer to a likely update, or a plan with queued goals, while actions run."""
-        self._ahead.prepare(self._planner, self._latest[1], self._announce.published + 1)
+        self._ahead.prepare(self._planner, self._last_plan, self._announce.published + 1)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, and cancel the goals in the program with the next update."""
@@ -213,7 +213,7 @@ class Core:
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
         self._step = self._announce.published + 1
-        batch = self._ahead.next_update(self._planner, self._latest[1], self._step)
+        batch = self._ahead.next_update(self._planner, self._last_plan, self._step)
         self._respond(State(Situation.DUE, batch, now))
 
     def _respond(self, state: State) -> None:
@@ -344,7 +344,7 @@ class Core:
 
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         """Dispatch the actions that are due before reporting the rest of the answer."""
-        since, plan = self._latest[0] + 1, self._follow(result)
+        since, plan = self._last_cycle + 1, self._follow(result)
         actions, left_out = self._execution.begin(self._step, plan.at(self._step), now)
         if self._settings.preempt:
             self._preemption.begin(actions)
@@ -362,8 +362,8 @@ class Core:
 
     def _follow(self, result: SolveResult) -> TaskPlan:
         """Adopt the plan of an answer."""
-        plan = self._plan = extract_plan(result.answers[0])
-        self._latest = self._step, plan
+        plan = self._plan = self._last_plan = extract_plan(result.answers[0])
+        self._last_cycle = self._step
         return plan
 
     def _lose_patience(self, state: State) -> State:
@@ -433,8 +433,8 @@ class Core:
 
     def _keep_plan(self, state: State) -> Optional[State]:
         """Keep the last plan if it is still valid, deferred by the cycles without actions."""
-        cycle, plan = self._latest
-        actions = [one._replace(cycle=one.cycle + self._step - cycle - 1) for one in plan.after(cycle)]
+        waited = self._step - self._last_cycle - 1
+        actions = [one._replace(cycle=one.cycle + waited) for one in self._last_plan.after(self._last_cycle)]
         result = self._planner.solve_with(actions) if actions and not state.batch.known_goals else None
         return None if result is None else state._replace(situation=Situation.PLAN, result=result)
 

@@ -10,6 +10,7 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.present import Present
+from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record, fields
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ class Problem(Event):
 Observer = Callable[[Event], None]
 
 
-class Announcer:
+class Announcer(PersistentPart):
     """Sends the events of a core's cycles to an ``observer``.
 
     ``cycle`` returns the logical time, ``present`` extracts beliefs from answers.
@@ -158,10 +159,19 @@ class Announcer:
 
     """
 
+    GROUP = "announced"
+    FIELDS = fields(published=int)
+
     def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
         self._emit, self._cycle, self._present = observer, cycle, present
         self.state: Optional[FrozenSet[Symbol]] = None
+        self._recorded: PersistentTable[Symbol, None] = PersistentTable("believed", Symbol, type(None))
         self.published = 0
+
+    def restore(self, record: Record) -> None:
+        """Restore from all rows."""
+        super().restore(record)
+        self.state = frozenset(self._recorded) or None
 
     def update(self, step: int, update: StreamUpdate) -> None:
         """Report an accepted update, unless another update of this step was reported before."""
@@ -181,6 +191,7 @@ class Announcer:
         state = self._present.of(result.answers[0], cycle) if result.answers else self.state
         if state != self.state:
             self.state = state
+            self._recorded.match(dict.fromkeys(state or ()))
             self.present()
 
     def present(self) -> None:

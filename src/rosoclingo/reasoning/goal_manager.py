@@ -1,6 +1,6 @@
 """The goal manager: it checks the goals of clients, passes them to the feeder and ends them with a reason."""
 
-from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
+from typing import Callable, Container, Iterable, List, Optional, Sequence
 
 from clingo import Symbol
 
@@ -13,7 +13,7 @@ from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
-from rosoclingo.reasoning.records import Record, group, symbol_of
+from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record
 from rosoclingo.reasoning.relevance import RelevanceAnalysis
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -24,13 +24,15 @@ REST = 10.0
 MOST_DOUBLINGS = 6
 
 
-class GoalManager:
+class GoalManager(PersistentPart):
     """The goals of all clients. ``emit`` receives an event for each change, ``cycle`` returns the logical time.
 
     Attributes:
         queue: the admission, which decides which goals the program has and which are queued.
 
     """
+
+    GROUP = "goals"
 
     def __init__(
         self,
@@ -45,7 +47,8 @@ class GoalManager:
         self._feeder = feeder
         self._emit = emit
         self._cycle = cycle
-        self._goals: Dict[str, Goal] = {}  # handle -> live goal, oldest first
+        # the live goals by their handles, oldest first
+        self._goals: PersistentTable[str, Goal] = PersistentTable("goal", str, Goal, mutable=True)
         self.queue = Admission(
             lambda: self.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
         )
@@ -67,7 +70,7 @@ class GoalManager:
     def add(self, key: str, text: str) -> None:
         """Add the goal ``text``, or reject it with a reason."""
         try:
-            goal = Goal(key, read_goal(text), self._changed)
+            goal = Goal(key, read_goal(text))
             if not self._program.declares_external(REQUEST, 2):
                 raise GoalError("the program takes no requests: it declares no external _request/2")
             self._check_relevant(goal)
@@ -75,7 +78,7 @@ class GoalManager:
         except GoalError as error:
             self._emit(GoalRefused(self._cycle(), key, text, str(error)))
             return
-        self._goals[key], goal.waits = goal, True
+        self._goals[key], goal.waits, goal.observer = goal, True, self._changed
         self._admit()
         if goal.waits:
             before = self.queue.first or self.queue.tried
@@ -205,19 +208,11 @@ class GoalManager:
         self.report_wait(goals, why)
         self._admit()
 
-    # -- persisted state
-
-    def record(self) -> Record:
-        """Return the goals, oldest first, and the state of the queue, as plain values."""
-        return {**{f"goal:{goal.key}": goal.record() for goal in self.live}, "queue": self.queue.record()}
-
     def restore(self, record: Record) -> None:
-        """Restore from a record, before any arrival."""
-        for key, fields in group(record, "goal").items():
-            goal = Goal(key, symbol_of(fields["term"]), self._changed)
-            goal.restore(fields)
-            self._goals[key] = goal
-        self.queue.restore(record["queue"])
+        """Restore the goals from all rows."""
+        super().restore(record)
+        for goal in self.live:
+            goal.observer = self._changed
 
     def join(self, goals: Iterable[Goal]) -> None:
         """Feed queued goals, even if there is no room."""

@@ -1,6 +1,6 @@
 """Goals of clients, with the state machine of actionlib's server."""
 
-import math
+from dataclasses import dataclass
 from enum import Enum, IntEnum
 from typing import Callable, Dict, Optional, Tuple
 
@@ -8,21 +8,25 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import ProgressionError, parse_term
 from rosoclingo.reasoning.keywords import CANCEL, LONGEST, identifier_of, shortened
-from rosoclingo.reasoning.records import Record, text_of
 
 
 class GoalState(Enum):
-    """The states of actionlib's server."""
+    """The states of actionlib's server, in the order of ``actionlib_msgs/GoalStatus``."""
 
     PENDING = "pending"
-    RECALLING = "recalling"
     ACTIVE = "active"
-    PREEMPTING = "preempting"
-    RECALLED = "recalled"
-    REJECTED = "rejected"
     PREEMPTED = "preempted"
     SUCCEEDED = "succeeded"
     ABORTED = "aborted"
+    REJECTED = "rejected"
+    PREEMPTING = "preempting"
+    RECALLING = "recalling"
+    RECALLED = "recalled"
+
+    @property
+    def number(self) -> int:
+        """The number of the state in ``actionlib_msgs/GoalStatus``."""
+        return list(GoalState).index(self)
 
 
 class GoalEvent(Enum):
@@ -88,17 +92,14 @@ class GoalError(ValueError):
     """A goal is rejected; the text is the reason that the client gets."""
 
 
-#: The fields of a goal that its record contains unchanged.
-RECORDED = ("request_cycle", "known", "refused", "overtaken", "together", "tries", "waits", "in_hand")
-
-
+@dataclass(eq=False)
 class Goal:
-    """A goal of a client. ``observer`` is called with the goal and the event after each transition.
+    """A goal of a client; the arguments of the constructor are its persisted state.
 
     Attributes:
         key: the client's handle, which is actionlib's goal id.
         term: the goal as a term of the program.
-        identifier: the last argument of the term.
+        state: the state of actionlib's server.
         request_cycle: the cycle of the request, None until it is fed.
         known: whether the program has given it a status.
         refused: whether the program has rejected it.
@@ -108,26 +109,33 @@ class Goal:
         rests_until: the time before which it is not fed, in seconds.
         waits: whether it is queued.
         in_hand: whether it could not be deferred.
+        identifier: the last argument of the term.
+        outcome: the outcome of a goal that has ended.
         message: the reason of its end.
         remark: the program's latest text about the accepted goal, empty for none.
+        observer: called with the goal and the event after each transition.
 
     """
 
-    def __init__(self, key: str, term: Symbol, observer: "Callable[[Goal, GoalEvent], None]") -> None:
-        self.key = key
-        self.term = term
-        self.identifier: Symbol = term.arguments[-1]
-        self.state = GoalState.PENDING
-        self.request_cycle: Optional[int] = None
+    key: str
+    term: Symbol
+    state: GoalState = GoalState.PENDING
+    request_cycle: Optional[int] = None
+    known: bool = False
+    refused: bool = False
+    overtaken: int = 0
+    together: int = 0
+    tries: int = 0
+    rests_until: float = float("-inf")
+    waits: bool = False
+    in_hand: bool = False
+
+    def __post_init__(self) -> None:
+        """Set the derived attributes."""
+        self.identifier: Symbol = self.term.arguments[-1]
         self.outcome: Optional[Outcome] = None
-        self.known = False
-        self.refused = False
-        self.overtaken = self.together = 0
-        self.tries = 0
-        self.waits = self.in_hand = False
-        self.rests_until = float("-inf")
         self.message = self.remark = ""
-        self._observer = observer
+        self.observer: Callable[[Goal, GoalEvent], None] = lambda goal, event: None
 
     def __str__(self) -> str:
         """The term of the goal, shortened for messages."""
@@ -156,26 +164,13 @@ class Goal:
         """Whether a client has cancelled the goal and it has not ended yet."""
         return self.state in CANCELLING
 
-    def record(self) -> Record:
-        """Return the fields of a live goal for :meth:`restore`."""
-        rest = self.rests_until if math.isfinite(self.rests_until) else str(self.rests_until)
-        fields = {name: getattr(self, name) for name in RECORDED}
-        return {"term": text_of(self.term), "state": self.state.value, "rests_until": rest, **fields}
-
-    def restore(self, record: Record) -> None:
-        """Restore the fields of a record of this goal."""
-        self.state = GoalState(record["state"])
-        self.rests_until = float(record["rests_until"])
-        for name in RECORDED:
-            setattr(self, name, record[name])
-
     def apply(self, event: GoalEvent) -> None:
         """Change the state by an event; raises TransitionError if the event is illegal."""
         try:
             self.state = TRANSITIONS[self.state, event]
         except KeyError:
             raise TransitionError(f"{self} is {self.state.value}: cannot {event.value}") from None
-        self._observer(self, event)
+        self.observer(self, event)
 
     def accept(self) -> None:
         """Accept the goal, unless it has been accepted before."""

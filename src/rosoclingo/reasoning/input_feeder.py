@@ -2,6 +2,7 @@
 
 import math
 from typing import (
+    Any,
     Callable,
     Container,
     Dict,
@@ -22,11 +23,10 @@ from clingo import Function, Number, Symbol, SymbolType
 
 from rosoclingo.oclingo import Statement, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Expire, Item, Withdraw
-from rosoclingo.planning.text import symbols_from_text, symbols_to_text
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, success_of
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, group, symbol_of, text_of
+from rosoclingo.reasoning.records import Codec, PersistentPart, PersistentTable, Record, fields, symbol_of, text_of
 
 #: Maximum number of cycles for the messages of one origin in an update; older messages take effect in the first cycle.
 MOST_TURNS = 16
@@ -43,6 +43,12 @@ FACT_REST = 10.0
 
 #: A goal, or the identifier of a cancelled one.
 Request = Union[Goal, Symbol]
+
+#: Waiting requests in a record: goals as objects with their keys, and identifiers as texts.
+_REQUESTS = Codec(
+    lambda requests: [{"goal": one.key} if isinstance(one, Goal) else text_of(one) for one in requests],
+    lambda rows: [one if isinstance(one, dict) else symbol_of(one) for one in rows],
+)
 
 
 class Batch(NamedTuple):
@@ -137,19 +143,22 @@ class Clock:
         return self._delay(fact.name, len(fact.arguments)) or 0
 
 
-class OmittedFacts:
+class OmittedFacts(PersistentPart):
     """Facts that were omitted from updates because the solver dropped or refused the updates with them.
 
     They are fed again, half of them at a time, until the faulty fact is alone.
     """
 
+    GROUP = "omitted"
+
     def __init__(self) -> None:
-        self._tries: Dict[Symbol, int] = {}  # number of updates that omitted a fact although it was their only one
+        # the number of updates that omitted a fact although it was their only one
+        self._tries: PersistentTable[Symbol, int] = PersistentTable("left", Symbol, int)
         self._rests: Dict[Symbol, float] = {}  # end of the rest of a fact
         self._room: Optional[int] = None  # maximum number of these facts in an update
         self._now = -math.inf
 
-    def due(self, facts: Dict[Symbol, Observation]) -> Dict[Symbol, Observation]:
+    def due(self, facts: Mapping[Symbol, Observation]) -> Mapping[Symbol, Observation]:
         """Return the waiting ``facts`` that the next update can contain, by their atoms as sent."""
         if not self._tries:
             return facts
@@ -188,22 +197,18 @@ class OmittedFacts:
         for key, until in self._rests.items():
             self._rests[key] = min(until, now + FACT_REST * 2 ** (self._tries[key] - 2))
 
-    def record(self) -> Record:
-        """Return the facts as sections of plain values."""
-        return {f"left:{text_of(key)}": tries for key, tries in self._tries.items()}
-
     def restore(self, record: Record) -> None:
         """Restore from a record; the facts are fed one at a time, and each rest starts again."""
-        self._tries = {symbol_of(text): tries for text, tries in group(record, "left").items()}
+        super().restore(record)
         self._rests = {key: math.inf for key, tries in self._tries.items() if tries > 1}
         self._room = 1 if self._tries else None
 
     def _drop(self, one: Observation) -> None:
-        for table in (self._tries, self._rests):
-            table.pop(one.sent, None)
+        self._tries.pop(one.sent, None)
+        self._rests.pop(one.sent, None)
 
 
-class InputFeeder:
+class InputFeeder(PersistentPart):
     """Collects requests, cancellations, returns and other facts in order of arrival, until an update contains them.
 
     An update lists commitments first, then requests and cancellations, then returns and other facts. Success returns
@@ -216,17 +221,29 @@ class InputFeeder:
 
     Attributes:
         arrivals: the number of arrivals so far.
+        omitted: the facts that updates omitted.
 
     """
+
+    GROUP = "feeder"
+    FIELDS = fields(
+        _requests=_REQUESTS,
+        _rejected=List[Symbol],
+        _executed=Tuple[Action, ...],
+        _withdrawn=FrozenSet[Symbol],
+        _waits=Optional[int],
+        _paused=Optional[float],
+        arrivals=int,
+    )
 
     def __init__(self, clock: Optional[Clock] = None) -> None:
         self._clock = clock or Clock()
         self._requests: List[Request] = []
-        self._rejected: List[Request] = []
-        self._facts: Dict[Symbol, Observation] = {}
+        self._rejected: List[Symbol] = []
+        self._facts: PersistentTable[Symbol, Observation] = PersistentTable("fact", Symbol, Observation)
         self._executed: Tuple[Action, ...] = ()
         self._withdrawn: FrozenSet[Symbol] = frozenset()
-        self._left = OmittedFacts()
+        self.omitted = OmittedFacts()
         self._waits: Optional[int] = None  # number of arrivals at which waiting for another one began
         self._paused: Optional[float] = None  # time at which a pause began
         self.arrivals = 0
@@ -234,12 +251,12 @@ class InputFeeder:
     @property
     def pending(self) -> bool:
         """Whether anything waits to be fed."""
-        waits = self._requests or self._executed or self._left.due(self._facts)
+        waits = self._requests or self._executed or self.omitted.due(self._facts)
         return bool(waits) and self.arrivals != self._waits
 
     def has_unexpected(self, expected: Container[Optional[Symbol]]) -> bool:
         """Return whether the next update contains more than requests, executed actions and ``expected`` facts."""
-        unexpected = (fact for fact in self._left.due(self._facts) if fact not in expected)
+        unexpected = (fact for fact in self.omitted.due(self._facts) if fact not in expected)
         return bool(self._rejected or self._withdrawn) or any(True for _ in unexpected)
 
     @property
@@ -295,7 +312,8 @@ class InputFeeder:
 
     def forget_executed(self) -> None:
         """Remove executed actions and their returns, which the solver refuses."""
-        self._facts = {atom: one for atom, one in self._facts.items() if not one.is_return}
+        for atom in [atom for atom, one in self._facts.items() if one.is_return]:
+            del self._facts[atom]
         self._executed = ()
 
     def add_failure(self, answer: Symbol, actions: Tuple[Action, ...]) -> None:
@@ -315,7 +333,7 @@ class InputFeeder:
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         chosen = self._requests if chosen is None else chosen
         requests = [one for one in chosen if not (too_early and isinstance(one, Goal))]
-        due = self._left.due(self._facts)
+        due = self.omitted.due(self._facts)
         batch = self._batch(step, self._executed, self._after_rejected(requests), due.values(), first_open)
         turns = _turns(due.values())
         most = max(turns.values(), default=0)
@@ -334,13 +352,13 @@ class InputFeeder:
         """
         present = batch.update.heads if present is None else present
         for one in batch.requests:
-            waiting = self._rejected if one in self._rejected else self._requests
+            waiting: List[Any] = self._rejected if one in self._rejected else self._requests
             if one in waiting and (isinstance(one, Goal) or self._request(one, batch.update.step or 0) in present):
                 waiting.remove(one)
-        kept = [one for one in batch.requests if one in self._rejected]
+        kept = [one for one in batch.requests if not isinstance(one, Goal) and one in self._rejected]
         self._rejected, self._executed, self._waits, self._withdrawn = kept, (), None, frozenset()
         left = [one for one in batch.facts if not one.is_return and one.atom not in present]
-        lost = self._left.update_accepted(batch.facts, left, refused)
+        lost = self.omitted.update_accepted(batch.facts, left, refused)
         for fact in frozenset(batch.facts).difference(left).union(lost):
             self._facts.pop(fact.sent, None)
         for goal in batch.goals:
@@ -355,43 +373,18 @@ class InputFeeder:
         """Advance the time, in seconds of any clock."""
         if self._paused is not None and not 0.0 <= now - self._paused < PAUSE:
             self._waits = self._paused = None
-        self._left.tick(now)
+        self.omitted.tick(now)
 
-    def record(self) -> Record:
-        """Return the waiting items as plain values; goals are named by their keys."""
-        feeder = {
-            "requests": [
-                {"goal": one.key} if isinstance(one, Goal) else {"symbol": text_of(one)} for one in self._requests
-            ],
-            "rejected": [text_of(one) for one in self._rejected if not isinstance(one, Goal)],
-            "executed": actions_to_text(self._executed),
-            "withdrawn": symbols_to_text(sorted(self._withdrawn)),
-            "waits": self._waits,
-            "paused": self._paused,
-            "arrivals": self.arrivals,
-        }
-        facts = {f"fact:{text_of(fact)}": seen.record() for fact, seen in self._facts.items()}
-        return {**facts, "feeder": feeder, **self._left.record()}
-
-    def restore(self, record: Record, goal_of: Callable[[str], Optional[Goal]]) -> None:
-        """Restore from a record; ``goal_of`` returns the live goal with a key."""
-        feeder = record["feeder"]
-        self._waits, self._paused, self.arrivals = feeder["waits"], feeder["paused"], feeder["arrivals"]
-        self._left.restore(record)
-        requests = feeder["requests"]
-        found = [goal_of(one["goal"]) if "goal" in one else symbol_of(one["symbol"]) for one in requests]
+    def find_goals(self, goal_of: Callable[[str], Optional[Goal]]) -> None:
+        """Replace the goals of a record by those that ``goal_of`` returns for their keys."""
+        found = [goal_of(one["goal"]) if isinstance(one, dict) else one for one in self._requests]
         self._requests = [one for one in found if one is not None]
-        self._rejected = list(map(symbol_of, feeder["rejected"]))
-        self._executed = actions_of(feeder["executed"])
-        self._withdrawn = symbols_from_text(feeder["withdrawn"])
-        facts = group(record, "fact").items()
-        self._facts = {symbol_of(text): Observation.of_record(value) for text, value in facts}
 
     def preview(
         self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), first_open: int = 0
     ) -> StreamUpdate:
         """Return the next update as it would be with ``further`` facts."""
-        facts = {**self._left.due(self._facts), **{atom: Observation(atom, step) for atom in further}}
+        facts = {**self.omitted.due(self._facts), **{atom: Observation(atom, step) for atom in further}}
         requests = self._after_rejected(self._requests)
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), first_open).update
 
@@ -469,7 +462,8 @@ def _turns(facts: Iterable[Observation]) -> Dict[Symbol, int]:
     timed = [fact for fact in facts if _is_of_now(fact.atom)]
     for fact in timed:
         messages.setdefault(fact.origin, set()).add(fact.message)
-    later = {fact.atom: sum(one > fact.message for one in messages[fact.origin]) for fact in timed}
+    latest = {origin: sorted(numbers)[-MOST_TURNS:] for origin, numbers in messages.items()}
+    later = {fact.atom: sum(one > fact.message for one in latest[fact.origin]) for fact in timed}
     return {atom: min(number, MOST_TURNS - 1) for atom, number in later.items()}
 
 

@@ -1,6 +1,6 @@
 """The watch over the interfaces: which robots are lost because an interface is silent, and which are back."""
 
-from typing import Callable, Dict, FrozenSet, List, Set
+from typing import Callable, Dict, FrozenSet, List, Set, Tuple
 
 from clingo import Function, String, Symbol
 
@@ -8,23 +8,26 @@ from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_term
 from rosoclingo.planning.history import robots_of
 from rosoclingo.reasoning.events import ActionsPreempted, Event, Problem
 from rosoclingo.reasoning.interface_register import MOST_NAMES
-from rosoclingo.reasoning.keywords import BACK, INTERFACE_LOST, LOST, NOW, Action, action_of
-from rosoclingo.reasoning.records import Record, action_to_text, group, keys_of, symbol_of
+from rosoclingo.reasoning.keywords import BACK, INTERFACE_LOST, LOST, NOW, Action
+from rosoclingo.reasoning.records import PersistentPart, fields
 from rosoclingo.reasoning.returns import ExecutionMonitor
 
 #: Limit in seconds of the silence counted between two checks: a core that searches or is suspended receives nothing.
 LONGEST_LOOK = 1.0
 
 
-class InterfaceWatch:
+class InterfaceWatch(PersistentPart):
     """Reports lost robots to a program that declares ``#external _lost/2``, by ``_lost(R,C)`` and ``_back(R,C)``.
 
     An interface is watched from its first announcement or action on. It is silent after ``timeout`` seconds without a
     message; 0 for never. A robot is lost while one of its interfaces is silent.
 
     An action of a silent interface can still return. After ``lost_timeout`` seconds it fails with ``lost``; once its
-    interface is heard again, it is cancelled there.
+    interface is heard again, it is cancelled there. A resumed watch hears each interface at its start.
     """
+
+    GROUP = "interfaces"
+    FIELDS = fields(_watched=Tuple[str, ...], _silent=Set[str], _failed=List[Action])
 
     def __init__(
         self,
@@ -97,17 +100,13 @@ class InterfaceWatch:
         self._emit(Problem(self._cycle(), f"{name}({robot},{NOW}): {why}", str(robot)))
         self._execution.receive(str(robot), [str(Function(name, [robot, NOW]))])
 
-    def record(self) -> Record:
-        """Return the state as sections of plain values; a resumed watch hears each interface at its start."""
-        watched = {f"watched:{interface}": int(interface in self._silent) for interface in self._heard}
-        return {**watched, **{f"lost:{action_to_text(action)}": 1 for action in self._failed}}
+    @property
+    def _watched(self) -> Tuple[str, ...]:
+        return tuple(self._heard)
 
-    def restore(self, record: Record) -> None:
-        """Restore from a record."""
-        watched = group(record, "watched")
-        self._heard = dict.fromkeys(watched, self._time)
-        self._silent = {interface for interface, silent in watched.items() if silent}
-        self._failed = [action_of(symbol_of(text)) for text in keys_of(record, "lost")]
+    @_watched.setter
+    def _watched(self, interfaces: Tuple[str, ...]) -> None:
+        self._heard = dict.fromkeys(interfaces, self._time)
 
 
 def robot_of(interface: str) -> Symbol:

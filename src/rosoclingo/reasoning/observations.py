@@ -5,7 +5,6 @@ from typing import FrozenSet, NamedTuple, Optional, Tuple
 from clingo import Symbol
 
 from rosoclingo.reasoning.keywords import RETURN, Action, is_keyword, name_of, return_of
-from rosoclingo.reasoning.records import Record, actions_of, actions_to_text, symbol_of, text_of
 
 #: The number of observations that the core remembers.
 MEMORY = 32
@@ -47,19 +46,6 @@ class Observation(NamedTuple):
     def is_return(self) -> bool:
         """Whether it is the return of an action."""
         return is_keyword(self.atom, RETURN)
-
-    def record(self) -> Record:
-        """Return the observation as a plain value."""
-        original = None if self.original is None else text_of(self.original)
-        symbols = {"atom": text_of(self.atom), "actions": actions_to_text(self.actions), "original": original}
-        return {**self._asdict(), **symbols}
-
-    @classmethod
-    def of_record(cls, record: Record) -> "Observation":
-        """Return the observation of :meth:`record`."""
-        original = None if record["original"] is None else symbol_of(record["original"])
-        symbols = {"atom": symbol_of(record["atom"]), "actions": actions_of(record["actions"]), "original": original}
-        return cls(**{**record, **symbols})
 
     def __str__(self) -> str:
         """The observation in words, for programs without ``_explain``."""

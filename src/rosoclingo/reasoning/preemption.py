@@ -5,13 +5,16 @@ from typing import FrozenSet, Iterable, Tuple
 from rosoclingo.oclingo import SolveOutcome, SolverError
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.records import Record, actions_of, actions_to_text
+from rosoclingo.reasoning.records import PersistentPart, fields
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner
 
 
-class Preemption:
+class Preemption(PersistentPart):
     """Checks the running actions after each arrival, and reports each unwanted action once."""
+
+    GROUP = "preemption"
+    FIELDS = fields(_considered=int, _found=FrozenSet[Action])
 
     def __init__(self, feeder: InputFeeder, execution: ExecutionMonitor, declared: bool) -> None:
         """Check the actions that ``execution`` awaits; ``declared`` is true if the program receives ``_cancel/3``."""
@@ -30,14 +33,6 @@ class Preemption:
     def found(self) -> Tuple[Action, ...]:
         """The running actions that are unwanted."""
         return tuple(action for action in self._execution.awaited if action in self._found)
-
-    def record(self) -> Record:
-        """Return the unwanted actions as a plain value."""
-        return {"considered": self._considered, "ended": actions_to_text(sorted(self._found))}
-
-    def restore(self, record: Record) -> None:
-        """Restore from a record."""
-        self._considered, self._found = record["considered"], frozenset(actions_of(record["ended"]))
 
     def unwanted(self, planner: Planner) -> Tuple[Action, ...]:
         """Return the running actions that are no longer wanted; raises DisturbedError after an arrival.

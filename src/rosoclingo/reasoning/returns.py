@@ -1,12 +1,12 @@
 """Returns and other facts from interfaces: they are checked, matched with running actions, and fed."""
 
 import math
-from collections import Counter, deque
+from collections import Counter
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import (
     Callable,
     Container,
-    Deque,
     Dict,
     FrozenSet,
     Iterable,
@@ -38,7 +38,6 @@ from rosoclingo.reasoning.keywords import (
     Action,
     KeywordError,
     Return,
-    action_of,
     failure_value,
     is_keyword,
     return_of,
@@ -46,16 +45,7 @@ from rosoclingo.reasoning.keywords import (
     success_of,
 )
 from rosoclingo.reasoning.observations import MEMORY, Observation, UnhandledFailure
-from rosoclingo.reasoning.records import (
-    Record,
-    action_to_text,
-    actions_of,
-    actions_to_text,
-    group,
-    keys_of,
-    symbol_of,
-    text_of,
-)
+from rosoclingo.reasoning.records import PersistentPart, PersistentTable, fields
 from rosoclingo.reasoning.repair import Change
 
 #: Maximum number of facts in a message.
@@ -78,6 +68,7 @@ class ReturnError(ValueError):
     """A return or another fact is rejected; the text is the reason."""
 
 
+@dataclass
 class Dispatch:
     """The actions that were sent in ``cycle``, at ``started`` (seconds), and their returns.
 
@@ -91,10 +82,11 @@ class Dispatch:
 
     """
 
-    def __init__(self, cycle: int, actions: Tuple[Action, ...], started: float) -> None:
-        self.cycle, self.actions, self.started = cycle, actions, started
-        self.returns: List[Return] = []
-        self.earlier: List[Return] = []
+    cycle: int
+    actions: Tuple[Action, ...]
+    started: float
+    returns: List[Return] = field(default_factory=list)
+    earlier: List[Return] = field(default_factory=list)
 
     @property
     def missing(self) -> Tuple[Action, ...]:
@@ -160,27 +152,6 @@ class Dispatch:
         self.returns = [one for one in self.returns if one not in ended]
         return failures
 
-    def record(self) -> Record:
-        """Return the dispatch as a plain value."""
-        returns, earlier = ([text_of(one.atom) for one in answers] for answers in (self.returns, self.earlier))
-        actions = actions_to_text(self.actions)
-        return {
-            "cycle": self.cycle,
-            "actions": actions,
-            "started": self.started,
-            "returns": returns,
-            "earlier": earlier,
-        }
-
-    @classmethod
-    def of_record(cls, record: Record) -> "Dispatch":
-        """Return the dispatch of :meth:`record`."""
-        found = cls(record["cycle"], actions_of(record["actions"]), record["started"])
-        found.returns, found.earlier = (
-            [return_of(symbol_of(text)) for text in record[name]] for name in ("returns", "earlier")
-        )
-        return found
-
     @property
     def _all(self) -> List[Return]:
         return [*self.earlier, *self.returns]
@@ -206,7 +177,7 @@ class Dispatch:
 KNOWN, SHORT = 1000, 1000
 
 
-class ExecutionMonitor:
+class ExecutionMonitor(PersistentPart):
     """Monitors the execution of actions, and passes returns and other facts to the feeder.
 
     Interfaces know an action by the cycle in which it was sent. The program knows it by the present cycle: an action
@@ -217,8 +188,20 @@ class ExecutionMonitor:
         goes_on: whether a cycle can end while its actions run: the program receives ``_running(A,P,C)``.
         observations: the latest failures and facts, oldest first.
         unhandled: the failures that the program cannot handle, until the goals that depend on them are aborted.
+        durations: the durations of actions.
 
     """
+
+    GROUP = "execution"
+    FIELDS = fields(
+        cycle=int,
+        _under_way=Tuple[Action, ...],
+        _left_out=FrozenSet[Action],
+        _timed=List[Action],
+        _dispatches=List[Dispatch],
+        observations=Tuple[Observation, ...],
+        unhandled=List[UnhandledFailure],
+    )
 
     def __init__(
         self,
@@ -235,17 +218,17 @@ class ExecutionMonitor:
         self._emit = emit
         self._cycle = cycle
         self._clock = clock
-        self._known: Dict[Symbol, None] = {}
+        self._known: PersistentTable[Symbol, None] = PersistentTable("known", Symbol, type(None))
         self._text = 0  # number of characters of the waiting facts
         self.goes_on = program.declares_external(RUNNING, 3)
         self._dispatches: List[Dispatch] = []
         self.cycle, self._under_way = 0, ()  # type: int, Tuple[Action, ...]
         self._left_out: FrozenSet[Action] = frozenset()  # running actions that the plan of this cycle leaves out
-        self._durations = Durations(feeder)
+        self.durations = Durations(feeder)
         self._states_durations = learns and program.declares_external(TAKES, 3)
         self._timed: List[Action] = []  # successful actions whose durations have not been learned
-        self._executed: Deque[Action] = deque(maxlen=EXECUTED)
-        self.observations: Deque[Observation] = deque(maxlen=MEMORY)
+        self._executed: PersistentTable[Action, None] = PersistentTable("done", Action, type(None))
+        self.observations: Tuple[Observation, ...] = ()
         self.unhandled: List[UnhandledFailure] = []
 
     @property
@@ -291,7 +274,7 @@ class ExecutionMonitor:
         return action, self._failure(action, reason)
 
     def _expected_end(self, action: Action) -> float:
-        seconds = self._durations.expected(action)
+        seconds = self.durations.expected(action)
         return math.inf if seconds is None else self._dispatch_of(action).started + seconds
 
     def _dispatch_of(self, action: Action) -> Dispatch:
@@ -352,7 +335,7 @@ class ExecutionMonitor:
     def expire(self, now: float, limit: float) -> None:
         """Fail actions that have not returned within ``limit`` seconds, 0 waits for ever; learn durations."""
         for action in self._timed:
-            self._durations.learn(action, max(0.0, now - self._dispatch_of(action).started))
+            self.durations.learn(action, max(0.0, now - self._dispatch_of(action).started))
         self._timed.clear()
         for dispatch in self._dispatches if limit > 0 else ():
             dispatch.started = min(dispatch.started, now)  # restart the wait if time has jumped back
@@ -373,49 +356,24 @@ class ExecutionMonitor:
     def end_cycle(self) -> Tuple[Action, ...]:
         """End the cycle; return its executed actions."""
         if self._states_durations:
-            self._durations.state()
+            self.durations.state()
         self._timed.clear()
         executed, self._under_way = self._under_way, ()
         for answer, actions in (one for dispatch in self._dispatches for one in dispatch.end_cycle()):
             atom = self._as_fed(answer, actions).atom
             failure = Observation(atom, self.cycle, tuple(map(self.present, actions)))
-            self.observations.append(failure)
+            self._observe(failure)
             self._feeder.add_failure(failure.atom, failure.actions)
             if not self._can_handle(failure):
                 self.unhandled.append(UnhandledFailure(failure))
         self._dispatches = [one for one in self._dispatches if one.missing]
-        self._executed.extend(executed)
+        self._executed.update(dict.fromkeys(executed))
+        while len(self._executed) > EXECUTED:
+            self._executed.popitem()
         return executed
 
-    def record(self) -> Record:
-        """Return the state as plain values."""
-        return {
-            "execution": {
-                "cycle": self.cycle,
-                "under_way": actions_to_text(self._under_way),
-                "left_out": actions_to_text(sorted(self._left_out)),
-                "timed": actions_to_text(self._timed),
-            },
-            **{f"dispatch:{one.cycle}": one.record() for one in self._dispatches},
-            **self._durations.record(),
-            "observations": [one.record() for one in self.observations],
-            "unhandled": [{"failure": one.failure.record(), "undone": one.undone} for one in self.unhandled],
-            **{f"done:{action_to_text(action)}": 1 for action in self._executed},
-            **{f"known:{text_of(fact)}": 1 for fact in self._known},
-        }
-
-    def restore(self, record: Record) -> None:
-        """Restore from a record."""
-        execution = record["execution"]
-        self.cycle, self._under_way = execution["cycle"], actions_of(execution["under_way"])
-        self._left_out, self._timed = frozenset(actions_of(execution["left_out"])), list(actions_of(execution["timed"]))
-        self._durations.restore(record)
-        self._dispatches = list(map(Dispatch.of_record, group(record, "dispatch").values()))
-        self.observations.extend(map(Observation.of_record, record["observations"]))
-        for one in record["unhandled"]:
-            self.unhandled.append(UnhandledFailure(Observation.of_record(one["failure"]), one["undone"]))
-        self._executed.extend(action_of(symbol_of(text)) for text in keys_of(record, "done"))
-        self._known = {symbol_of(text): None for text in keys_of(record, "known")}
+    def _observe(self, *seen: Observation) -> None:
+        self.observations = (*self.observations, *seen)[-MEMORY:]
 
     @contextmanager
     def _guarded(self, origin: str, text: str) -> Iterator[None]:
@@ -463,7 +421,7 @@ class ExecutionMonitor:
             if fact.atom not in present:
                 self._known.pop(fact.sent, None)
             elif not fact.is_return:
-                self.observations.append(fact)
+                self._observe(fact)
             if fact.outdated:
                 text = f"{fact.sent} from interface {fact.origin} is too late: it is redated to {fact.atom}"
                 self._emit(Problem(self._cycle(), text))
@@ -474,9 +432,8 @@ class ExecutionMonitor:
         withheld = [one.observation for one in changes if one.redated is None and one.observation.atom in seen]
         self.unhandled += [UnhandledFailure(seen[one.atom], undone=bool(one.actions)) for one in withheld]
         changed = {one.observation.atom for one in changes}
-        kept = [one for one in self.observations if one.atom not in changed]
-        moved = [one.observation._replace(atom=one.redated) for one in changes if one.redated is not None]
-        self.observations = deque([*kept, *moved], maxlen=MEMORY)
+        self.observations = tuple(one for one in self.observations if one.atom not in changed)
+        self._observe(*(one.observation._replace(atom=one.redated) for one in changes if one.redated is not None))
         for one in changes:
             self._emit(Problem(self._cycle(), str(one), one.observation.origin))
 
@@ -490,7 +447,7 @@ class ExecutionMonitor:
     def forget_all(self) -> None:
         """Forget all facts and observations."""
         self._known.clear()
-        self.observations.clear()
+        self.observations = ()
         self.unhandled.clear()
 
     def _can_handle(self, failure: Observation) -> bool:
@@ -509,7 +466,7 @@ class ExecutionMonitor:
         known = atom in self._known
         self._known[atom] = None
         if len(self._known) > KNOWN:
-            del self._known[next(iter(self._known))]
+            self._known.popitem()
         return known
 
     def _feed_return(self, origin: str, answer: Return, dispatch: Dispatch) -> None:

@@ -6,16 +6,18 @@ messages of other nodes, such as the robot's pose.
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Set, Tuple
+from typing import Any, Dict, FrozenSet, Iterator, List, Mapping, Optional, Set, Tuple
 
 from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Reset
 from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
+from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
 from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, history
 from rosoclingo.reasoning.journal.keeper import ClientGoal
-from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES
-from rosoclingo.reasoning.records import Record, actions_of, group, keys_of, log_of, plan_of, symbol_of
+from rosoclingo.reasoning.journal.recorded_history import RecordedHistory
+from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES, Action
+from rosoclingo.reasoning.records import Record, codec, group
 from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
@@ -31,32 +33,20 @@ TIMELESS = "no times: each record counts as a second"
 #: The sender of facts in an update.
 SOMEBODY = "an interface"
 
-#: actionlib's numbers of the states of goals.
-_NUMBERS = {
-    state: number
-    for number, state in enumerate(
-        (
-            GoalState.PENDING,
-            GoalState.ACTIVE,
-            GoalState.PREEMPTED,
-            GoalState.SUCCEEDED,
-            GoalState.ABORTED,
-            GoalState.REJECTED,
-            GoalState.PREEMPTING,
-            GoalState.RECALLING,
-            GoalState.RECALLED,
-        )
-    )
-}
+#: actionlib's number of a lost goal.
 _LOST = 9
+
+_read_plan, _read_client = codec(TaskPlan).decode, codec(ClientGoal).decode
+_read_actions, _read_dispatches = codec(FrozenSet[Action]).decode, codec(List[Dispatch]).decode
 
 
 def journal_run(file: Path) -> RecordedRun:
     """Return the run in a journal; raises RecordingError with a damaged record, and OSError."""
     header, moments = _history(file)
     first = next(moments)
-    start = log_of(first.state) if group(first.state, "log") else None
-    collector = RunCollector(start, _latest(first.state))
+    start = RecordedHistory()
+    start.restore(first.state)
+    collector = RunCollector(None if start.history.entry is None else start.history, _latest(first.state))
     reader = _Reader(collector, header)
     reader.take(first)
     for moment in moments:
@@ -145,17 +135,16 @@ class _Reader:
         else:
             self._running(time, state)
             self._advance(time, state)
-        self._events.beliefs(
-            time, state["core"]["step"], sorted(str(symbol_of(one)) for one in keys_of(state, "believed"))
-        )
+        self._events.beliefs(time, state["core:step"], sorted(group(state, "believed")))
         self._statuses(time, state)
         self._events.clock(time)
 
     def _begin(self, time: float, state: Record) -> None:
         """Report the plan and the actions of the first state."""
-        self.first, self._cycle = max(1, state["core"]["step"]), _latest(state)
+        self.first, self._cycle = max(1, state["core:step"]), _latest(state)
         self._entries.update(group(state, "log"))
-        if state["plan"] is not None and (self._cycle or plan_of(state["plan"]).actions):
+        plan = state["core:plan"]
+        if plan is not None and (self._cycle or _read_plan(plan).actions):
             self._decided(time, self.first, state)
         sent = [one for dispatch in _dispatches(state) for one in dispatch.actions]
         if sent:
@@ -165,7 +154,7 @@ class _Reader:
 
     def _arrivals(self, time: float, state: Record) -> None:
         """Report new goals and cancels."""
-        found = {key: ClientGoal.of_record(value) for key, value in group(state, "client").items()}
+        found: Dict[str, ClientGoal] = {key: _read_client(value) for key, value in group(state, "client").items()}
         for key, client in found.items():
             before = self._clients.get(key)
             if before is None:
@@ -178,7 +167,8 @@ class _Reader:
 
     def _running(self, time: float, state: Record) -> None:
         """Report cancellations and returns of running actions."""
-        self._events.dispatched(time, [str(one.cancellation) for one in actions_of(state["preemption"]["ended"])])
+        ended = sorted(_read_actions(state["preemption:found"]))
+        self._events.dispatched(time, [str(one.cancellation) for one in ended])
         for dispatch in _dispatches(state):
             self._returned(time, [str(one.atom) for one in dispatch.returns])
 
@@ -199,9 +189,9 @@ class _Reader:
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
             self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True
-        if self.has_update and state["core"]["step"] == self._cycle:  # else the core dropped an update
-            if state["plan"] is not None and state["plan"] != self._plan:
-                self._plan = state["plan"]
+        if self.has_update and state["core:step"] == self._cycle:  # else the core dropped an update
+            if state["core:plan"] not in (None, self._plan):
+                self._plan = state["core:plan"]
                 self._decided(time, self._cycle, state)
             for dispatch in _dispatches(state):
                 if dispatch.cycle == self._cycle:
@@ -219,7 +209,7 @@ class _Reader:
         entries = list(group(state, "log").values())
         plans = [one for one in entries if one["do"] == "adopt"]
         horizon = int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])
-        actions = [str(one.atom) for one in plan_of(state["plan"]).actions if one.cycle >= cycle]
+        actions = [str(one.atom) for one in _read_plan(state["core:plan"]).actions if one.cycle >= cycle]
         self._events.plan(time, cycle, horizon, actions)
 
     def _statuses(self, time: float, state: Record) -> None:
@@ -231,7 +221,7 @@ class _Reader:
             if self._states.get(key) != (state_now, waits):
                 self._states[key] = state_now, waits
                 self._events.feedback(time, key, "waiting: for its turn" if waits else state_now.value)
-                self._events.status(time, key, _NUMBERS[state_now], "")
+                self._events.status(time, key, state_now.number, "")
         present = group(state, "client")
         for key, client in self._clients.items():
             if key in self._ended or (client.ending is None and key in present):
@@ -240,17 +230,18 @@ class _Reader:
             if client.ending is None:
                 self._events.status(time, key, _LOST, "its end is not in the journal")
             else:
-                self._events.status(time, key, _NUMBERS[client.ending.state], client.ending.message)
+                self._events.status(time, key, client.ending.state.number, client.ending.message)
 
 
 def _dispatches(state: Record) -> List[Dispatch]:
     """Return the actions of the present cycle and running ones of earlier cycles, with their returns."""
-    return list(map(Dispatch.of_record, group(state, "dispatch").values()))
+    found: List[Dispatch] = _read_dispatches(state["execution:dispatches"])
+    return found
 
 
 def _latest(state: Record) -> int:
     """Return the cycle of the last accepted update."""
-    return int(state["core"]["published"])
+    return int(state["announced:published"])
 
 
 def _facts(update: StreamUpdate) -> List[str]:

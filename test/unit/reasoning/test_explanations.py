@@ -54,7 +54,7 @@ def test_explanation_ignores_other_terms():
 
 
 def goal(text):
-    return Goal(text, parse_term(text), lambda _goal, _event: None)
+    return Goal(text, parse_term(text))
 
 
 FAILED = Observation(parse_term("_return(go,blocked,3)"), 3, (action_of(parse_term("_action_lib(go,office4,3)")),))

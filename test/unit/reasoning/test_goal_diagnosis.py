@@ -27,7 +27,7 @@ SATISFIABLE, UNSATISFIABLE, INTERRUPTED = SolveOutcome.SATISFIABLE, SolveOutcome
 
 
 def goal(number):
-    found = Goal(str(number), parse_term(f"go({number})"), lambda _goal, _event: None)
+    found = Goal(str(number), parse_term(f"go({number})"))
     found.feed(3)
     return found
 

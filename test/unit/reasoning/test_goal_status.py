@@ -15,7 +15,7 @@ def answer(*atoms):
 
 
 def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=False, has_rules=False, known=False):
-    goal = Goal("key", parse_term("go(1)"), lambda _goal, _event: None)
+    goal = Goal("key", parse_term("go(1)"))
     goal.feed(request_cycle)
     goal.known = known
     if cancelling:

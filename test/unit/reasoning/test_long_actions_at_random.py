@@ -110,7 +110,7 @@ class Workshop:
 
     def restart(self):
         """Replace the core by one that continues from its journal."""
-        self.core = self._start(json.loads(json.dumps(self.core.record())))
+        self.core = self._start(json.loads(json.dumps(self.core.state())))
         self.core.start()
 
     def play(self, events):

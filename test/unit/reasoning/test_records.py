@@ -1,15 +1,23 @@
-"""The part of the solver's log that the core keeps: enough to continue, also from before the last update."""
+"""The rows of the persisted state, and their changes; the history that a resumed core needs."""
 
 import json
+from typing import FrozenSet, List, Optional, Tuple
 
 import pytest
+from clingo import Symbol
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rosoclingo.oclingo import parse_atom, parse_update
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, History, Plan
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.action_extractor import TaskPlan
-from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.records import LogRecorder, group, keys_of, log_of, plan_of, plan_to_value
+from rosoclingo.reasoning.goals import GoalState
+from rosoclingo.reasoning.journal.recorded_history import RecordedHistory
+from rosoclingo.reasoning.keywords import Action, Return, action_of
+from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, codec, fields, group
+from rosoclingo.reasoning.returns import Dispatch
 
 
 def update(step):
@@ -45,8 +53,16 @@ def names_of(log):
     return found[::-1]
 
 
-def term_text(record):
-    return json.loads(json.dumps(record))
+def text_of(value):
+    return json.loads(json.dumps(value, allow_nan=False))
+
+
+def recorded(log):
+    """Return the part with the history ``log``, and the history that another core reads from its rows."""
+    part, reader = RecordedHistory(), RecordedHistory()
+    part.follow(log)
+    reader.restore(text_of(part.record()))
+    return part, reader.history
 
 
 @pytest.mark.parametrize(
@@ -68,36 +84,135 @@ def term_text(record):
 def test_records_begin_at_checkpoint_before_last_update(entries, passed):
     """Without an earlier update they begin at the last one or the start, from where it can be left out as well."""
     log = log_with(*entries)
-    kept = log_of(term_text(LogRecorder().record(log)))
+    _, kept = recorded(log)
     assert names_of(kept) == entries[passed:]
     assert (kept.step, kept.horizon, kept.keep_from) == (log.step, log.horizon, log.keep_from)
     assert (kept.update is None) == (log.update is None)
+    log.cut()
+    assert names_of(recorded(log)[1]) == entries[passed:]
 
 
 def test_records_name_each_entry_uniquely_while_kept():
-    recorder = LogRecorder()
     log = log_with("plan 1", "update 1")
-    first = recorder.record(log)
-    assert keys_of(first, "log") == ["1", "2"]
+    part, _ = recorded(log)
+    assert [*group(part.record(), "log")] == ["1", "2"]
     log = log.with_entries(ENTRIES["checkpoint 1"], ENTRIES["update 2"])
-    second = recorder.record(log)
-    assert keys_of(second, "log") == ["3", "4"]
-    assert recorder.record(log) == second
-    other = recorder.record(log.with_entries(ENTRIES["plan 2"]))
-    assert {**other, **second} == other
-    assert keys_of(other, "log") == ["3", "4", "5"]
-    assert group(other, "log")["5"]["do"] == "adopt"
+    part.follow(log)
+    assert [*group(part.record(), "log")] == ["3", "4"]
+    part.follow(log.with_entries(ENTRIES["plan 2"]))
+    assert [one["do"] for one in group(part.record(), "log").values()] == ["checkpoint", "update", "adopt"]
+    reader = RecordedHistory()
+    reader.restore(part.record())
+    reader.follow(reader.history.with_entries(ENTRIES["update 3"]))
+    assert [*group(reader.record(), "log")] == ["3", "4", "5", "6"]
     assert group({"log:1": 1, "logs:2": 2, "log": 3, "a:log:1": 4}, "log") == {"1": 1}
 
 
 @pytest.mark.parametrize("entries", [["plan 1", "update 1", "plan 2"], ["plan 1", "update 1"], ["update 1"]])
-def test_records_of_log_keep_plan_of_both_histories(entries):
+def test_records_of_history_keep_plan_before_and_after_update(entries):
     log = log_with(*entries)
-    kept = log_of(term_text(LogRecorder().record(log)))
+    _, kept = recorded(log)
     assert (kept.before_update.plan, kept.plan) == (log.before_update.plan, log.plan)
 
 
-def test_records_of_task_plans():
-    actions = tuple(action_of(parse_atom(f'_action_lib(say,"{word}",1)')) for word in ("a, b", "c"))
-    for plan in (TaskPlan(), TaskPlan(actions), TaskPlan(actions, ("no cycle", "no cycle, either"))):
-        assert plan_of(term_text(plan_to_value(plan))) == plan
+ACTIONS = tuple(action_of(parse_atom(f'_action_lib(say,"{word}",1)')) for word in ("a, b", "c"))
+RETURN = Return(*ACTIONS[0])
+
+
+@pytest.mark.parametrize(
+    ("hint", "value"),
+    [
+        (TaskPlan, TaskPlan()),
+        (TaskPlan, TaskPlan(ACTIONS, ("no cycle", "no cycle, either"))),
+        (Optional[TaskPlan], None),
+        (Observation, Observation(RETURN.atom, 3, ACTIONS, "eye", parse_atom("_seen(now)"), outdated=True, message=5)),
+        (Dispatch, Dispatch(1, ACTIONS, 2.5, [RETURN], [])),
+        (FrozenSet[Action], frozenset(ACTIONS)),
+        (List[Tuple[Symbol, ...]], [(), (parse_atom('f("x",-1)'),)]),
+        (Tuple[int, int], (1, 2)),
+        (GoalState, GoalState.ACTIVE),
+        (float, float("-inf")),
+        (float, 0.5),
+    ],
+)
+def test_codec_reads_back_values_of_a_type(hint, value):
+    encode, decode = codec(hint)
+    assert decode(text_of(encode(value))) == value
+
+
+KEYS = st.sampled_from("abcd")
+STEPS = st.lists(
+    st.one_of(
+        st.tuples(st.just("set"), KEYS, st.integers(0, 2)),
+        st.tuples(st.just("pop"), KEYS),
+        st.tuples(st.just("popitem")),
+        st.tuples(st.just("match"), st.dictionaries(KEYS, st.just(1))),
+        st.tuples(st.just("record")),
+    ),
+    max_size=20,
+)
+
+
+def step(table, items, name, *arguments):
+    """Change a table and a dictionary in the same way."""
+    if name == "set":
+        table[arguments[0]] = items[arguments[0]] = arguments[1]
+    elif name == "pop":
+        assert table.pop(*arguments, None) == items.pop(*arguments, None)
+    elif name == "popitem" and items:
+        assert table.popitem() == (first := next(iter(items)), items.pop(first))
+    elif name == "match":
+        table.match(*arguments)
+        for key in [key for key in items if key not in arguments[0]]:
+            del items[key]
+        items.update({key: value for key, value in arguments[0].items() if key not in items})
+
+
+@pytest.mark.parametrize("mutable", [False, True])
+@given(steps=STEPS)
+def test_table_changes_yield_its_rows_in_order(mutable, steps):
+    table, items, rows = PersistentTable("row", str, int, mutable), {}, {}
+    for name, *arguments in [*steps, ("record",)]:
+        step(table, items, name, *arguments)
+        assert [*table.items()] == [*items.items()]
+        if name == "record":
+            gone, new = table.changes()
+            for one in gone:
+                rows.pop(one, None)
+            rows.update(new)
+            assert [*rows.items()] == [*table.record().items()] == [(f"row:{key}", one) for key, one in items.items()]
+            assert table.changes() == ([], {})
+    reader = PersistentTable("row", str, int)
+    reader.restore({"core:step": 1, **rows})
+    assert [*reader.items()] == [*items.items()]
+
+
+class Counter(PersistentPart):
+    """A part with attributes and a table of values that change in place."""
+
+    GROUP = "counter"
+    FIELDS = fields(_step=int, words=List[str], plan=Tuple[str, ...])
+
+    def __init__(self):
+        self._step, self.words, self.plan = 1, ["a"], ("go",)
+        self.lists = PersistentTable("list", str, List[int], mutable=True)
+
+
+def test_changes_contain_only_new_values():
+    part, recorder = Counter(), ChangeRecorder()
+    first = {"counter:step": 1, "counter:words": ["a"], "counter:plan": ["go"]}
+    assert recorder.changes([part]) == {"set": first}
+    assert recorder.changes([part]) == {}
+    part.words.append("b")
+    part.lists["x"] = [1]
+    assert recorder.changes([part]) == {"set": {"counter:words": ["a", "b"], "list:x": [1]}}
+    part.lists["x"].append(2)
+    part.plan = ("go",)
+    assert recorder.changes([part]) == {"set": {"list:x": [1, 2]}}
+    del part.lists["x"]
+    part._step = 2
+    assert recorder.changes([part]) == {"drop": ["list:x"], "set": {"counter:step": 2}}
+    other = Counter()
+    other.restore(text_of(part.record()))
+    assert other.record() == part.record()
+    assert (other._step, other.words, other.plan) == (2, ["a", "b"], ("go",))

@@ -35,9 +35,7 @@ class World:
         )
         self.done = [action_of(parse_term(f"_action_lib({one})")) for one in others.pop("done", "").split()]
         self.requests = [parse_term(f"_request({one})") for one in others.pop("requests", "").split()]
-        self.goals = [
-            Goal(f"g{one}", parse_term(f"go({one})"), lambda _goal, _event: None) for one in others.pop("goals", "")
-        ]
+        self.goals = [Goal(f"g{one}", parse_term(f"go({one})")) for one in others.pop("goals", "")]
         for one in self.goals:
             one.feed(3)
         self.conflicts = [set(one.split()) for one in conflicts]

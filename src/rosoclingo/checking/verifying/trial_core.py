@@ -11,7 +11,7 @@ from rosoclingo.planning.history import History
 from rosoclingo.reasoning.events import Event, UpdateSent
 from rosoclingo.reasoning.hypotheses import Way
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
-from rosoclingo.reasoning.records import Record
+from rosoclingo.reasoning.records import PersistentPart, Record
 from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Response, State
@@ -37,15 +37,6 @@ class CoreSnapshot(NamedTuple):
 
     record: Record
     log: History
-
-
-class _NoRecorder:
-    """Records nothing, as snapshots hold the history itself."""
-
-    @staticmethod
-    def record(log: History) -> Record:
-        """Return an empty record."""
-        return {}
 
 
 _STOPS = {
@@ -91,7 +82,6 @@ class TrialCore(ResumableCore):
         self.events: List[Event] = []
         record = None if snapshot is None else snapshot.record
         super().__init__(program, make_solver, self.events.append, settings, record=record)
-        self._log = _NoRecorder()  # type: ignore[assignment]
         if snapshot is not None:
             self._planner = self._planner.with_log(snapshot.log)
 
@@ -102,12 +92,12 @@ class TrialCore(ResumableCore):
 
     def snapshot(self) -> CoreSnapshot:
         """Return the state."""
-        return CoreSnapshot(self.record(), self._planner.log)
+        return CoreSnapshot(self.state(), self._planner.log)
 
-    @staticmethod
-    def _record_beliefs() -> Record:
-        """Return an empty record, as beliefs follow from the history."""
-        return {}
+    @property
+    def parts(self) -> Tuple[PersistentPart, ...]:
+        """The parts with a persisted state, except for the history, as snapshots hold the history itself."""
+        return super().parts[1:]
 
     @property
     def stream(self) -> Stream:
@@ -139,8 +129,8 @@ class TrialCore(ResumableCore):
     @property
     def pending(self) -> Tuple[Any, ...]:
         """The state, apart from goals and actions, that determines the next moves."""
-        requests, rejected, *_ = self._feeder.record()["feeder"]
-        return str(requests), str(rejected), self._plan is None
+        feeder = self._feeder.record()
+        return str(feeder["feeder:requests"]), str(feeder["feeder:rejected"]), self._plan is None
 
     def make(self, move: Move) -> None:
         """Apply a move, up to the next answer."""

@@ -148,13 +148,9 @@ class Results:
 def status_of(client: ClientGoal, goal: Optional[Goal]) -> int:
     """Return actionlib's status of a goal; ``goal`` is None if the core has not received it yet, or it has ended."""
     if client.ending is not None:
-        return _number(client.ending.state)
+        return client.ending.state.number
     state = GoalState.PENDING if goal is None else goal.state
-    return _number(TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if client.cancelled else state)
-
-
-def _number(state: GoalState) -> int:
-    return int(getattr(GoalStatus, state.name))
+    return (TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if client.cancelled else state).number
 
 
 def _node_of(handle: Any) -> str:

@@ -1,17 +1,16 @@
 """The journal's database: a header, and one record for each change of the core's state.
 
-The first record contains the whole state, and each later record the changed sections. Applied in order, the records up
+The first record contains the whole state, and each later record the changed rows. Applied in order, the records up
 to a given one yield the state at that time. SQLite makes each record atomic, and recovers the database after a crash. A
 checksum of each row detects corruption.
 """
 
 import json
-import math
 import sqlite3
 import zlib
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple, TypeVar
+from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple, TypeVar
 
 from rosoclingo.reasoning.records import Record
 
@@ -19,9 +18,9 @@ from rosoclingo.reasoning.records import Record
 NAME = "journal.db"
 
 #: The format that this version writes and reads, SQLite's ``user_version``.
-FORMAT = 7
+FORMAT = 8
 
-#: The tables. ``change`` is a JSON object: the sections to ``drop`` and the sections to ``set``.
+#: The tables. ``change`` is a JSON object: the names of rows of the state to ``drop``, and the rows to ``set``.
 TABLES = (
     "CREATE TABLE IF NOT EXISTS header (run TEXT, program TEXT, launch TEXT, description TEXT, crc INTEGER)",
     "CREATE TABLE IF NOT EXISTS record (number INTEGER PRIMARY KEY, time REAL, change TEXT, crc INTEGER)",
@@ -160,23 +159,6 @@ def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, Optional[f
     return Header(*row[:-1]), rows
 
 
-def changes(before: Record, after: Record) -> Record:
-    """Return the difference of two states, which also keeps the order within each group; empty if they are equal."""
-    moved = set() if list(before) == list(after) else _moved(before, after)
-    gone = [name for name in before if name not in after or name in moved]
-    new = {
-        name: value
-        for name, value in after.items()
-        if name not in before or name in moved or not _same(before[name], value)
-    }
-    return {**({"drop": gone} if gone else {}), **({"set": new} if new else {})}
-
-
-def group_of(name: str) -> str:
-    """Return the group of a section ``GROUP:KEY``; a section without a key is a group of its own."""
-    return name.partition(":")[0]
-
-
 def lines_of(content: JournalContent) -> Iterable[str]:
     """Yield the content of a journal as lines of text."""
     yield f"run {content.header.run}, {content.records} records since the last checkpoint"
@@ -184,25 +166,7 @@ def lines_of(content: JournalContent) -> Iterable[str]:
         yield f"{name} {json.dumps(value)}"
 
 
-def _moved(before: Record, after: Record) -> Set[str]:
-    """Return the sections that have to move to the end of their group."""
-    places = {name: place for place, name in enumerate(before)}
-    last: Dict[str, float] = {}
-    found: Set[str] = set()
-    for name in after:
-        group, place = group_of(name), places.get(name, math.inf)
-        if place < last.get(group, -1):
-            found.add(name)
-            place = math.inf
-        last[group] = place
-    return found
-
-
 def _apply(state: Record, change: Record) -> None:
     for name in change.get("drop", ()):
         state.pop(name, None)
     state.update(change.get("set", {}))
-
-
-def _same(one: Any, other: Any) -> bool:
-    return one is other or one == other

@@ -7,7 +7,7 @@ import json
 import os
 import sqlite3
 from pathlib import Path
-from typing import List, Optional
+from typing import Callable, List, Optional
 
 from rosoclingo.common.database import Database
 from rosoclingo.reasoning.journal.database import (
@@ -16,7 +16,6 @@ from rosoclingo.reasoning.journal.database import (
     Header,
     JournalContent,
     JournalError,
-    changes,
     checksum,
     is_empty,
     read,
@@ -59,7 +58,7 @@ class Journal:
         """Create and lock the folder; raises LockedError if another core has locked it, and OSError."""
         self.path, self.header = folder / NAME, header
         self._database = Database(self.path, TABLES, RETRY)
-        self._written: Optional[Record] = None
+        self._complete = False  # whether the records yield the latest state
         folder.mkdir(parents=True, exist_ok=True)
         self._lock: Optional[int] = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
         self.records = 0
@@ -94,20 +93,23 @@ class Journal:
         """Return whether it is time for another attempt after a failed write."""
         return self._database.is_due(now)
 
-    def write(self, state: Record, now: float, time: Optional[float] = None) -> None:
-        """Write the changes of the ``state``, and wait for the disk.
+    def write(
+        self, change: Record, state: Optional[Callable[[], Record]], now: float, time: Optional[float] = None
+    ) -> None:
+        """Write a ``change``, or the whole state after :data:`RECORDS` changes or a failure, and wait for the disk.
 
-        ``now`` is in seconds of a monotonic clock. ``time`` is recorded, in seconds of the run's clock.
+        ``state`` returns the whole state; None appends the change if the journal is complete. ``now`` is in seconds of
+        a monotonic clock. ``time`` is recorded, in seconds of the run's clock.
         """
         if self.fault and not self.is_due(now):
             return
-        if self._written is None or self.records >= RECORDS:
-            written = self.begin(state, time, now)
+        if state is not None and (not self._complete or self.records >= RECORDS):
+            self._complete = self.begin(state(), time, now)
+        elif not self._complete or not change:
+            return
         else:
-            change = changes(self._written, state)
-            written = not change or self.append(change, time, now)
-        self._written = state if written else None
-        if not written:
+            self._complete = self.append(change, time, now)
+        if not self._complete:
             with contextlib.suppress(OSError):
                 self.set_aside("stale")
 

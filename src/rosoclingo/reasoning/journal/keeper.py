@@ -1,13 +1,13 @@
 """The keeper: it releases events of the core after the state that led to them is durable."""
 
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.reasoning.aborted_goals import AbortedGoals
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, GoalUnmet, Observer
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
-from rosoclingo.reasoning.records import Record, group
+from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, Record, record_of
 
 
 class Ending(NamedTuple):
@@ -34,21 +34,8 @@ class ClientGoal(NamedTuple):
     cancelled: bool = False
     ending: Optional[Ending] = None
 
-    def record(self) -> Record:
-        """Return the goal as a plain value."""
-        end = self.ending
-        ending = end and {"state": end.state.value, "outcome": int(end.outcome), "message": end.message}
-        return {**self._asdict(), "stamp": list(self.stamp), "ending": ending}
 
-    @classmethod
-    def of_record(cls, record: Record) -> "ClientGoal":
-        """Return the goal of :meth:`record`."""
-        end = record["ending"]
-        ending = end and Ending(GoalState(end["state"]), Outcome(end["outcome"]), end["message"])
-        return cls(**{**record, "stamp": tuple(record["stamp"]), "ending": ending})
-
-
-class Keeper:
+class Keeper(PersistentPart):
     """Collects the core's events, and releases them once the journal contains the state that led to them.
 
     Attributes:
@@ -56,6 +43,8 @@ class Keeper:
         aborted_goals: the latest goals that were aborted for lack of a plan.
 
     """
+
+    GROUP = "keeper"
 
     def __init__(
         self,
@@ -72,9 +61,9 @@ class Keeper:
         """
         self._emit, self._journal, self._now, self._time, self._fault = emit, journal, now, time, fault
         self._core: Optional[ResumableCore] = None
-        self._state: Record = {}
+        self._recorder = ChangeRecorder()
         self._events: List[Event] = []
-        self.clients: Dict[str, ClientGoal] = {}
+        self.clients: PersistentTable[str, ClientGoal] = PersistentTable("client", str, ClientGoal)
         self.aborted_goals = AbortedGoals()
 
     def __call__(self, event: Event) -> None:
@@ -85,10 +74,9 @@ class Keeper:
         """Record the state of this core from now on; ``record`` is the one from which the core was resumed, if any."""
         self._core = core
         if record is not None:
-            self.clients = {key: ClientGoal.of_record(value) for key, value in group(record, "client").items()}
+            self.restore(record)
             self.aborted_goals.restore(record)
-        self._look()
-        self._write()
+        self._write_all()
 
     def forget(self, keys: Iterable[str]) -> None:
         """Remove goals whose ends have been reported to their clients."""
@@ -115,7 +103,7 @@ class Keeper:
 
     def keep(self) -> None:
         """Write the arrivals; can be called within a step of the core."""
-        self._write()
+        self._write([self])
 
     def send(self, keep_ends: bool = False) -> None:
         """Write the state after a step of the core, and then release its events.
@@ -125,13 +113,11 @@ class Keeper:
         """
         if not self._events:
             if self._journal is not None and self._journal.is_due(self._now()):
-                self._look()
-                self._write()
+                self._write_all()
             return
         events, self._events = self._events, []
         ends = [key for key in map(self._note, events) if key is not None]
-        self._look()
-        self._write()
+        self._write_all()
         for event in events:
             self._emit(event)
         if not keep_ends:
@@ -143,17 +129,18 @@ class Keeper:
             self._journal.close()
             self._journal = None
 
-    def _look(self) -> None:
-        assert self._core is not None
+    def _write_all(self) -> None:
+        """Write the state after a step of the core."""
         if self._journal is not None:
-            self._state = self._core.record()
+            assert self._core is not None
+            parts = (*self._core.parts, self, self.aborted_goals)
+            self._write(parts, lambda: record_of(parts))
 
-    def _write(self) -> None:
-        if self._journal is None:
-            return
-        clients = {f"client:{key}": client.record() for key, client in self.clients.items()}
-        time = None if self._time is None else self._time()
-        self._journal.write({**self._state, **clients, **self.aborted_goals.record()}, self._now(), time)
+    def _write(self, parts: Iterable[PersistentPart], state: Optional[Callable[[], Record]] = None) -> None:
+        """Write the changes of some ``parts``; ``state`` returns the whole state, None within a step of the core."""
+        if self._journal is not None:
+            time = None if self._time is None else self._time()
+            self._journal.write(self._recorder.changes(parts), state, self._now(), time)
 
     def _note(self, event: Event) -> Optional[str]:
         """Record the end of a client's goal and return its key, None for other events; record unmet goals."""

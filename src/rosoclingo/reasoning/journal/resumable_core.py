@@ -1,40 +1,42 @@
 """A core that can save its state and resume from it."""
 
-from typing import Any, FrozenSet, Optional, Tuple
+from typing import Any, Optional, Tuple
 
-from clingo import Symbol
-
+from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsPreempted
 from rosoclingo.reasoning.goals import Goal
+from rosoclingo.reasoning.journal.recorded_history import RecordedHistory
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.records import (
-    LogRecorder,
-    Record,
-    keys_of,
-    log_of,
-    plan_of,
-    plan_to_value,
-    symbol_of,
-    text_of,
-)
+from rosoclingo.reasoning.records import PersistentPart, Record, fields, record_of
 
 
-class ResumableCore(Core):
+class ResumableCore(Core, PersistentPart):
     """The core, with its state as plain values between any two of its steps.
 
     The state and the arrivals determine the behaviour, except for searches that time out and for the choice among
     equally good answers.
     """
 
+    GROUP = "core"
+    FIELDS = fields(
+        _started=bool,
+        _step=int,
+        _waits=int,
+        _improvable=bool,
+        _lookahead=int,
+        _plan=Optional[TaskPlan],
+        _last_plan=TaskPlan,
+        _last_cycle=int,
+    )
+
     def __init__(self, *arguments: Any, record: Optional[Record] = None, **more: Any) -> None:
         """Start fresh, or resume from the ``record`` of a core with the same program; see :class:`Core`."""
         super().__init__(*arguments, **more)
-        self._log = LogRecorder()
-        self._believed: Tuple[Optional[FrozenSet[Symbol]], Record] = (None, {})  # the beliefs and their sections
+        self._recorded = RecordedHistory()
         self._started = False
         if record is not None:
-            self._restore(record)
+            self._resume(record)
 
     def start(self) -> None:
         """Start the core unless it has resumed."""
@@ -75,51 +77,28 @@ class ResumableCore(Core):
             self._emit(ActionsPreempted(self.cycle, ended))
         self.abandon(why)
 
-    def record(self) -> Record:
-        """Return the state by sections."""
-        used_at, used = self._latest
-        return {
-            "core": {
-                "started": self._started,
-                "step": self._step,
-                "waits": self._waits,
-                "improvable": self._improvable,
-                "published": self._announce.published,
-                "lookahead": self._planner.lookahead,
-                "used_at": used_at,
-            },
-            "plan": None if self._plan is None else plan_to_value(self._plan),
-            "latest": None if used is self._plan else plan_to_value(used),
-            **self._goals.record(),
-            **self._feeder.record(),
-            **self._execution.record(),
-            **self.interfaces.record(),
-            "preemption": self._preemption.record(),
-            **self._record_beliefs(),
-            **self._log.record(self._planner.log),
-        }
+    @property
+    def parts(self) -> Tuple[PersistentPart, ...]:
+        """The parts with a persisted state; valid between two steps."""
+        self._recorded.follow(self._planner.log)
+        goals, execution = self._goals, self._execution
+        parts = goals, goals.queue, self._feeder, self._feeder.omitted, execution, execution.durations
+        return (self._recorded, self, *parts, self.interfaces, self._preemption, self._announce)
 
-    def _record_beliefs(self) -> Record:
-        """Return the beliefs as sections; new ones come last, which keeps the changes small."""
-        state, (known, sections) = self._announce.state, self._believed
-        if state is not known:
-            names = dict.fromkeys((f"believed:{text_of(symbol)}" for symbol in state or ()), 1)
-            self._believed = state, {**{name: 1 for name in sections if name in names}, **names}
-        return self._believed[1]
+    def state(self) -> Record:
+        """Return the rows of all parts."""
+        return record_of(self.parts)
 
-    def _restore(self, record: Record) -> None:
-        core, plan, latest = record["core"], record["plan"], record["latest"]
-        self._started, self._step, self._waits = core["started"], core["step"], core["waits"]
-        self._improvable, self._announce.published = core["improvable"], core["published"]
-        self._planner = self._planner.with_log(log_of(record))
-        self._planner.lookahead = core["lookahead"]
-        self._plan = None if plan is None else plan_of(plan)
-        used = self._plan if latest is None else plan_of(latest)
-        assert used is not None
-        self._latest = core["used_at"], used
-        self._goals.restore(record)
-        self._feeder.restore(record, self._goals.by_key)
-        self._execution.restore(record)
-        self.interfaces.restore(record)
-        self._preemption.restore(record["preemption"])
-        self._announce.state = frozenset(map(symbol_of, keys_of(record, "believed"))) or None
+    @property
+    def _lookahead(self) -> int:
+        return self._planner.lookahead
+
+    @_lookahead.setter
+    def _lookahead(self, steps: int) -> None:
+        self._planner.lookahead = steps
+
+    def _resume(self, record: Record) -> None:
+        for part in self.parts:
+            part.restore(record)
+        self._feeder.find_goals(self._goals.by_key)
+        self._planner = self._planner.with_log(self._recorded.history)

@@ -90,5 +90,5 @@ def _open_goals(content: JournalContent) -> List[str]:
 
 
 def _described(content: JournalContent) -> str:
-    goals, cycle = len(_open_goals(content)), max(1, content.state["core"]["step"])
+    goals, cycle = len(_open_goals(content)), max(1, content.state["core:step"])
     return f"run {content.header.run}, cycle {cycle}, {goals} open goal{'s' * (goals != 1)}"

@@ -9,6 +9,7 @@ import sys
 import tempfile
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 from hypothesis import given
@@ -17,20 +18,25 @@ from killed_core import files_of, put_files
 
 from rosoclingo.common import database
 from rosoclingo.reasoning.journal import folder as module
-from rosoclingo.reasoning.journal.database import NAME, Header, JournalError, changes, history, lines_of, read
+from rosoclingo.reasoning.journal.database import NAME, Header, JournalError, history, lines_of, read
 from rosoclingo.reasoning.journal.folder import Journal, LockedError, tidy
 
 HEADER = Header("run", "program", "launch")
-NAMES = st.sampled_from(["core", "goal:1", "goal:2", "goal:3", "fact:a", "fact:b"])
+NAMES = st.sampled_from(["core:step", "goal:1", "goal:2", "goal:3", "fact:a", "fact:b"])
 STATES = st.lists(st.tuples(NAMES, st.integers(0, 3)), unique_by=lambda one: one[0]).map(dict)
 
 
-def in_groups(state):
-    """Sort a state so that only the order within groups counts."""
-    groups = {}
-    for name, value in state.items():
-        groups.setdefault(name.partition(":")[0], []).append((name, value))
-    return groups
+class StateJournal(Journal):
+    """A journal to which whole states are written."""
+
+    state: ClassVar = {}
+
+    def put(self, state, now=0.0, time=None):
+        """Write the changes of a state."""
+        gone = [name for name in self.state if name not in state]
+        new = {name: value for name, value in state.items() if self.state.get(name) != value}
+        self.state = state
+        self.write({"drop": gone, "set": new} if gone or new else {}, lambda: state, now, time)
 
 
 def state_or_none(file):
@@ -42,7 +48,7 @@ def state_or_none(file):
 
 @pytest.fixture
 def folder(tmp_path):
-    found = Journal(tmp_path / "of" / "core", HEADER)
+    found = StateJournal(tmp_path / "of" / "core", HEADER)
     yield found
     found.close()
 
@@ -57,12 +63,12 @@ def scratch(tmp_path_factory):
 def killed(tmp_path_factory):
     """Return the files that a killed core leaves, the state after each record, and the log's length after each."""
     path, states, lengths = tmp_path_factory.mktemp("killed"), [], []
-    folder = Journal(path, HEADER)
+    folder = StateJournal(path, HEADER)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "LOG_PAGES", 10**6)
         for number in range(12):
             states.append({"core": number, f"goal:{number}": "x" * 300, "goal:0": number // 3})
-            folder.write(states[-1], 0.0, float(number))
+            folder.put(states[-1], time=float(number))
             lengths.append((path / f"{NAME}-wal").stat().st_size)
     files = files_of(path)
     folder.close()
@@ -74,15 +80,13 @@ def killed(tmp_path_factory):
 def test_journal_reads_back_the_written_state(states):
     with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "SYNCED", "OFF")
-        folder = Journal(Path(name), HEADER)
+        folder = StateJournal(Path(name), HEADER)
         for number, state in enumerate(states):
-            folder.write(state, 0.0, float(number))
-            assert in_groups(folder.read().state) == in_groups(state)
+            folder.put(state, time=float(number))
+            assert folder.read().state == state
         header, moments = history(folder.path)
-        new = [number for number in range(len(states)) if number == 0 or changes(*states[number - 1 : number + 1])]
-        assert [(in_groups(state), time) for state, time in moments] == [
-            (in_groups(states[number]), float(number)) for number in new
-        ]
+        new = [number for number in range(len(states)) if number == 0 or states[number - 1] != states[number]]
+        assert [(dict(state), time) for state, time in moments] == [(states[number], float(number)) for number in new]
         assert (header, folder.read().records) == (HEADER, len(new))
         folder.close()
 
@@ -133,7 +137,7 @@ def test_journal_log_with_changed_byte_has_earlier_state(killed, scratch, data):
         ("DELETE FROM record", "record 1 is missing"),
         ("UPDATE header SET program = 'other'", "the header is missing or corrupt"),
         ("DELETE FROM header", "the header is missing or corrupt"),
-        ("PRAGMA user_version = 99", "it is of format 99, this version reads 7"),
+        ("PRAGMA user_version = 99", "it is of format 99, this version reads 8"),
     ],
 )
 def test_journal_refuses_a_change_at_its_record(folder, change, words):
@@ -157,29 +161,14 @@ def test_journal_refuses_files_of_another_kind(folder):
         folder.read()
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "written"),
-    [
-        ("goal:1 goal:2", "goal:2 goal:1", "goal:1"),
-        ("goal:1 goal:2 goal:3", "goal:3 goal:1 goal:2", "goal:1 goal:2"),
-        ("core goal:1 goal:2", "goal:1 goal:2 core", ""),
-        ("core fact:1 goal:1 fact:2 goal:2", "goal:1 core goal:2 fact:1 fact:2", ""),
-    ],
-)
-def test_journal_rewrites_entries_that_move_within_their_group(before, after, written):
-    old, new = ({name: [name] for name in names.split()} for names in (before, after))
-    moved = written.split()
-    assert changes(old, new) == ({"drop": moved, "set": {name: [name] for name in moved}} if moved else {})
-
-
 def test_journal_writes_only_changed_entries(folder):
     for core in (1, 1, 2):
-        folder.write({"core": core, "goal:1": "x" * 1000}, 0.0)
+        folder.put({"core": core, "goal:1": "x" * 1000})
     folder.close()
     with sqlite3.connect(str(folder.path)) as db:
         found = [text for (text,) in db.execute("SELECT change FROM record")]
     db.close()
-    assert found[1:] == ['{"set":{"core":2}}']
+    assert found[1:] == ['{"drop":[],"set":{"core":2}}']
 
 
 @pytest.mark.slow
@@ -188,7 +177,7 @@ def test_journal_size_stays_bounded(folder, monkeypatch):
     monkeypatch.setattr(database, "SYNCED", "OFF")
     sizes, records = [], []
     for number in range(500):
-        folder.write({"core": number, "goal:1": "x" * 100}, 0.0)
+        folder.put({"core": number, "goal:1": "x" * 100})
         records.append(folder.read().records)
         if number % 100 == 99:
             folder.close()
@@ -250,41 +239,52 @@ def full_disk():
 
 def test_journal_reports_failing_disk_and_retries(folder):
     stale = Path(f"{folder.path}.stale")
-    folder.write({"core": 1}, 0.0)
+    folder.put({"core": 1}, 0.0)
     assert folder.fault == ""
     with full_disk():
-        folder.write({"core": 2}, 1.0)
+        folder.put({"core": 2}, 1.0)
         assert folder.fault == f"the journal {folder.path} cannot be written: disk I/O error"
         assert folder.read() is None, "an outdated journal is set aside"
-        folder.write({"core": 3}, 11.0)
+        folder.put({"core": 3}, 11.0)
         assert folder.fault, "the retry fails as well"
         assert not folder.path.exists()
     assert read(stale).state == {"core": 1}
-    folder.write({"core": 4}, 20.9)
+    folder.put({"core": 4}, 20.9)
     assert folder.fault
     assert folder.read() is None
-    folder.write({"core": 5}, 21.0)
+    folder.put({"core": 5}, 21.0)
     assert folder.fault == ""
     assert folder.read().state == {"core": 5}
-    folder.write({"core": 6}, 21.1)
+    folder.put({"core": 6}, 21.1)
     assert folder.read().state == {"core": 6}
 
 
+def test_journal_appends_changes_without_a_state_if_complete(folder, monkeypatch):
+    folder.write({"set": {"core": 1}}, None, 0.0)
+    assert folder.read() is None
+    folder.put({"core": 1})
+    monkeypatch.setattr(module, "RECORDS", 1)
+    folder.write({"set": {"client:a": 2}}, None, 0.0)
+    assert (folder.read().state, folder.read().records) == ({"core": 1, "client:a": 2}, 2)
+    folder.put({"core": 3})
+    assert (folder.read().state, folder.read().records) == ({"core": 3}, 1)
+
+
 def test_journal_survives_disk_that_cannot_delete(folder, monkeypatch):
-    folder.write({"core": 1}, 0.0)
+    folder.put({"core": 1}, 0.0)
 
     def refuse(*_):
         raise OSError(30, os.strerror(30))
 
     monkeypatch.setattr(os, "replace", refuse)
     with full_disk():
-        folder.write({"core": 2}, 1.0)
+        folder.put({"core": 2}, 1.0)
     assert "disk I/O error" in folder.fault
 
 
 def test_journal_can_be_read_live_and_from_a_copy(folder, tmp_path):
     for number in range(3):
-        folder.write({"core": number}, 0.0)
+        folder.put({"core": number})
         shutil.copytree(folder.path.parent, tmp_path / str(number))
     assert [read(tmp_path / str(number) / NAME).state["core"] for number in range(3)] == [0, 1, 2]
     folder.close()

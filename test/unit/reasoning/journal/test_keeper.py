@@ -31,9 +31,9 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
 
     def look(event):
         state = node.on_disk
-        assert state["core"]["step"] >= event.cycle or event.cycle == 1
+        assert state["core:step"] >= event.cycle or event.cycle == 1
         if isinstance(event, ActionsDispatched):
-            assert str(event.actions[0].atom) in json.dumps(state["execution"])
+            assert str(event.actions[0].atom) in json.dumps(state["execution:dispatches"])
         if isinstance(event, GoalChanged) and event.outcome is not None:
             assert f"goal:{event.key}" not in state
             assert state[f"client:{event.key}"]["ending"]["state"] == event.state.value
@@ -166,7 +166,8 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
 
     def look(event):
         if isinstance(event, ActionsPreempted):
-            assert all(str(one.atom) in json.dumps(node.on_disk["preemption"]) for one in under_way), "written before"
+            found = json.dumps(node.on_disk["preemption:found"])
+            assert all(str(one.atom) in found for one in under_way), "written before"
 
     node.at_event = look
     node.core.shut_down("is aborted: the core shuts down")
@@ -220,7 +221,7 @@ def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
     for number in range(goals):
         node.goal(str(number), f"do({number})").succeed()
         sizes.append(size_of(node.folder))
-        states.append(len(json.dumps(node.core.record())))
+        states.append(len(json.dumps(node.core.state())))
     assert [event.outcome for event in node.published if isinstance(event, GoalChanged)].count(
         Outcome.SUCCEEDED
     ) == goals
@@ -242,14 +243,14 @@ def kept(journal, now=lambda: 0.0):
 def test_keeper_records_core_from_start_until_journal_closes(tmp_path):
     place = Journal(tmp_path, Header("run", "program"))
     core, keeper, published = kept(place)
-    assert place.read().state["core"]["started"] is False
+    assert place.read().state["core:started"] is False
     keeper.close()
     core.start()
     keeper.send()
     assert published != []
     assert keeper.fault == ""
     other = Journal(tmp_path)
-    assert other.read().state["core"]["started"] is False
+    assert other.read().state["core:started"] is False
     other.close()
 
 
@@ -284,5 +285,10 @@ def test_keeper_reports_problems_of_the_journal(tmp_path):
     now.append(folder.RETRY)
     keeper.send()
     assert keeper.fault == ""
-    assert place.read().state["client:a"] == ClientGoal("do(walk,1)", (1, 2)).record(), "though nothing has happened"
+    assert place.read().state["client:a"] == {
+        "text": "do(walk,1)",
+        "stamp": [1, 2],
+        "cancelled": False,
+        "ending": None,
+    }, "though nothing has happened"
     keeper.close()

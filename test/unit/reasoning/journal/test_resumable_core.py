@@ -12,8 +12,8 @@ from stream_logs import text_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
-from rosoclingo.reasoning.journal.database import changes
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
+from rosoclingo.reasoning.records import ChangeRecorder
 from rosoclingo.reasoning.settings import CoreSettings
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
@@ -78,7 +78,7 @@ class Play:
         """Mark the end of a step, at which the core can be killed."""
         self._steps += 1
         if self._restores:
-            self._disk.write(self.core.record())
+            self._disk.write(self.core.state())
         if self._steps in self._cuts:
             if self._restores:
                 self.core = self._new(self._disk.read())
@@ -159,7 +159,7 @@ def test_resumed_core_answers_queries_of_its_node():
     (action,) = first.awaited
     first.cancel_goal("a" if action.interface_name == "walk" else "b")
     assert not first.advance(0.0)
-    disk.write(first.record())
+    disk.write(first.state())
     core = ResumableCore(program, lambda: shortest(program), events.append, settings, record=disk.read())
     assert core.preempted == first.preempted == (action,)
     assert {*first.awaited} <= {*core.shown} == {*first.shown}
@@ -169,7 +169,7 @@ def test_resumed_core_answers_queries_of_its_node():
     ends = {one.key: one.message for one in events if isinstance(one, GoalChanged) and one.outcome is not None}
     assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
     assert core.live_goals == []
-    disk.write(core.record())
+    disk.write(core.state())
     next_one = ResumableCore(program, lambda: shortest(program), events.append, settings, record=disk.read())
     for one in next_one.awaited:
         next_one.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
@@ -187,7 +187,7 @@ def test_resumed_core_publishes_beliefs_before_solving():
     first.report_beliefs()
     assert not events
     first.start()
-    disk.write(first.record())
+    disk.write(first.state())
     believed = events[-1]
     assert isinstance(believed, StateChanged)
     assert believed.atoms
@@ -200,13 +200,13 @@ def test_core_record_contains_only_new_beliefs():
     program = ReactiveProgram.from_text(ERRANDS + "#show done/2.")
     core = ResumableCore(program, lambda: shortest(program), lambda event: None, SETTINGS)
     core.start()
-    before, written = core.record(), []
+    recorder, written = ChangeRecorder(), []
+    recorder.changes(core.parts)
     for number in (2, 1, 3):
         core.add_goal(str(number), f"do(quick,{number})")
         assert core.advance(0.0)
-        change = changes(before, core.record())
+        change = recorder.changes(core.parts)
         written.append([name for name in (*change.get("drop", ()), *change["set"]) if name.startswith("believed:done")])
-        before = core.record()
         for one in core.awaited:
             core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
     assert written == [["believed:done(2,now)"], ["believed:done(1,now)"], ["believed:done(3,now)"]]

@@ -13,7 +13,7 @@ from rosoclingo.reasoning.journal.resuming import open_journal
 
 BEFORE = Header("first", "program", "launch 1")
 AGAIN = Header("second", "program", "launch 1")
-STATE = {"core": {"step": 7}, "goal:a": {"term": "goal(1)"}, "goal:b": {"term": "goal(2)"}}
+STATE = {"core:step": 7, "goal:a": {"term": "goal(1)"}, "goal:b": {"term": "goal(2)"}}
 
 
 @pytest.fixture
@@ -77,7 +77,7 @@ def test_start_by_hand_has_no_launch_in_common(folder):
 
 def test_start_is_silent_about_journal_without_goals(folder):
     place = Journal(folder, BEFORE)
-    place.begin({"core": {"step": 7}})
+    place.begin({"core:step": 7})
     place.close()
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert (found.remarks, found.odd) == ([], False)
@@ -98,7 +98,7 @@ def test_start_refuses_journal_of_another_program(folder, left, resume):
             "UPDATE record SET change = replace(change, 'goal(2)', 'goal(3)')",
             "record 1 is corrupt: start",
         ),
-        ("PRAGMA user_version = 1", "it is of format 1, this version reads 7: .*journal clear"),
+        ("PRAGMA user_version = 1", "it is of format 1, this version reads 8: .*journal clear"),
     ],
 )
 def test_start_refuses_damaged_journal_or_other_format(folder, left, resume, change, words):
@@ -121,7 +121,7 @@ def test_start_fails_if_journal_is_unreadable(folder):
 
 def test_start_resumes_from_journal_with_a_single_goal(folder):
     place = Journal(folder, BEFORE)
-    place.begin({"core": {"step": 0}, "goal:a": {"term": "goal(1)"}})
+    place.begin({"core:step": 0, "goal:a": {"term": "goal(1)"}})
     place.close()
     assert opened(folder, "yes", AGAIN).remarks == [f"resumes from {place.path}: run first, cycle 1, 1 open goal"]
 
