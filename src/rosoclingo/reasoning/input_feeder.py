@@ -1,6 +1,5 @@
 """The input feeder of Fig. 4: it builds stream updates from requests, returns and facts."""
 
-import math
 from typing import (
     Any,
     Callable,
@@ -26,7 +25,7 @@ from rosoclingo.oclingo.progression.updates import Expire, Item, Withdraw
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, success_of
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.records import Codec, PersistentPart, PersistentTable, Record, fields, symbol_of, text_of
+from rosoclingo.reasoning.records import Codec, PersistentPart, PersistentTable, fields, symbol_of, text_of
 
 #: Maximum number of cycles for the messages of one origin in an update; older messages take effect in the first cycle.
 MOST_TURNS = 16
@@ -36,10 +35,6 @@ PAUSE = 10.0
 
 #: Maximum number of updates that omit a fact although it is their only one; then the fact is dropped.
 MOST_TRIES = 5
-
-#: Seconds that such a fact rests after the second time; the rest doubles each further time.
-FACT_REST = 10.0
-
 
 #: A goal, or the identifier of a cancelled one.
 Request = Union[Goal, Symbol]
@@ -143,71 +138,6 @@ class Clock:
         return self._delay(fact.name, len(fact.arguments)) or 0
 
 
-class OmittedFacts(PersistentPart):
-    """Facts that were omitted from updates because the solver dropped or refused the updates with them.
-
-    They are fed again, half of them at a time, until the faulty fact is alone.
-    """
-
-    GROUP = "omitted"
-
-    def __init__(self) -> None:
-        # the number of updates that omitted a fact although it was their only one
-        self._tries: PersistentTable[Symbol, int] = PersistentTable("left", Symbol, int)
-        self._rests: Dict[Symbol, float] = {}  # end of the rest of a fact
-        self._room: Optional[int] = None  # maximum number of these facts in an update
-        self._now = -math.inf
-
-    def due(self, facts: Mapping[Symbol, Observation]) -> Mapping[Symbol, Observation]:
-        """Return the waiting ``facts`` that the next update can contain, by their atoms as sent."""
-        if not self._tries:
-            return facts
-        ready = [one for one in facts if one in self._tries and self._rests.get(one, -math.inf) <= self._now]
-        fit = frozenset(ready[: self._room])
-        return {one: seen for one, seen in facts.items() if one not in self._tries or one in fit}
-
-    def update_accepted(
-        self, facts: Iterable[Observation], left: Sequence[Observation], refused: bool
-    ) -> List[Observation]:
-        """Record that an update omitted the facts ``left``; return the facts to drop.
-
-        A fact is dropped if it was alone in too many updates, or in a single one if the solver refused it.
-        """
-        others = [one for one in facts if not one.is_return]
-        for one in frozenset(others).difference(left) if self._tries else ():
-            self._drop(one)
-        if left:
-            self._room = max(1, len(left) // 2)
-        elif self._room is not None:
-            self._room = 2 * self._room if self._tries else None
-        lost: List[Observation] = []
-        for one in left:
-            key = one.sent
-            self._tries[key] = self._tries.get(key, 0) + (len(others) == 1)
-            if self._tries[key] > 1:
-                self._rests[key] = math.inf  # the rest begins at the next tick, as the search has taken time
-            if self._tries[key] >= (1 if refused else MOST_TRIES):
-                self._drop(one)
-                lost.append(one)
-        return lost
-
-    def tick(self, now: float) -> None:
-        """Advance the time, in seconds of any clock; if it jumps back, rests begin again."""
-        self._now = now
-        for key, until in self._rests.items():
-            self._rests[key] = min(until, now + FACT_REST * 2 ** (self._tries[key] - 2))
-
-    def restore(self, record: Record) -> None:
-        """Restore from a record; the facts are fed one at a time, and each rest starts again."""
-        super().restore(record)
-        self._rests = {key: math.inf for key, tries in self._tries.items() if tries > 1}
-        self._room = 1 if self._tries else None
-
-    def _drop(self, one: Observation) -> None:
-        self._tries.pop(one.sent, None)
-        self._rests.pop(one.sent, None)
-
-
 class InputFeeder(PersistentPart):
     """Collects requests, cancellations, returns and other facts in order of arrival, until an update contains them.
 
@@ -216,12 +146,13 @@ class InputFeeder(PersistentPart):
     cycle n. ``clock`` replaces ``now`` in facts.
 
     Several messages of one origin take effect in successive cycles, so that the program can tell their order. The
-    update starts the last of these cycles; the others are idle. Facts that an update omitted are fed again, in ever
-    smaller parts.
+    update starts the last of these cycles; the others are idle.
+
+    If the solver drops or refuses an update, facts are omitted from it. They are fed again, half of them at a time,
+    until the faulty fact is alone.
 
     Attributes:
         arrivals: the number of arrivals so far.
-        omitted: the facts that updates omitted.
 
     """
 
@@ -233,6 +164,7 @@ class InputFeeder(PersistentPart):
         _withdrawn=FrozenSet[Symbol],
         _waits=Optional[int],
         _paused=Optional[float],
+        _room=Optional[int],
         arrivals=int,
     )
 
@@ -243,7 +175,7 @@ class InputFeeder(PersistentPart):
         self._facts: PersistentTable[Symbol, Observation] = PersistentTable("fact", Symbol, Observation)
         self._executed: Tuple[Action, ...] = ()
         self._withdrawn: FrozenSet[Symbol] = frozenset()
-        self.omitted = OmittedFacts()
+        self._room: Optional[int] = None  # maximum number of omitted facts in an update, None if there are none
         self._waits: Optional[int] = None  # number of arrivals at which waiting for another one began
         self._paused: Optional[float] = None  # time at which a pause began
         self.arrivals = 0
@@ -251,12 +183,20 @@ class InputFeeder(PersistentPart):
     @property
     def pending(self) -> bool:
         """Whether anything waits to be fed."""
-        waits = self._requests or self._executed or self.omitted.due(self._facts)
-        return bool(waits) and self.arrivals != self._waits
+        return bool(self._requests or self._executed or self._facts) and self.arrivals != self._waits
+
+    @property
+    def _due(self) -> Mapping[Symbol, Observation]:
+        """The waiting facts for the next update, as sent; of omitted ones, those with the fewest attempts."""
+        if self._room is None:
+            return self._facts
+        omitted = [one for one, fact in self._facts.items() if fact.attempts is not None]
+        later = frozenset(sorted(omitted, key=lambda one: self._facts[one].attempts or 0)[self._room :])
+        return {one: fact for one, fact in self._facts.items() if one not in later}
 
     def has_unexpected(self, expected: Container[Optional[Symbol]]) -> bool:
         """Return whether the next update contains more than requests, executed actions and ``expected`` facts."""
-        unexpected = (fact for fact in self.omitted.due(self._facts) if fact not in expected)
+        unexpected = (fact for fact in self._due if fact not in expected)
         return bool(self._rejected or self._withdrawn) or any(True for _ in unexpected)
 
     @property
@@ -333,7 +273,7 @@ class InputFeeder(PersistentPart):
         too_early = any(self._clock.is_too_early(fact, step) for fact in self._facts)
         chosen = self._requests if chosen is None else chosen
         requests = [one for one in chosen if not (too_early and isinstance(one, Goal))]
-        due = self.omitted.due(self._facts)
+        due = self._due
         batch = self._batch(step, self._executed, self._after_rejected(requests), due.values(), first_open)
         turns = _turns(due.values())
         most = max(turns.values(), default=0)
@@ -357,12 +297,27 @@ class InputFeeder(PersistentPart):
                 waiting.remove(one)
         kept = [one for one in batch.requests if not isinstance(one, Goal) and one in self._rejected]
         self._rejected, self._executed, self._waits, self._withdrawn = kept, (), None, frozenset()
-        left = [one for one in batch.facts if not one.is_return and one.atom not in present]
-        lost = self.omitted.update_accepted(batch.facts, left, refused)
-        for fact in frozenset(batch.facts).difference(left).union(lost):
-            self._facts.pop(fact.sent, None)
         for goal in batch.goals:
             goal.feed(batch.request_cycle)
+        return self._omit([one for one in batch.facts if not one.is_return and one.atom not in present], batch, refused)
+
+    def _omit(self, omitted: Sequence[Observation], batch: Batch, refused: bool) -> List[Observation]:
+        """Record that a batch was accepted without the ``omitted`` facts; return the facts to drop.
+
+        A fact is dropped if it was alone in too many updates, or in a single one if the solver refused it.
+        """
+        alone = sum(not one.is_return for one in batch.facts) == 1
+        attempts = {one.sent: (one.attempts or 0) + alone for one in omitted}
+        lost = [one for one in omitted if attempts[one.sent] >= (1 if refused else MOST_TRIES)]
+        for one in batch.facts:
+            if one.sent in self._facts and one.sent in attempts and one not in lost:
+                self._facts[one.sent] = self._facts[one.sent]._replace(attempts=attempts[one.sent])
+            else:
+                self._facts.pop(one.sent, None)
+        if omitted:
+            self._room = max(1, len(omitted) // 2)
+        elif self._room is not None:
+            self._room = 2 * self._room if any(one.attempts is not None for one in self._facts.values()) else None
         return lost
 
     def wait(self, now: Optional[float] = None) -> None:
@@ -373,7 +328,6 @@ class InputFeeder(PersistentPart):
         """Advance the time, in seconds of any clock."""
         if self._paused is not None and not 0.0 <= now - self._paused < PAUSE:
             self._waits = self._paused = None
-        self.omitted.tick(now)
 
     def find_goals(self, goal_of: Callable[[str], Optional[Goal]]) -> None:
         """Replace the goals of a record by those that ``goal_of`` returns for their keys."""
@@ -384,7 +338,7 @@ class InputFeeder(PersistentPart):
         self, step: int, executed: Iterable[Action], further: Iterable[Symbol] = (), first_open: int = 0
     ) -> StreamUpdate:
         """Return the next update as it would be with ``further`` facts."""
-        facts = {**self.omitted.due(self._facts), **{atom: Observation(atom, step) for atom in further}}
+        facts = {**self._due, **{atom: Observation(atom, step) for atom in further}}
         requests = self._after_rejected(self._requests)
         return self._batch(step, (*self._executed, *executed), requests, facts.values(), first_open).update
 

@@ -21,6 +21,7 @@ class Observation(NamedTuple):
         original: the fact as it was sent, None if it was not changed.
         outdated: whether the fact was late and was redated to the present.
         message: the number of its message; later messages have greater numbers.
+        attempts: how often it was omitted although its update had no other facts; None if no update has omitted it.
 
     """
 
@@ -31,6 +32,7 @@ class Observation(NamedTuple):
     original: Optional[Symbol] = None
     outdated: bool = False
     message: int = 0
+    attempts: Optional[int] = None
 
     @property
     def sent(self) -> Symbol:

@@ -82,7 +82,7 @@ class ResumableCore(Core, PersistentPart):
         """The parts with a persisted state; valid between two steps."""
         self._recorded.follow(self._planner.log)
         goals, execution = self._goals, self._execution
-        parts = goals, goals.queue, self._feeder, self._feeder.omitted, execution, execution.durations
+        parts = goals, goals.queue, self._feeder, execution, execution.durations
         return (self._recorded, self, *parts, self.interfaces, self._preemption, self._announce)
 
     def state(self) -> Record:
