@@ -19,7 +19,7 @@ class FakeGrounding:
     The steps up to ``horizon`` are ground. A question about several horizons finds the plan of the last one. Horizon
     ``h`` is refuted after ``hard[h]`` conflicts; from horizon ``dead`` on the program is hopeless. After ``halts``
     questions there is a stop, which interrupts the last one if it is ``cut``. The program ``claims`` to need so many
-    steps.
+    steps; it has ``several`` robots.
 
     Notes in ``asked``: ``2..5/100`` for these horizons and conflicts; then ``+3`` and ``-4`` for the cycles of actions
     assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
@@ -33,7 +33,10 @@ class FakeGrounding:
         self.dead, self.halts, self.cut = options.get("dead"), options.get("halts"), options.get("cut", False)
         self.claims = options.get("claims", 0)
         advises, optimizes = options.get("advises", False), options.get("optimizes", False)
-        self.program = SimpleNamespace(forgets=(), advises=advises, optimizes=optimizes)
+        several = options.get("several", False)
+        self.program = SimpleNamespace(
+            forgets=(), advises=advises, optimizes=optimizes, declares_external=lambda name, arity: several
+        )
         self.asked, self.questions = [], 0
 
     def run(self, make, block):

@@ -3,12 +3,13 @@
 An action is superfluous if the plan stays valid without it and the actions that depend on it (action elimination,
 Nakhost and Mueller 2010). The solver searches for a plan with a proper subset of the actions until there is none. It
 assumes all other actions false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
-plan no superfluous actions.
+plan no superfluous actions, unless several robots act: each of them could do what another one plans to do.
 """
 
 from contextlib import suppress
 from typing import Generator, Optional
 
+from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.planning.history import Plan, cycle_of, delay
 from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, StoppedError
 from rosoclingo.planning.strategy_runner import StrategyRunner
@@ -28,12 +29,14 @@ def trimmed(
     ends the trimming; the result is the best plan so far.
     """
     advises = runner.program.advises
+    trusted = advises and not runner.program.declares_external(RUNNING.name, RUNNING.arity)
 
     def question(plan: Plan, first: int, last: int, fewer: bool) -> Question:
         """Return the question for ``plan``, or for a proper subset of its actions."""
-        others = [] if advises else [one for one in runner.actions(step + 1, last) if one not in plan.actions]
+        others = [] if trusted else [one for one in runner.actions(step + 1, last) if one not in plan.actions]
         given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
-        return Question(first, last, given, tuple(plan.actions if fewer else ()), conflicts=CONFLICTS, until=until)
+        lacking = tuple(plan.actions if fewer else ())
+        return Question(first, last, given, lacking, conflicts=CONFLICTS, advised=not (advises and fewer), until=until)
 
     def without_idling(found: Reply) -> _Trimmed:
         """Return the plan without idle steps, or at least without idle steps at its end."""
@@ -49,10 +52,10 @@ def trimmed(
     with suppress(StoppedError):
         found = yield from without_idling(found)  # questions about fewer steps are cheaper
         fewer = found
-        while fewer.satisfiable and not advises and found.plan.rest(step + 1).actions:
+        while fewer.satisfiable and not trusted and found.plan.rest(step + 1).actions:
             fewer = yield question(found.plan.rest(step + 1), first, found.horizon, fewer=True)
             found = fewer if fewer.satisfiable else found
-        if not advises:
+        if not trusted:
             found = yield from without_idling(found)
     return found
 
