@@ -62,8 +62,19 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
 
 
 def connected_nodes(topic: Any) -> Set[str]:
-    """Return the nodes that a subscriber's ``impl`` is connected to at this end; none if it is closed."""
-    return {connection.callerid_pub for connection in topic.connections} if topic is not None else set()
+    """Return the nodes that a subscriber's ``impl`` is connected to at this end; none if it is closed.
+
+    rospy also lists connections that it tries to open again: for ever if the node is alive, but its topic is gone.
+    """
+    return {one.callerid_pub for one in topic.connections if _is_open(one)} if topic is not None else set()
+
+
+def _is_open(connection: Any) -> bool:
+    try:
+        connection.socket.getpeername()
+    except (AttributeError, OSError):
+        return False
+    return True
 
 
 def is_connected(subscriber: rospy.Subscriber, header: Any) -> bool:

@@ -12,7 +12,7 @@ from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, C
 from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
-from rosoclingo.common.connections import connected_nodes, readers
+from rosoclingo.common.connections import close_dead, connected_nodes, readers
 from rosoclingo.interfaces.action_runs import ActionEvent
 from rosoclingo.interfaces.inquiry import ServerReport
 from rosoclingo.interfaces.templates import GoalEnd
@@ -74,6 +74,9 @@ class ServerLink:
         servers = connected_nodes(client.status_sub.impl) & connected_nodes(client.result_sub.impl)
         inlets = client.pub_goal.impl, client.pub_cancel.impl
         found = [server for server in servers if all(one.has_connection(server) for one in inlets)]
+        for connection in client.status_sub.impl.connections:
+            if connection.callerid_pub in set(found) - self._met.keys():
+                close_dead(connection)
         self._met = {server: self._met.get(server, now + WRITING_GRACE) for server in found}
         return any(self._is_written_to_by(server, now) for server in found)
 
@@ -93,7 +96,7 @@ class ServerLink:
 
     def gone(self, wall: float) -> bool:
         """Return whether no server has been connected for CONNECTION_GRACE; `wall` is steady time in seconds."""
-        if self._client.status_sub.get_num_connections() > 0:
+        if connected_nodes(self._client.status_sub.impl):
             self._down_since = None
             return False
         if self._down_since is None:

@@ -218,7 +218,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         self.assertEqual(self.core.receive(), ["_return(mute,server_lost,2)"])
 
     def test_server_that_dies_comes_back(self):
-        for end in (signal.SIGKILL, signal.SIGINT):
+        for end in (signal.SIGKILL, signal.SIGINT, signal.SIGUSR1):
             with Process(sys.executable, MORTAL) as server:
                 self.core.send("mortal", "_action_lib(mortal,a,1)")
                 statuses = rospy.Subscriber("mortal/status", GoalStatusArray, self._note)
