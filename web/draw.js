@@ -36,6 +36,7 @@ function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** A moment or a duration: "32.5 s", "2 min 5 s", "1 h 4 min". */
 function seconds(value) {
   if (value < 60) return `${value.toFixed(1)} s`;
   const whole = Math.round(value);
@@ -43,29 +44,46 @@ function seconds(value) {
   return hours ? `${hours} h ${minutes} min` : `${minutes} min ${rest} s`;
 }
 
+/** The same for times of a computer: "20 ms". */
 function brief(value) {
   return value < 1 ? `${Math.round(1000 * value)} ms` : seconds(value);
 }
 
-/** A shortened text for narrow places, with the whole text as its title. */
+/** A text for narrow places; who uses it gives the whole text as title. */
 function short(text, most) {
   return text.length > most ? `${text.slice(0, Math.max(1, most - 1))}…` : text;
+}
+
+/** Words that open to show their terms, if there are some; ``open`` has the keys of those that are open. */
+function folded(words, terms, open, key) {
+  if (!terms) return words;
+  const whole = html("details", { open: open.has(key) ? "" : null }, html("summary", {}, words), html("code", {}, terms));
+  whole.addEventListener("toggle", () => (whole.open ? open.add(key) : open.delete(key)));
+  return whole;
 }
 
 function count(number, one, many) {
   return `${number} ${number === 1 ? one : many}`;
 }
 
-/** Details that stay open or closed while views are drawn again; none for an empty text. */
-function details(text) {
-  return text ? html("details", {}, html("summary", {}, "details"), html("code", {}, text)) : null;
-}
-
-/** A round distance between marks of an axis, for about the wanted number of marks. */
+/** Round marks of an axis, about the wanted number of them. */
 function marks(from, to, wanted) {
   const rough = Math.max((to - from) / wanted, 1e-9);
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5, 10].find((one) => one * power >= rough) || 10);
+  return multiples(from, to, power * ([1, 2, 5, 10].find((one) => one * power >= rough) || 10));
+}
+
+const TIMES = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400];
+
+/** Round moments, about the wanted number of them: pairs of seconds and words. */
+function moments(from, to, wanted) {
+  const rough = (to - from) / wanted;
+  const step = TIMES.find((one) => one >= rough) || 86400 * Math.ceil(rough / 86400);
+  const found = rough < 0.5 ? marks(from, to, wanted) : multiples(from, to, step);
+  return found.map((at) => [at, seconds(at).replace(".0 s", " s").replace(/ 0 (s|min)$/, "")]);
+}
+
+function multiples(from, to, step) {
   const found = [];
   for (let at = Math.ceil(from / step) * step; at <= to + 1e-9; at += step) found.push(Number(at.toFixed(6)));
   return found;

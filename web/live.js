@@ -6,7 +6,8 @@ const RETRY = { first: 500, most: 5000 }; // ms
 class Live {
   constructor() {
     this.model = new RunModel();
-    this.player = new Player(this.model);
+    this.player = new Player(this.model, true);
+    this.player.map.offerScans(() => this.ask({ scan: true }, () => undefined));
     this.wait = RETRY.first;
     this.answers = new Map(); // callbacks for answers, by the number of the message
     this.asked = 0;
@@ -50,7 +51,7 @@ class Live {
       return;
     }
     if (changes.whole) this.model.clear();
-    this.model.merge(changes);
+    this.model.merge(changes, performance.now());
     this.orders.draw(changes.orders || []);
     if (changes.core) this.say("live", "Live");
     else this.say("lost", "The core is not running.");

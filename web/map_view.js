@@ -1,14 +1,33 @@
 "use strict";
-// The map with robot, ways, labels and things, in a drawing 1000 pixels wide.
+// The map with robots, their next moves, ways, labels and things, in a drawing 1000 pixels wide.
 
 const HIGHEST = 640; // pixels, as page.css has it
+const NUMBERED = 2; // moves of a robot that are numbered
+const SCANNED = 2; // seconds for which a scan is shown
+const ASK = 5000; // ms between two requests for scans
 
 class MapView {
   constructor(parent, model) {
     this.model = model;
     this.caption = html("p", { class: "caption" });
+    this.robots = html("ul", { class: "robots" });
     this.picture = svg("svg", { class: "map", role: "img", "aria-label": "Map; its contents are listed below" });
-    show(parent, this.picture, this.caption);
+    this.scans = html("input", { type: "checkbox", id: "scans" });
+    this.tools = html("label", { class: "tools", hidden: "" }, this.scans, "laser scan");
+    show(parent, this.picture, this.tools, this.robots, this.caption);
+  }
+
+  /** Offer the scans of lasers; ``ask`` requests them for some seconds. */
+  offerScans(ask) {
+    this.tools.hidden = false;
+    this.scans.addEventListener("change", () => {
+      window.clearInterval(this.asking);
+      if (this.scans.checked) {
+        ask();
+        this.asking = window.setInterval(ask, ASK);
+      }
+      this.draw(this.time, this.whole);
+    });
   }
 
   /** The visible part of the floor: minimum and maximum x and y in m. */
@@ -26,16 +45,26 @@ class MapView {
     }
     if (!points.length) return null;
     const margin = map ? 0 : 1;
-    const xs = points.map((point) => point[0]);
-    const ys = points.map((point) => point[1]);
-    const least = (values) => values.reduce((one, other) => Math.min(one, other)) - margin;
-    const most = (values) => values.reduce((one, other) => Math.max(one, other)) + margin;
-    return { x0: least(xs), y0: least(ys), x1: most(xs), y1: most(ys) };
+    const least = (at, some) => some.reduce((one, other) => Math.min(one, other[at]), Infinity);
+    const most = (at, some) => some.reduce((one, other) => Math.max(one, other[at]), -Infinity);
+    const [x0, x1] = [least(0, points) - margin, most(0, points) + margin];
+    const metre = (x1 - x0) / (this.picture.clientWidth || 700); // of a pixel
+    const labels = Object.values(this.model.about.labels); // with room for names and things around them
+    return {
+      x0: Math.min(x0, least(0, labels) - 24 * metre),
+      y0: Math.min(least(1, points) - margin, least(1, labels) - 50 * metre),
+      x1: Math.max(x1, most(0, labels) + 24 * metre),
+      y1: Math.max(most(1, points) + margin, most(1, labels) + 34 * metre),
+    };
   }
 
-  draw(time) {
+  /** Draw a moment; ``whole``: the moment is the end, and the whole way is shown without a plan. */
+  draw(time, whole = false) {
+    [this.time, this.whole] = [time, whole];
     const bounds = this.bounds();
-    this.caption.textContent = this.words(time);
+    const robots = this.robotsAt(time);
+    say(this.caption, this.words(time, robots));
+    this.list(time, robots);
     if (!bounds) {
       show(this.picture);
       return;
@@ -46,7 +75,21 @@ class MapView {
     this.scale = scale;
     this.unit = Math.max(1000 / (this.picture.clientWidth || 700), height / HIGHEST); // a pixel of the screen
     this.picture.setAttribute("viewBox", `0 0 1000 ${height.toFixed(1)}`);
-    show(this.picture, this.floor(), this.ways(time), this.driven(time), this.ahead(time), this.labels(time), this.robot(time));
+    const moves = whole ? [] : robots.map((robot) => this.moves(time, robot));
+    show(
+      this.picture,
+      [this.floor(), this.ways(time), this.scan(time), robots.map((robot) => this.driven(time, robot))],
+      [moves.map(({ lines }) => lines), this.labels(time), robots.map((robot) => this.robotShape(time, robot)), moves.map(({ numbers }) => numbers)]
+    );
+  }
+
+  /** The robots on the map: {name (empty for the only one), x, y, yaw, colour (a class)}. */
+  robotsAt(time) {
+    const several = this.model.robotsAt(time).filter(({ pose }) => pose);
+    if (several.length) return several.map(({ name, pose: [x, y, yaw] }) => ({ name, x, y, yaw, colour: this.model.colour(name) }));
+    const believed = this.model.about.labels[this.model.believedPlaceAt(time)];
+    const pose = this.model.poseAt(time) || (believed && [time, ...believed]);
+    return pose ? [{ name: "", x: pose[1], y: pose[2], yaw: pose[3], colour: "" }] : [];
   }
 
   floor() {
@@ -63,30 +106,46 @@ class MapView {
     return svg("polyline", { class: name, points: text, "stroke-width": 2 * this.unit });
   }
 
-  driven(time) {
-    return this.line(this.model.track(time).map((pose) => [pose[1], pose[2]]), "driven");
+  /** The latest scans, as dots, if they are wanted and not older than the moment. */
+  scan(time) {
+    if (!this.scans.checked) return null;
+    const fresh = this.model.scans.filter((one) => Math.abs(one.time - time) <= SCANNED);
+    const dots = fresh.flatMap(({ points }) => points.map(([x, y]) => `M ${this.at(x, y).map((one) => one.toFixed(1)).join(" ")} h 0`));
+    return dots.length ? svg("path", { class: "scan", d: dots.join(" "), "stroke-width": 4 * this.unit }) : null;
   }
 
-  /** The robot's path to the next place, and straight lines to later places. */
-  ahead(time) {
-    const robots = this.model.robotsAt(time);
-    if (robots.length) return robots.map(({ name, pose }) => this.aheadOf(time, name, pose));
-    const labels = this.model.about.labels;
-    const pose = this.model.poseAt(time);
-    const under = this.model.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
-    const places = [...under, ...this.model.aheadAt(time)].map((action) => action.parameter).filter((name) => name in labels);
-    const points = [...(pose ? [[pose[1], pose[2]]] : []), ...places.map((name) => labels[name])];
-    const moving = under.some((action) => action.parameter in labels);
-    return [moving ? this.line(this.model.pathAt(time), "path") : null, points.length > 1 ? this.line(points, "ahead") : null];
+  driven(time, { name, colour }) {
+    const poses = name ? this.model.trackOf(name, time) : this.model.track(time).map((pose) => pose.slice(1, 3));
+    return this.line(poses, `driven ${colour}`);
   }
 
-  /** Straight lines to the next places of one of several robots: those of its actions, such as move_base(r1). */
-  aheadOf(time, name, pose) {
-    const labels = this.model.about.labels;
-    const under = this.model.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
-    const own = [...under, ...this.model.aheadAt(time)].filter((action) => action.interface.split(/[(,)]/).slice(1).includes(name));
-    const places = own.map((action) => action.parameter).filter((place) => place in labels);
-    return places.length ? this.line([[pose[0], pose[1]], ...places.map((place) => labels[place])], "ahead") : null;
+  /** The next moves of a robot: the first ones with numbers, the others faint; the first along its path if that is known. */
+  moves(time, { name, x, y, colour }) {
+    const moves = this.model.movesAt(time, name, [x, y]);
+    const legs = moves.map(({ action, from, to }, number) => {
+      const path = number || name ? [] : this.model.pathAt(time);
+      const end = path[path.length - 1];
+      const leads = end && Math.hypot(end[0] - to[0], end[1] - to[1]) < 1;
+      return { action, points: leads ? path : [from, to] };
+    });
+    const faint = legs.slice(NUMBERED).map(({ points }) => this.line(points, `ahead faint ${colour}`));
+    const near = legs.slice(0, NUMBERED);
+    return {
+      lines: [faint, near.map(({ points }) => this.line(points, `ahead ${colour}`)).reverse()],
+      numbers: near.map(({ action, points }, number) => this.number(number + 1, action.words, along(points, 0.6), colour)),
+    };
+  }
+
+  number(number, words, [x, y], colour) {
+    const [left, top] = this.at(x, y);
+    const size = 13 * this.unit;
+    return svg(
+      "g",
+      { class: `number ${colour}` },
+      svg("circle", { cx: left, cy: top, r: 9 * this.unit, "stroke-width": 2 * this.unit }),
+      svg("text", { x: left, y: top + size * 0.36, "font-size": size }, number),
+      svg("title", {}, `${number}. ${words}`)
+    );
   }
 
   ways(time) {
@@ -111,25 +170,27 @@ class MapView {
     return svg("line", { class: "barrier", x1: x - across, y1: y - down, x2: x + across, y2: y + down, "stroke-width": 5 * this.unit });
   }
 
-  text(words, [x, y], down, name) {
+  /** A text near a point, shortened; the whole text is its title. */
+  text(words, [x, y], down, name, most = 30) {
     const [left, top] = this.at(x, y);
     const size = 13 * this.unit;
-    return svg("text", { class: name, x: left, y: top + down * this.unit, "font-size": size, "stroke-width": size / 5 }, words);
+    const title = words.length > most ? svg("title", {}, words) : null;
+    return svg("text", { class: name, x: left, y: top + down * this.unit, "font-size": size, "stroke-width": size / 5 }, short(words, most), title);
   }
 
   labels(time) {
     const lying = new Map();
     for (const [name, place] of this.model.packagesAt(time)) lying.set(place, [...(lying.get(place) || []), name]);
-    const troubles = this.model.troublesAt(time);
+    const troubles = this.whole ? new Map() : this.model.troublesAt(time);
     const marks = this.model.marksAt(time);
     return Object.entries(this.model.about.labels).map(([name, point]) => {
       const [x, y] = this.at(...point);
       const trouble = troubles.get(name);
-      const words = (marks.get(name) || []).map((text) => [short(text, 30), "wayname"]);
-      if (trouble) words.push([`✕ ${short(trouble, 20)}`, "wayname bad"]);
+      const words = (marks.get(name) || []).map((text) => [text, "wayname"]);
+      if (trouble) words.push([`✕ ${trouble}`, "wayname bad"]);
       return [
         svg("circle", { class: trouble ? "label bad" : "label", cx: x, cy: y, r: 7 * this.unit }),
-        this.text(name, point, 22, "labelname"),
+        this.text(this.model.title(name), point, 22, "labelname"),
         words.map(([text, kind], number) => this.text(text, point, -12 - 16 * number, kind)),
         this.boxes(lying.get(name) || [], x, y + 30 * this.unit),
       ];
@@ -156,60 +217,94 @@ class MapView {
     });
   }
 
-  robot(time) {
-    const robots = this.model.robotsAt(time);
-    if (robots.length) return robots.map(({ name, pose }) => this.robotShape(time, [time, ...pose], name));
-    const believed = this.model.about.labels[this.model.believedPlaceAt(time)];
-    const pose = this.model.poseAt(time) || (believed && [time, ...believed]);
-    return pose ? this.robotShape(time, pose, "") : null;
-  }
-
-  robotShape(time, pose, name) {
-    const [x, y] = this.at(pose[1], pose[2]);
+  robotShape(time, { name, x: east, y: north, yaw, colour }) {
+    const [x, y] = this.at(east, north);
     const size = Math.max(9 * this.unit, 0.18 * this.scale);
     const carried = this.model.packagesAt(time).filter(([, place]) => place === name).map(([thing]) => thing);
     return [
-      name ? this.text(name, [pose[1], pose[2]], size / this.unit + 14, "labelname") : null,
+      name ? this.text(name, [east, north], -size / this.unit - 5, `robotname ${colour}`) : null,
       svg(
         "g",
-        { class: "robot", transform: `translate(${x} ${y}) rotate(${(-pose[3] * 180) / Math.PI})` },
+        { class: `robot ${colour}`, transform: `translate(${x} ${y}) rotate(${(-yaw * 180) / Math.PI})` },
         svg("circle", { r: size }),
-        svg("path", { d: `M ${0.9 * size} 0 L ${-0.4 * size} ${0.55 * size} L ${-0.1 * size} 0 L ${-0.4 * size} ${-0.55 * size} Z` })
+        svg("path", { d: `M ${0.9 * size} 0 L ${-0.4 * size} ${0.55 * size} L ${-0.1 * size} 0 L ${-0.4 * size} ${-0.55 * size} Z` }),
+        name ? svg("title", {}, name) : null
       ),
-      this.boxes(carried, x, y - size - 18 * this.unit),
+      this.boxes(carried, x, y - size - (name ? 35 : 18) * this.unit),
     ];
   }
 
-  words(time) {
-    const pose = this.model.poseAt(time);
-    const place = this.model.placeAt(time);
+  /** Several robots, each with its place, its load, and what it does now and next. */
+  list(time, robots) {
+    const several = robots.filter(({ name }) => name);
+    const lines = several.map((robot) => [robot, `${this.place(robot.x, robot.y)}${this.load(time, robot.name)}`, this.deeds(time, robot.name)]);
+    const key = JSON.stringify(lines);
+    if (key === this.listed) return;
+    this.listed = key;
+    show(this.robots, lines.map(([{ name, colour }, place, deeds]) => html("li", {}, html("strong", { class: `robotname ${colour}` }, name), ` ${place}`, deeds ? `; ${deeds}` : "")));
+  }
+
+  place(x, y) {
+    const label = this.model.labelAt(x, y);
+    return label ? `at ${this.model.title(label)}` : "on its way";
+  }
+
+  load(time, robot) {
+    const load = this.model.packagesAt(time).filter(([, place]) => place === robot).map(([thing]) => thing);
+    return load.length ? `, carries ${load.join(", ")}` : "";
+  }
+
+  /** What a robot does now and next. */
+  deeds(time, robot) {
+    if (this.whole) return "";
+    const { now, ahead } = this.model.dutiesAt(time, robot);
+    const parts = [now.map(({ deed }) => deed).join(", "), ahead.length ? `then ${ahead.slice(0, NUMBERED).map(({ deed }) => deed).join(", ")}` : ""];
+    return parts.filter(Boolean).join(", ");
+  }
+
+  words(time, robots) {
+    const names = robots.map(({ name }) => name);
     const lying = new Map();
     for (const [name, where] of this.model.packagesAt(time)) lying.set(where, [...(lying.get(where) || []), name]);
     const carried = lying.get("");
-    lying.delete("");
-    const robots = this.model.robotsAt(time);
-    const loads = robots.map(({ name }) => lying.get(name));
-    for (const { name } of robots) lying.delete(name);
-    const believed = this.model.believedPlaceAt(time);
-    const unseen = believed ? `According to the program, the robot is at ${believed}.` : "The robot's place was not recorded.";
-    const robot = !pose ? unseen : place ? `The robot is at ${place}.` : "The robot is on its way.";
-    const parts = robots.length ? [] : [robot];
-    robots.forEach(({ name, pose: [x, y] }, number) => {
-      const label = this.model.labelAt(x, y);
-      const load = loads[number] ? `, carries ${loads[number].join(", ")}` : "";
-      parts.push(`${name} is ${label ? `at ${label}` : "on its way"}${load}.`);
-    });
+    for (const name of ["", ...names]) lying.delete(name);
+    const parts = names[0] ? [] : [this.only(time)];
     if (carried) parts.push(`It carries ${carried.join(", ")}.`);
     if (lying.size) {
-      const places = [...lying].sort().map(([where, names]) => `${names.join(", ")} at ${where}`);
+      const places = [...lying].sort().map(([where, things]) => `${things.join(", ")} at ${this.model.title(where)}`);
       parts.push(`Things: ${places.join("; ")}.`);
     }
     for (const { kind, labels: [from, to], text } of this.model.waysAt(time)) {
       const said = text || (kind === "way" ? "" : kind);
-      if (said) parts.push(`${from} – ${to}: ${said}.`);
+      if (said) parts.push(`${this.model.title(from)} – ${this.model.title(to)}: ${said}.`);
     }
-    for (const [label, words] of this.model.marksAt(time)) parts.push(`${label}: ${words.join(", ")}.`);
-    for (const [label, value] of this.model.troublesAt(time)) parts.push(`Not reached: ${label} (${value}).`);
+    for (const [label, marks] of this.model.marksAt(time)) parts.push(`${this.model.title(label)}: ${marks.join(", ")}.`);
+    if (!this.whole) for (const [label, value] of this.model.troublesAt(time)) parts.push(`Not reached: ${this.model.title(label)} (${value}).`);
     return parts.join(" ");
   }
+
+  /** Where the only robot is; of the whole run, its way. */
+  only(time) {
+    const pose = this.model.poseAt(time);
+    const believed = this.model.believedPlaceAt(time);
+    const unseen = believed ? `According to the program, the robot is at ${this.model.title(believed)}.` : "The robot's place was not recorded.";
+    if (!pose) return unseen;
+    const label = this.model.placeAt(time);
+    const here = label ? `The robot is at ${this.model.title(label)}.` : "The robot is on its way.";
+    return this.whole ? `The whole way: ${pose[4].toFixed(1)} m. ${here}` : here;
+  }
+}
+
+/** The point of a line at a part of its length. */
+function along(points, part) {
+  const lengths = points.slice(1).map(([x, y], number) => Math.hypot(x - points[number][0], y - points[number][1]));
+  let left = part * lengths.reduce((sum, length) => sum + length, 0);
+  for (let number = 0; number < lengths.length; number += 1) {
+    if (left <= lengths[number]) {
+      const share = lengths[number] ? left / lengths[number] : 0;
+      return [0, 1].map((axis) => points[number][axis] + share * (points[number + 1][axis] - points[number][axis]));
+    }
+    left -= lengths[number];
+  }
+  return points[points.length - 1];
 }

@@ -2,7 +2,8 @@
 // The model of a run: its state at any moment, for the views. Its input is the JSON of runs/run_view.py, complete in a
 // report, incremental on the live page. Times are seconds since the beginning of the run.
 
-const TABLES = ["goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log"];
+const TABLES = ["goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "scans", "log"];
+const NEWS = new Set(["request", "cancel", "return", "fact"]); // kinds of lines of the log after which a plan is made
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
 /** The index of the last record not later than a moment, in a list ordered by time; -1 if there is none. */
@@ -15,6 +16,13 @@ function lastAt(list, time, timeOf = (one) => one.time) {
     else high = middle;
   }
   return low - 1;
+}
+
+/** The middle of some values. */
+function median(values) {
+  const sorted = [...values].sort((one, other) => one - other);
+  const middle = sorted.length >> 1;
+  return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
 }
 
 /** The text by which the records of an action are found. */
@@ -33,6 +41,8 @@ class RunModel {
     this.about = { labels: {}, titles: {}, map: null, run: 1, statuses: {} };
     this.seconds = 0;
     this.revision = 0;
+    this.pace = null; // seconds of the run's clock in a second, null if unknown
+    this.paces = [];
     this.thinned = 0;
     this.terms = [];
     this.shapes = [];
@@ -40,9 +50,10 @@ class RunModel {
     for (const name of TABLES) this[name] = [];
   }
 
-  /** Merge changes. */
-  merge(changes) {
+  /** Merge changes, at a moment of the browser's clock (ms) on a live page. */
+  merge(changes, now = null) {
     if (changes.about) this.about = changes.about;
+    if (now !== null) this.measure(now, changes.seconds);
     this.seconds = changes.seconds;
     this.revision = changes.revision;
     this.thinned = changes.thinned;
@@ -51,6 +62,13 @@ class RunModel {
     this.poses.length = changes.first;
     for (const pose of changes.poses) this.poses.push(pose);
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
+  }
+
+  /** Measure the pace of the run's clock over some seconds. */
+  measure(now, at) {
+    this.paces = [...this.paces.filter(([then]) => now - then <= 20000), [now, at]];
+    const [then, before] = this.paces[0];
+    if (now - then >= 5000) this.pace = (at - before) / ((now - then) / 1000);
   }
 
   /** The status of a goal for people. */
@@ -63,6 +81,24 @@ class RunModel {
     return this.about.titles[label] || label;
   }
 
+  /** The number of a robot, for its colour. */
+  colour(robot) {
+    return `r${Math.max(0, this.robotNames().indexOf(robot)) % 8}`;
+  }
+
+  /** The names of several robots: those with places, else those of the actions. */
+  robotNames() {
+    const size = [this.robots.length, this.shapes.length, this.words.length, this.born].join();
+    if (this.named !== size) {
+      this.named = size;
+      const placed = [...this.robots.map(({ robot }) => robot), ...this.shapes.filter(({ kind }) => kind === "robot").map(({ text }) => text)];
+      const acting = this.words.flatMap(({ robots }) => robots);
+      const found = new Set(placed.filter(Boolean));
+      this.names = [...(found.size ? found : new Set(acting))].sort();
+    }
+    return this.names;
+  }
+
   /** The robot's pose: [time, x, y, yaw, driven metres], null if unknown. */
   poseAt(time) {
     const number = lastAt(this.poses, time, (pose) => pose[0]);
@@ -71,6 +107,11 @@ class RunModel {
 
   track(time) {
     return this.poses.slice(0, lastAt(this.poses, time, (pose) => pose[0]) + 1);
+  }
+
+  /** The places of one of several robots up to a moment. */
+  trackOf(name, time) {
+    return this.robots.slice(0, lastAt(this.robots, time) + 1).filter(({ robot }) => robot === name).map(({ pose }) => pose);
   }
 
   /** The robot's label, "" away from all labels. */
@@ -127,6 +168,68 @@ class RunModel {
         const under = one.ended === null || one.ended > time;
         return { ...one, word: this.words[one.action], state: under ? "now" : one.failed ? "failed" : one.preempted ? "gone" : "done" };
       });
+  }
+
+  /** The actions that run, then those of the plan that have not begun; of one robot if its name is given. */
+  dutiesAt(time, robot = "") {
+    const mine = (action) => !robot || action.robots.includes(robot);
+    const now = this.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
+    return { now: now.filter(mine), ahead: this.aheadAt(time).filter(mine) };
+  }
+
+  /** The next places of a robot's actions, each with its action, without places next to the one before. */
+  movesAt(time, robot, [x, y]) {
+    const { now, ahead } = this.dutiesAt(time, robot);
+    const moves = [];
+    let last = [x, y];
+    for (const action of [...now, ...ahead]) {
+      const label = this.about.labels[action.parameter];
+      if (!label || Math.hypot(label[0] - last[0], label[1] - last[1]) < 0.1) continue;
+      moves.push({ action, from: last, to: label.slice(0, 2) });
+      last = label;
+    }
+    return moves;
+  }
+
+  /** How long actions took until a moment: a function from an action to the median of the same ones, of its kind, or of all. */
+  usualAt(time) {
+    const lengths = new Map();
+    for (const one of this.actionsAt(time)) {
+      if (one.state !== "done") continue;
+      for (const key of [`=${one.word.words}`, one.word.kind, ""]) {
+        if (!lengths.has(key)) lengths.set(key, []);
+        lengths.get(key).push(one.ended - one.begun);
+      }
+    }
+    return (action) => median(lengths.get(`=${action.words}`) || lengths.get(action.kind) || lengths.get("") || [5]);
+  }
+
+  /** The moment of the latest request, return or fact up to a moment; null before the first. */
+  newsAt(time) {
+    const known = [this.log.length, this.born].join();
+    if (this.read !== known) {
+      this.read = known;
+      this.news = this.log.filter(({ kind }) => NEWS.has(kind)).map((line) => line.time);
+    }
+    const number = lastAt(this.news, time, (one) => one);
+    return number < 0 ? null : this.news[number];
+  }
+
+  /** The searches for plans up to a moment: {begun, ended, wall (seconds of the solver)}; each begins with the latest news. */
+  searchesAt(time) {
+    const plans = this.cycles.flatMap((cycle) => cycle.plans).filter((plan) => plan.time <= time);
+    return plans.map((plan) => {
+      const news = this.newsAt(plan.time);
+      return { begun: news === null ? plan.time : news, ended: plan.time, wall: (plan.ground || 0) + (plan.solve || 0) };
+    });
+  }
+
+  /** Since when the robot waits for a plan, null if it does not: no plan followed the latest news, and no action runs. */
+  thinkingAt(time) {
+    const found = this.planAt(time);
+    const news = this.newsAt(time);
+    if (news === null || time - news < 1 || (found && found.plan.time >= news) || this.dutiesAt(time).now.length) return null;
+    return this.goals.some((goal) => (this.goalAt(goal, time) || {}).open) ? news : null;
   }
 
   /** The state of a goal: {word, reason, waited}; null before it was sent. */

@@ -1,19 +1,22 @@
 "use strict";
-// All views of a run, finished or live, at the moment of the slider.
+// All views of a run at the moment of the slider. A report begins with the whole run; the live page follows the present,
+// and has a slider only while one looks back.
 
 class Player {
-  constructor(model) {
+  constructor(model, live = false) {
     this.model = model;
-    this.time = model.seconds;
-    this.following = true; // follows the end of the run
+    this.live = live;
+    this.time = 0;
+    this.home = true; // shows the whole run, or follows the present
     const seek = (time) => this.seek(time);
     const part = (name) => document.getElementById(name);
     this.goals = new GoalsView(part("goals"), model);
+    this.map = new MapView(part("map"), model);
     this.views = [
-      new MapView(part("map"), model),
+      this.map,
       new TimelineView(part("timeline"), model, seek),
       this.goals,
-      new CycleView(part("cycle"), model),
+      new PlanView(part("plan"), model),
       new LogView(part("log"), model, seek),
     ];
     this.charts = new ChartsView(part("charts"), model);
@@ -29,8 +32,7 @@ class Player {
     this.title();
     this.slider.max = Math.max(this.model.seconds, 0.1);
     this.charts.draw();
-    if (this.following) this.seek(this.model.seconds);
-    else this.draw();
+    this.show();
   }
 
   title() {
@@ -38,13 +40,14 @@ class Player {
     document.title = title || "A run";
     say(document.getElementById("title"), title || "A run");
     const found = figures(this.model);
-    const ends = [...found.ends].map(([word, number]) => `${number} ${word}`).join(", ");
+    const ends = [...found.ends].map(([word, number]) => `${number} ${this.model.said(word)}`).join(", ");
     const words = [
       `${count(this.model.goals.length, "goal", "goals")}${ends ? `: ${ends}` : ""}`,
       seconds(this.model.seconds),
       count(this.model.cycles.length, "cycle", "cycles"),
       found.metres === null ? null : `${found.metres.toFixed(1)} m driven`,
-      this.model.timed ? `solver ${brief(found.total)}` : null,
+      this.model.timed ? `${brief(found.total)} of search for plans` : null,
+      this.pace(),
       source,
       lacks ? `Not shown: ${lacks}.` : null,
     ];
@@ -56,8 +59,16 @@ class Player {
     show(box, verdict.length ? [html("strong", {}, "Not as expected"), html("ul", {}, verdict.map((one) => html("li", {}, one)))] : html("strong", {}, "As expected"));
   }
 
+  /** How fast the clock of a live run goes, if it does not keep to real time. */
+  pace() {
+    const { pace } = this.model;
+    return pace === null || Math.abs(pace - 1) < 0.15 ? null : `the clock runs at ${pace.toFixed(1)} × real time`;
+  }
+
   controls(part) {
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
+    this.whole = part("whole");
+    this.whole.addEventListener("click", () => (this.home ? this.look(this.live ? this.model.seconds : 0) : this.goHome()));
     this.play = part("play");
     this.play.addEventListener("click", () => this.toggle());
     part("before").addEventListener("click", () => this.step(-1));
@@ -67,7 +78,7 @@ class Player {
   }
 
   key(event) {
-    if (/^(INPUT|SELECT|BUTTON|TEXTAREA)$/.test(event.target.tagName) || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (/^(INPUT|SELECT|BUTTON|TEXTAREA|SUMMARY)$/.test(event.target.tagName) || event.ctrlKey || event.altKey || event.metaKey) return;
     const act = { " ": () => this.toggle(), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1) }[event.key];
     if (!act) return;
     event.preventDefault();
@@ -77,7 +88,8 @@ class Player {
   /** Go to the next or previous cycle. */
   step(by) {
     const moments = [0, ...this.model.cycles.map((cycle) => cycle.time), this.model.seconds];
-    const other = by > 0 ? moments.find((time) => time > this.time + 1e-6) : moments.filter((time) => time < this.time - 1e-6).pop();
+    const here = !this.home ? this.time : this.live ? this.model.seconds : -1;
+    const other = by > 0 ? moments.find((time) => time > here + 1e-6) : moments.filter((time) => time < here - 1e-6).pop();
     if (other !== undefined) this.seek(other);
   }
 
@@ -86,7 +98,7 @@ class Player {
       window.cancelAnimationFrame(this.playing);
       this.playing = null;
     } else {
-      if (this.time >= this.model.seconds) this.seek(0);
+      if (this.home || this.time >= this.model.seconds) this.seek(0);
       let last = null;
       const frame = (now) => {
         const speed = Number(document.getElementById("speed").value);
@@ -94,25 +106,51 @@ class Player {
           this.seek(this.time + (last === null ? 0 : ((now - last) / 1000) * speed));
           last = now;
         }
-        if (this.time < this.model.seconds) this.playing = window.requestAnimationFrame(frame);
-        else this.toggle();
+        if (!this.home && this.time < this.model.seconds) this.playing = window.requestAnimationFrame(frame);
+        else if (this.playing !== null) this.toggle();
       };
       this.playing = window.requestAnimationFrame(frame);
     }
     this.play.textContent = this.playing === null ? "Play" : "Pause";
   }
 
+  /** Show a moment; at the end, the live page follows the present again. */
   seek(time) {
+    if (this.live && time >= this.model.seconds) this.goHome();
+    else this.look(time);
+  }
+
+  look(time) {
+    this.home = false;
     this.time = Math.min(Math.max(time, 0), this.model.seconds);
-    this.following = this.time >= this.model.seconds;
-    this.slider.value = this.time;
+    this.show();
+  }
+
+  /** Show the whole run, or follow the present. */
+  goHome() {
+    if (this.playing !== null) this.toggle();
+    this.home = true;
+    this.time = this.live ? this.model.seconds : 0;
+    this.show();
+  }
+
+  show() {
+    const { seconds: end } = this.model;
+    if (this.home && this.live) this.time = end;
     const cycle = this.model.cycles[this.model.cycleAt(this.time)];
-    this.clock.textContent = `${seconds(this.time)}${cycle ? ` · cycle ${cycle.cycle}` : ""}`;
+    const moment = `${seconds(this.time)}${cycle ? ` · cycle ${cycle.cycle}` : ""}`;
+    this.slider.value = this.time;
+    say(this.clock, this.home && !this.live ? `whole run, ${seconds(end)}` : moment);
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
+    say(this.whole, this.live ? (this.home ? "Look back" : "Back to the present") : "Whole run");
+    this.whole.setAttribute("aria-pressed", String(this.home && !this.live));
+    document.getElementById("controls").classList.toggle("following", this.home && this.live);
+    say(document.getElementById("planhead"), this.home && !this.live ? "The run" : "Plan");
     this.draw();
   }
 
   draw() {
-    for (const view of this.views) view.draw(this.time);
+    const whole = this.home && !this.live;
+    for (const view of this.views) view.draw(whole ? this.model.seconds : this.time, whole);
   }
 }

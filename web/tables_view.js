@@ -1,5 +1,5 @@
 "use strict";
-// Tables: goals, the present cycle and the log.
+// Tables: goals, the plan and the log.
 
 const STATE_MARKS = { done: "✓", now: "▶", failed: "✕", gone: "–", ahead: "○" };
 
@@ -9,8 +9,9 @@ class GoalsView {
     this.rows = new Map(); // by the goal's id
     this.mine = () => false; // whether this page can cancel a goal, and the function that does
     this.cancel = () => undefined;
+    this.open = new Set(); // ids of goals whose terms are shown
     this.body = html("tbody");
-    const heads = ["goal", "state", "since it was sent", "reason"].map((words) => html("th", { scope: "col" }, words));
+    const heads = ["goal", "state", "duration", "reason"].map((words) => html("th", { scope: "col" }, words));
     this.none = html("p", { class: "caption" }, "No goals yet.");
     show(parent, html("table", { class: "goals" }, html("thead", {}, html("tr", {}, heads)), this.body), this.none);
   }
@@ -27,17 +28,21 @@ class GoalsView {
   row(goal, state) {
     if (!state) return null;
     if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
-    const { row, name, word, waited, reason, terms, last, cancel } = this.rows.get(goal.id);
+    const { row, name, word, waited, reason, last, cancel } = this.rows.get(goal.id);
     const offered = goal.ended === null && state.word !== "canceling" && this.mine(goal);
     if (offered && !cancel.isConnected) last.append(cancel);
     if (!offered) cancel.remove();
+    const plain = [goal.request === goal.words ? "" : goal.request, state.details];
+    const terms = plain.filter(Boolean).join("\n");
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
-    say(name, goal.words);
+    if (name.words !== goal.words || name.terms !== terms) {
+      [name.words, name.terms] = [goal.words, terms];
+      show(name, folded(goal.words, terms, this.open, goal.id));
+    }
     say(word, this.model.said(state.word));
     word.className = `state ${state.word}`;
     say(waited, seconds(state.waited));
     say(reason, speaks ? state.reason : "");
-    say(terms, [goal.request, speaks ? state.details : ""].filter(Boolean).join("\n"));
     return row;
   }
 
@@ -45,71 +50,119 @@ class GoalsView {
     const [word, waited, reason] = [html("span"), html("td", { class: "number" }), html("span")];
     const cancel = html("button", { type: "button", onclick: () => this.cancel(goal) }, "Cancel");
     cancel.setAttribute("aria-label", `Cancel ${goal.words}`);
-    const [name, terms] = [html("span"), html("code")];
-    const head = html("th", { scope: "row" }, name, html("details", {}, html("summary", {}, "details"), terms));
+    const name = html("th", { scope: "row" });
     const last = html("td", {}, reason);
-    return { row: html("tr", {}, head, html("td", {}, word), waited, last), name, word, waited, reason, terms, last, cancel };
+    return { row: html("tr", {}, name, html("td", {}, word), waited, last), name, word, waited, reason, last, cancel };
   }
 }
 
-class CycleView {
+const BEFORE = 3; // actions of a plan that are shown before the present one
+const NEXT = 8; // and from it on; the others fold away
+
+/** The plan of a moment; of the whole run, its overview. */
+class PlanView {
   constructor(parent, model) {
     this.model = model;
     this.parent = parent;
     this.shown = null;
+    this.open = new Set(); // keys of what is unfolded
   }
 
-  draw(time) {
+  draw(time, whole = false) {
     const cycle = this.model.cycles[this.model.cycleAt(time)];
     const plan = this.model.planAt(time);
     const states = this.model.actionsAt(time).slice(-30).map((one) => one.state);
     const problems = cycle ? cycle.problems.filter(([at]) => at <= time).length : 0;
-    const what = JSON.stringify([cycle, plan && [plan.cycle.cycle, plan.number], states, problems, this.model.beliefsAt(time)]);
+    const since = whole ? null : this.model.thinkingAt(time);
+    const waits = since === null ? 0 : Math.floor(time - since);
+    const known = plan && [plan.cycle.cycle, plan.number, plan.actions.map(({ words }) => words)];
+    const what = JSON.stringify([whole, cycle, known, states, problems, waits, whole ? time : this.model.beliefsAt(time)]);
     if (what === this.shown) return; // preserves the scroll position
     this.shown = what;
-    if (!cycle) {
-      show(this.parent, html("p", { class: "caption" }, "No cycle has begun yet."));
-      return;
-    }
-    const runs = this.model.about.run > 1 ? `, start ${cycle.run} of the core` : "";
-    show(
-      this.parent,
-      html("p", { class: "caption" }, `Cycle ${cycle.cycle}${runs}, since ${seconds(cycle.time)}`),
-      html("h3", {}, "Update"),
-      html("pre", {}, cycle.updates.join("\n") || "none yet"),
-      this.plan(time),
-      this.problems(cycle, time),
-      this.beliefs(time)
-    );
+    if (!cycle) show(this.parent, html("p", { class: "caption" }, "No cycle has begun yet."));
+    else if (whole) show(this.parent, this.overview());
+    else show(this.parent, this.thinking(since, waits), this.plan(plan, cycle, time), this.problems(cycle, time), this.details(cycle, plan, time));
   }
 
-  plan(time) {
-    const found = this.model.planAt(time);
-    if (!found) return null;
-    const { plan, cycle } = found;
+  /** The whole run in figures. */
+  overview() {
+    const { ends, metres, total, longest, waits } = figures(this.model);
+    const rows = [
+      ["goals", [...ends].map(([word, number]) => `${number} ${this.model.said(word)}`).join(", ") || "none"],
+      ["time", seconds(this.model.seconds)],
+      waits.length ? ["goals took", spread(waits)] : null,
+      ["actions", actionCounts(this.model)],
+      metres === null ? null : ["driven", `${metres.toFixed(1)} m`],
+      this.model.timed ? ["search for plans", `${brief(total)} of the solver, at most ${brief(longest)} for a cycle`] : null,
+    ];
+    return html("dl", {}, rows.filter(Boolean).map(([name, words]) => [html("dt", {}, name), html("dd", {}, words)]));
+  }
+
+  thinking(since, waits) {
+    return since === null ? null : html("p", { class: "thinking", role: "status" }, `Searching for a plan for ${seconds(waits)}.`);
+  }
+
+  plan(found, cycle, time) {
+    if (!found) return html("p", { class: "caption" }, "No plan yet.");
     const begun = this.model.begunAt(time, cycle.cycle);
     const items = found.actions.map((action) => {
       const one = begun.get(wordOf(action));
       const state = one ? one.state : action.cycle < cycle.cycle ? "done" : "ahead";
       const end = one && (one.state === "failed" || one.state === "gone") ? `: ${one.value}` : "";
-      return html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${action.words}${end}`);
+      return [state, html("li", { class: state, value: action.cycle }, `${STATE_MARKS[state]} ${action.words}${end}`)];
     });
-    const times = plan.ground === null ? "" : `; grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}`;
-    const which = cycle.plans.length > 1 ? `; plan ${found.number + 1} of ${cycle.plans.length} in cycle ${cycle.cycle}` : "";
-    const list = items.length ? html("ol", { class: "plan" }, items) : html("p", {}, "Nothing to do.");
-    return [html("h3", {}, "Plan"), list, html("p", { class: "caption" }, `Horizon ${plan.horizon}${times}${which}.`)];
+    if (!items.length) return html("p", {}, "Nothing to do.");
+    const present = items.findIndex(([state]) => state === "now" || state === "ahead");
+    const from = Math.max(0, (present < 0 ? items.length : present) - BEFORE);
+    const [first, last] = [from > 1 ? from : 0, from + BEFORE + NEXT < items.length - 1 ? from + BEFORE + NEXT : items.length];
+    const list = (some) => html("ol", { class: "plan" }, some.map(([, item]) => item));
+    return [
+      first ? this.fold("earlier", count(first, "earlier action", "earlier actions"), list(items.slice(0, first))) : null,
+      list(items.slice(first, last)),
+      last < items.length ? this.fold("later", count(items.length - last, "later action", "later actions"), list(items.slice(last))) : null,
+    ];
   }
 
   problems(cycle, time) {
-    const lines = cycle.problems.filter(([at]) => at <= time).map(([, text, terms]) => html("li", {}, text, details(terms)));
-    return lines.length ? [html("h3", {}, "Log"), html("ul", {}, lines)] : null;
+    const lines = cycle.problems.filter(([at]) => at <= time);
+    const items = lines.map(([at, text, terms]) => html("li", {}, folded(text, terms, this.open, `${cycle.cycle} ${at} ${text}`)));
+    return lines.length ? [html("h3", {}, "Messages"), html("ul", {}, items)] : null;
   }
 
-  beliefs(time) {
+  /** The cycle in the program's terms. */
+  details(cycle, found, time) {
+    const runs = this.model.about.run > 1 ? `, start ${cycle.run} of the core` : "";
     const atoms = this.model.beliefsAt(time);
-    if (!atoms.length) return null;
-    return [html("h3", {}, "Beliefs"), html("p", { class: "atoms" }, atoms.map((atom) => [html("code", {}, atom), " "]))];
+    return this.fold(
+      "details",
+      "details",
+      html("p", { class: "caption" }, `Cycle ${cycle.cycle}${runs}, since ${seconds(cycle.time)}. ${found ? planWords(found) : ""}`),
+      found && found.actions.length ? [html("h3", {}, "Plan"), html("pre", {}, found.actions.map(({ term }) => term).join("\n"))] : null,
+      [html("h3", {}, "Update"), html("pre", {}, cycle.updates.join("\n") || "none yet")],
+      atoms.length ? [html("h3", {}, "Beliefs"), html("p", { class: "atoms" }, atoms.map((atom) => [html("code", {}, atom), " "]))] : null
+    );
   }
+
+  /** What is unfolded by a click, and stays so. */
+  fold(key, words, ...children) {
+    const whole = html("details", { class: "more", open: this.open.has(key) ? "" : null }, html("summary", {}, words), children);
+    whole.addEventListener("toggle", () => (whole.open ? this.open.add(key) : this.open.delete(key)));
+    return whole;
+  }
+}
+
+function planWords({ plan, cycle, number }) {
+  const times = plan.ground === null ? "" : `, grounding ${brief(plan.ground)}, searching ${brief(plan.solve)}`;
+  const which = cycle.plans.length > 1 ? `, plan ${number + 1} of ${cycle.plans.length} in cycle ${cycle.cycle}` : "";
+  return `Horizon ${plan.horizon}${times}${which}.`;
+}
+
+/** The numbers of actions by their ends. */
+function actionCounts(model) {
+  const states = model.actionsAt(model.seconds).map(({ state }) => state);
+  const named = [["done", "done"], ["failed", "failed"], ["gone", "ended early"], ["now", "running"]];
+  const parts = named.map(([state, words]) => [states.filter((one) => one === state).length, words]).filter(([number]) => number);
+  return parts.map(([number, words]) => `${number} ${words}`).join(", ") || "none";
 }
 
 const LOG_LINES = 300;
@@ -125,12 +178,14 @@ class LogView {
     this.earlier = more("Earlier lines", -LOG_LINES / 2);
     this.later = more("Later lines", LOG_LINES / 2);
     [this.first, this.past, this.known, this.now] = [0, 0, 0, -1];
+    this.open = new Set(); // numbers of lines whose terms are shown
     window.addEventListener("beforeprint", () => this.show(0, this.model.log.length));
     show(parent, html("div", { class: "row tools" }, this.earlier, this.later), this.list);
   }
 
-  draw(time) {
-    const now = lastAt(this.model.log, time);
+  /** Mark the line of a moment; of the whole run, none. */
+  draw(time, whole = false) {
+    const now = whole ? -1 : lastAt(this.model.log, time);
     const inside = now >= this.first && now < this.past;
     if (!inside || this.known !== this.model.log.length || this.born !== this.model.born) {
       this.born = this.model.born;
@@ -147,7 +202,7 @@ class LogView {
     this.known = all;
     this.first = Math.max(0, Math.min(Math.round(first), all - lines));
     this.past = Math.min(all, this.first + lines);
-    show(this.list, this.model.log.slice(this.first, this.past).map((entry) => this.line(entry)));
+    show(this.list, this.model.log.slice(this.first, this.past).map((entry, number) => this.line(entry, this.first + number)));
     this.earlier.hidden = this.first === 0;
     this.later.hidden = this.past === all;
     this.mark(this.now);
@@ -166,15 +221,15 @@ class LogView {
     }
   }
 
-  line({ time, cycle, kind, text, details: terms }) {
-    const moment = html("button", { type: "button", class: "moment", onclick: () => this.seek(time) }, `${time.toFixed(1)} s`);
+  line({ time, cycle, kind, text, details }, number) {
+    const moment = html("button", { type: "button", class: "moment", onclick: () => this.seek(time) }, seconds(time));
     return html(
       "li",
       { class: `entry ${kind}` },
       moment,
       html("span", { class: "number" }, `${cycle}`),
       html("span", { class: "kind" }, kind),
-      html("span", { class: "text" }, text, details(terms))
+      html("span", { class: "text" }, folded(text, details, this.open, number))
     );
   }
 }

@@ -14,9 +14,14 @@ def plan_of(*words):
     return ["_action_lib({},{},{})".format(*word.split(), cycle) for cycle, word in enumerate(words, 1)]
 
 
-def delivery():
-    """Return one goal that is met after four actions, the third of which failed once, beginning at 100 s."""
+def delivery(program=None):
+    """Return one goal that is met after four actions, the third of which failed once, beginning at 100 s.
+
+    ``program`` is the text of the core's program, for its sentences.
+    """
     view = RunView({"labels": LABELS, "title": "A delivery"})
+    if program is not None:
+        view.program(90.0, program)
     cells = np.zeros((40, 120), np.int8)
     cells[0] = cells[-1] = cells[:, 0] = cells[:, -1] = 100
     view.floor(map_image(cells.ravel().tolist(), 120, 0.05, (0.0, 0.0, 0.0)))

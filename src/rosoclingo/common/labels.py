@@ -95,11 +95,6 @@ class LabelTable:
         """All names, in the table's order."""
         return tuple(self._labels)
 
-    @property
-    def titles(self) -> Dict[str, str]:
-        """The titles by name, of labels that have one."""
-        return {label.name: label.title for label in self if label.title}
-
     def nearest(self, x: float, y: float, tolerance: float) -> Optional[Label]:
         """Return the label nearest to (x, y) within `tolerance` metres, None if there is none."""
         label = min(self, key=lambda each: each.distance(x, y), default=None)

@@ -8,7 +8,8 @@ from rosoclingo.runs.events import GoalReport, RunEvents
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import yaw_of
 from rosoclingo.runs.recorded_run import problem_in
-from rosoclingo.runs.topic_atoms import run_in
+from rosoclingo.runs.sentences import actors_of
+from rosoclingo.runs.topic_atoms import action_in, run_in
 from rosoclingo.runs.topic_names import full_name
 
 __all__ = ["PATHS", "RunTopics"]
@@ -72,6 +73,7 @@ class RunTopics:
 
     def _plan(self, time: float, message: Any) -> None:
         times = (message.ground_time, message.solve_time)
+        self._pose.name_robots(robot for one in map(action_in, message.actions) if one for robot in actors_of(one))
         self.events.plan(time, message.cycle, message.horizon, message.actions, times)
 
     def _dispatched(self, time: float, message: Any) -> None:
@@ -80,6 +82,10 @@ class RunTopics:
             return
         for run in filter(None, map(run_in, message.facts)):  # the core announces its run
             self.events.begin(run)
+
+    def scan(self, time: float, topic: str, message: Any) -> None:
+        """Pass on a scan of a laser (sensor_msgs/LaserScan)."""
+        self.events.scan(time, topic, self._pose.points_of(message))
 
     def _packages(self, time: float, message: Any) -> None:
         self.events.packages(time, ((one.id, one.location) for one in message.packages))

@@ -103,6 +103,9 @@ class RunEvents:
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
         """Handle the robot's planned path (m)."""
 
+    def scan(self, time: float, topic: str, points: Sequence[Tuple[float, float]]) -> None:
+        """Handle the scan of a laser, points in the map (m)."""
+
     def floor(self, image: Optional[Dict[str, Any]]) -> None:
         """Handle the image of the map, None for a map without cells."""
 

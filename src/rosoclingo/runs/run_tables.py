@@ -132,9 +132,9 @@ class PlannedActions:
         """Replace the sentences of all actions."""
         self._sentences = sentences
         for text, number in self._numbers.items():
-            words = self.words(text)
-            if self._table[number]["words"] != words:
-                self._table.change(number)["words"] = words
+            entry = self._entry(text)
+            if self._table[number] != entry:
+                self._table.change(number).update(entry)
 
     def words(self, text: str) -> str:
         """Return the sentence for an ``_action_lib`` atom; any other text unchanged."""
@@ -144,21 +144,29 @@ class PlannedActions:
     def number(self, text: str) -> int:
         """Return the number of an ``_action_lib`` atom."""
         if text not in self._numbers:
-            self._numbers[text] = self._table.add(**_terms_of(text), words=self.words(text))
+            self._numbers[text] = self._table.add(**self._entry(text))
         return self._numbers[text]
 
     def numbers(self, texts: Sequence[str]) -> List[int]:
         """Return the numbers of ``_action_lib`` atoms."""
         return [self.number(text) for text in texts]
 
-
-def _terms_of(text: str) -> Record:
-    """Return interface, parameter, cycle and robots of an ``_action_lib`` atom; of any other text, the text."""
-    action = action_in(text)
-    if action is None:
-        return {"interface": shortened(text), "parameter": "", "cycle": 0, "robots": []}
-    name, parameter = action.interface_name, name_of(action.parameter)
-    return {"interface": name, "parameter": parameter, "cycle": action.cycle, "robots": actors_of(action)}
+    def _entry(self, text: str) -> Record:
+        """Return the terms and the words of an ``_action_lib`` atom; of any other text, the text."""
+        action = action_in(text)
+        if action is None:
+            words = dict.fromkeys(("interface", "term", "words", "deed", "kind"), shortened(text))
+            return {**words, "parameter": "", "cycle": 0, "robots": []}
+        return {
+            "interface": action.interface_name,
+            "parameter": name_of(action.parameter),
+            "cycle": action.cycle,
+            "robots": actors_of(action),
+            "term": shortened(text),
+            "words": self.words(text),
+            "deed": shortened(self._sentences.deed(action)),
+            "kind": shortened(self._sentences.kind(action)),
+        }
 
 
 class Track:

@@ -29,6 +29,9 @@ FORMAT = 2
 #: Limit of characters of an external text on a page.
 SHOWN = 2000
 
+#: Limit of actions of a plan in a line of the log.
+LISTED = 8
+
 #: Minimum interval in seconds between two recorded paths to the same place.
 PATHS_APART = 5.0
 
@@ -41,6 +44,9 @@ PENDING, WAITING = "pending", "waiting"
 #: Beliefs that other log lines report.
 _REPORTED = (ACTION_LIB + "(", STATUS + "(")
 
+#: Limit of lasers whose scans are shown.
+MOST_SCANS = 20
+
 #: Limit of records of all tables together, above which a live page keeps only open goals.
 MOST = 50000
 
@@ -52,7 +58,8 @@ class RunView(RunEvents):
     seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to the log.
 
     Goals, actions, reasons and lines of the log are in the program's sentences. A goal has ``words`` and its term as
-    ``request``, an action ``words`` and its terms. A state of a goal is [seconds, status, reason, details], a problem
+    ``request``, an action ``words``, its ``deed`` without the robots, its ``kind`` without the
+    parameter, and its terms. A state of a goal is [seconds, status, reason, details], a problem
     [seconds, text, details]; ``details`` is the text with terms, empty if it is the same.
 
     Attributes:
@@ -74,7 +81,7 @@ class RunView(RunEvents):
         self._about_changed = 1
         self.tables = {
             name: Table(self._revision)
-            for name in ("goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "log")
+            for name in ("goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "scans", "log")
         }
         self._terms, self._shapes = Words(), Words(json.loads)
         self._planned_actions = PlannedActions(self.tables["words"])
@@ -85,6 +92,7 @@ class RunView(RunEvents):
         self.positions: Dict[str, Point] = {}
         self._track = Track()
         self._tracks: Dict[str, Track] = {}
+        self._scans: Dict[str, int] = {}
         self._log, self._with_state = RunLog(self._enter), with_state
         self._goals: Dict[str, int] = {}
         self._history: Set[str] = set()  # goals that ended before this view
@@ -220,7 +228,8 @@ class RunView(RunEvents):
         plan = {"time": now, "horizon": horizon, "actions": planned, "ground": ground, "solve": solve}
         self._cycle(cycle, now)["plans"].append(plan)
         ahead = [one for one in map(action_in, actions) if one is not None and one.cycle >= cycle]
-        words = ", ".join(map(self.sentences.of, ahead)) or "nothing to do"
+        more = [f"and {len(ahead) - LISTED} more"] if len(ahead) > LISTED else []
+        words = ", ".join([*map(self.sentences.of, ahead[:LISTED]), *more]) or "nothing to do"
         first = not self._updated and not actions
         late = not self._updated and not self._planned and (cycle > 1 or bool(actions))
         self._planned = True
@@ -306,6 +315,14 @@ class RunView(RunEvents):
         now, last = self._now(time), self.tables["paths"].last
         if last is None or last["points"][-1:] != kept[-1:] or now - last["time"] >= PATHS_APART:
             self.tables["paths"].add(time=now, points=kept)
+
+    def scan(self, time: float, topic: str, points: Sequence[Tuple[float, float]]) -> None:
+        """Record the latest scan of a laser."""
+        scan = {"time": self._now(time), "topic": topic, "points": [[round(x, 2), round(y, 2)] for x, y in points]}
+        if topic in self._scans:
+            self.tables["scans"].change(self._scans[topic]).update(scan)
+        elif len(self._scans) < MOST_SCANS:
+            self._scans[topic] = self.tables["scans"].add(**scan)
 
     def floor(self, image: Optional[Record]) -> None:
         """Record the image of the map."""

@@ -6,7 +6,7 @@ goals: those that the pattern matches. A label with a title is named by its titl
 """
 
 import re
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -66,11 +66,26 @@ class Sentences:
         self._calls = {ACTION_LIB, REQUEST, RETURN, *(one.pattern.name for one in goals)}
 
     def of(self, action: Action) -> str:
-        """Return the sentence for an action, "drives to office2"."""
-        name, actors = action.interface_name, action.interface
-        text = self._texts.get(name, f"{name} {_PLACE}")
-        if actors.type is SymbolType.Function and actors.name in self._texts and name not in self._texts:
-            text = f"{', '.join(map(name_of, actors.arguments))} {self._texts[actors.name]}"
+        """Return the sentence for an action, "drives to office2" or "r1 drives to office2"."""
+        actors, text = self._text_of(action)
+        return f"{actors}{self._fill(text, action)}"
+
+    def deed(self, action: Action) -> str:
+        """Return the sentence for an action without its robots, "drives to office2"."""
+        return self._fill(self._text_of(action)[1], action)
+
+    def kind(self, action: Action) -> str:
+        """Return the sentence for an action without robots and parameter, "drives to …"."""
+        return self._text_of(action)[1].replace(_PLACE, "…")
+
+    def _text_of(self, action: Action) -> Tuple[str, str]:
+        """Return the robots of an action, followed by a space if there are some, and its text."""
+        name, base = action.interface_name, action.interface
+        if name not in self._texts and arguments_in(base) and base.name in self._texts:
+            return f"{', '.join(actors_of(action))} ", self._texts[base.name]
+        return "", self._texts.get(name, f"{name} {_PLACE}")
+
+    def _fill(self, text: str, action: Action) -> str:
         return text.replace(_PLACE, self.titles.get(str(action.parameter), name_of(action.parameter)))
 
     def goal(self, request: str) -> str:

@@ -23,6 +23,7 @@ from rosoclingo.msg import GoalStates
 from rosoclingo.nodes.recording.recorder import is_recording
 from rosoclingo.oclingo import SolveOutcome
 from rosoclingo.oclingo.service.command import UNSATISFIABLE
+from rosoclingo.runs.events import SAID
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
@@ -137,7 +138,7 @@ class ReplayBag(unittest.TestCase):
     def look_at(self, page, goals):
         with browser.Browser(browser.found()) as shown:
             shown.open(page.as_uri())
-            self.assertEqual(shown.texts("#goals .state"), [goal["states"][-1][1] for goal in goals])
+            self.assertEqual(shown.texts("#goals .state"), [SAID[goal["states"][-1][1]] for goal in goals])
             loaded = shown.wait_for("performance.getEntriesByType('navigation')[0].loadEventEnd")
             print(f"{page.stat().st_size // 1000} kB with {len(goals)} goals, shown after {loaded:.0f} ms")
             self.assertEqual(shown.faults, [])

@@ -17,6 +17,7 @@ from std_msgs.msg import String
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.pages.web_node import WebNode
+from rosoclingo.runs.events import SAID
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -73,22 +74,22 @@ class WebPage(unittest.TestCase):
         self.assertEqual(self.page.text("h1"), "The page's test")
         self.page.wait_for("document.querySelectorAll('.labelname').length === 4")
         self.client.send(GOAL).ends_as(GoalStatus.SUCCEEDED)
-        self.goals("succeeded")
+        self.goals("done")
         self.page.wait_for("document.querySelectorAll('.timeline .bar.done').length > 4")
         self.page.wait_for("document.querySelector('#log').textContent.includes('office2')")
         self.client.send("goal(office2,office9,1)").ends_as(GoalStatus.REJECTED)
-        self.goals("succeeded,rejected")
+        self.goals("done,rejected")
         self.assertNotEqual(self.page.texts("#goals td:last-child")[1], "")
         self.hands.at_once = False
         self.client.send("goal(office3,office4,1)").arrived()
-        self.goals("succeeded,rejected,active")
+        self.goals("done,rejected,under way")
         self.kill_core()
-        self.goals("succeeded,rejected,lost")
+        self.goals("done,rejected,lost")
         self.connected()
         self.hands.at_once = True
         self.hands.wait_for("/rosoclingo")
         self.client.send("goal(office3,office4,2)").ends_as(GoalStatus.SUCCEEDED)
-        self.goals("succeeded,rejected,lost,succeeded")
+        self.goals("done,rejected,lost,done")
         self.assertEqual(self.page.faults, [])
 
     def test_orders_are_met_or_cancelled_by_their_sender(self):
@@ -153,7 +154,7 @@ class WebPage(unittest.TestCase):
         hostile = '<img src=x onerror="window.broken = 1"></script>'
         self.client.send(hostile).ends_as(GoalStatus.REJECTED)
         self.state_of(hostile, "rejected")
-        self.assertIn(hostile, self.page.texts("#goals code"))
+        self.assertIn(hostile, self.page.texts("#goals tbody th"))
         self.assertIsNone(self.page.run("window.broken"))
         self.assertEqual(self.page.run("document.querySelectorAll('img').length"), 0)
         self.assertEqual(self.page.faults, [])
@@ -180,8 +181,8 @@ class WebPage(unittest.TestCase):
         self.page.wait_for(self.shown(goal, state))
 
     def shown(self, goal, state):
-        row = f"[...document.querySelectorAll('#goals tr')].find((one) => one.textContent.startsWith('{goal}'))"
-        return f"({row} || {{textContent: ''}}).textContent.includes('{state}')"
+        row = f"[...document.querySelectorAll('#goals tr')].find((one) => one.textContent.includes('{goal}'))"
+        return f"({row} || {{textContent: ''}}).textContent.includes('{SAID[state]}')"
 
     def kill_core(self):
         runs = len(self.hands.runs)

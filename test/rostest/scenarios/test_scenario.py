@@ -28,6 +28,7 @@ from rosoclingo.nodes.scenarios.playing import find_scenario, run_scenario
 from rosoclingo.oclingo import parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Statement
 from rosoclingo.reasoning.keywords import CORE
+from rosoclingo.runs.events import SAID
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 
@@ -157,7 +158,8 @@ class ScenarioTest(unittest.TestCase):
         if OPTIONS.scenarios == ["paper"] and browser.found() is not None:
             with browser.Browser(browser.found()) as shown:
                 shown.open(page.as_uri())
-                self.assertEqual(shown.texts("#goals .state"), ends)
+                self.assertEqual(shown.texts("#goals .state"), [SAID[one] for one in ends])
+                self.assertIn("Bring package 1 from office3 to office2", shown.texts("#goals summary"))
                 self.assertEqual(shown.text("#verdict"), "As expected")
                 self.assertIn(" m driven", shown.text("#facts"))
                 whole = "const zoom = document.querySelector('#timeline select'); zoom.value = '0'"

@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from rosoclingo.common.labels import Label
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.core import loading as module
 from rosoclingo.nodes.core.loading import CoreParameters, core_parameters, load_program
@@ -58,7 +59,7 @@ def test_core_parameters_are_all_read(program):
         "yes",
         True,
         "place(a).",
-        {"office1": [1.0, 2.0, 0.0]},
+        (Label("office1", 1.0, 2.0),),
     )
 
 
@@ -87,6 +88,11 @@ def test_core_parameters_pass_label_file_to_program(program, labels, reported):
     found = core_parameters({"program_files": program, "labels": labels})
     assert found.deciding["labels"] == reported
     assert len(found.labels) == 2
+
+
+def test_core_parameters_record_titles_of_labels(program):
+    found = core_parameters({"program_files": program, "labels": {"a": {"x": 1, "y": 2, "title": "Anna's"}, "b": [1, 2]}})
+    assert found.deciding["titles"] == {"a": "Anna's"}
 
 
 def test_core_parameters_limit_time_for_improvement(program):

@@ -299,7 +299,7 @@ def test_page_connects_again(page):
     with serving(view, port=port):
         page.wait_for("document.getElementById('connection').textContent === 'Live'")
         page.wait_for("document.querySelector('h1').textContent === 'Another run'")
-        assert page.texts("#goals code") == ["g(z)"]
+        assert page.texts("#goals tbody th") == ["g(z)"]
 
 
 @pytest.mark.slow

@@ -72,11 +72,11 @@ def test_journal_view_actions_have_their_begin_and_end(whole):
 
 def test_journal_view_log_describes_the_run(whole):
     lines = [(one["kind"], one["text"]) for one in records(journal_view(whole[0]), "log")]
-    assert lines[0] == ("request", GOALS[0][1])
+    assert lines[0] == ("request", "Bring package 1 from office3 to office2")
     assert [kind for kind, _ in lines].count("request") == 3
-    assert ("cancel", GOALS[1][1]) in lines
-    assert ("return", "pickup blocked") in lines
-    assert ("goal", f"{GOALS[0][1]}: succeeded") in lines
+    assert ("cancel", "Bring package 2 from office2 to office4") in lines
+    assert ("return", "picks up 1: blocked") in lines
+    assert ("goal", "Bring package 1 from office3 to office2: done") in lines
 
 
 @pytest.mark.slow

@@ -57,29 +57,97 @@ def test_report_page_is_one_file_with_all_scripts():
     assert json.loads(run)["goals"][0][1]["request"] == GOAL
 
 
-def test_report_page_shows_the_end_first(opened):
+WORDS = """
+_says(move_base,"drives to {}"). _says(pickup,"picks up {}"). _says(deliver,"puts down {}").
+_says("goal(From,To,Id)","Bring package {Id} from {From} to {To}").
+"""
+
+
+def worded(text=WORDS, **titles):
+    """Return a program with sentences, as published by the core."""
+    files = (ProgramFile("words.lp", text, False),)
+    return RunProgram("r", files, {}, "", {"labels": LABELS, "titles": titles}).text()
+
+
+def test_report_page_begins_with_the_whole_run(opened):
     page = opened(delivery())
     assert page.text("h1") == "A delivery"
-    assert page.text("#clock") == "32.5 s · cycle 6"
-    assert "1 goal: 1 succeeded" in page.text("#facts")
-    assert page.texts("#goals tbody td") == ["succeeded", "32.5 s", ""]
-    assert page.text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
+    assert page.text("#clock") == "whole run, 32.5 s"
+    assert "1 goal: 1 done" in page.text("#facts")
+    assert page.texts("#goals tbody td") == ["done", "32.5 s", ""]
+    assert page.text("#map .caption") == "The whole way: 4.0 m. The robot is at office2. Things: 1, 2 at office1."
     assert page.run("document.querySelector('.floor').getBoundingClientRect().width") > 300
+    assert page.text("#planhead") == "The run"
+    found = dict(zip(page.texts("#plan dt"), page.texts("#plan dd")))
+    assert found["goals"] == "1 done"
+    assert found["goals took"] == "32.5 s"
+    assert found["actions"] == "4 done, 1 failed"
+    assert found["search for plans"] == "250 ms of the solver, at most 130 ms for a cycle"
+    assert page.texts(".map .number") == page.texts(".timeline .bar.ahead") == []
+    tops = page.run("['goals', 'map', 'log'].map((one) => document.getElementById(one).getBoundingClientRect().y)")
+    assert tops == sorted(tops)
+    page.press("ArrowRight")
+    assert page.text("#clock") == "0.0 s · cycle 1"
+    assert page.text("#planhead") == "Plan"
+    page.click("#whole")
+    assert page.text("#clock") == "whole run, 32.5 s"
+
+
+def test_report_page_speaks_the_words_of_the_program(opened):
+    page = opened(delivery(worded(office1="Anna's <b>office</b>")))
+    sentence = "Bring package 1 from office2 to Anna's <b>office</b>"
+    assert page.texts("#goals summary") == [sentence]
+    move(page, 10.5)
+    assert page.texts("#plan li") == ["✓ drives to office2", "▶ picks up 1", "○ drives to Anna's <b>office</b>", "○ puts down 1"]
+    assert "Anna's <b>office</b>" in page.texts(".map .labelname")
+    lines = page.texts(".log .text summary")
+    assert f"{sentence}: done" in page.texts(".log .text summary")
+    assert "drives to office2: done" in lines
+    visible = page.run("document.querySelector('main').innerText")
+    assert not [term for term in ("goal(", "_request", "_return", "_action_lib", "move_base", "#step") if term in visible]
+    assert page.run("document.querySelectorAll('main b').length") == 0
+    page.click("#goals summary")
+    assert GOAL in page.text("#goals tbody th")
+    page.click("#plan details.more:last-child summary")
+    shown = page.text("#plan")
+    assert "_action_lib(pickup,1,2)" in shown
+    assert "_return(move_base,office2,1)." in shown
+    move(page, 11.0)
+    assert "_action_lib(pickup,1,2)" in page.text("#plan"), "stays open"
+
+
+def test_report_page_reasons_are_in_words_with_terms_folded(opened):
+    view = delivery(worded())
+    other = "goal(office1,office2,2)"
+    view.goal(140.0, "b", other)
+    view.status(141.0, "b", 4, f"{other} cannot be met together with {GOAL}")
+    view.problem(141.0, 6, f"{other} is dropped")
+    view.finish()
+    page = opened(view)
+    assert page.texts("#goals tbody td")[3:] == [
+        "given up",
+        "1.0 s",
+        "cannot be met together with 'Bring package 1 from office2 to office1'",
+    ]
+    move(page, 41.0)
+    assert page.texts("#plan ul summary") == ["'Bring package 2 from office1 to office2' is dropped"]
+    assert "goal(" not in page.run("document.querySelector('main').innerText")
+    assert page.texts("#goals code")[1] == f"{other}\ncannot be met together with {GOAL}"
 
 
 def test_report_page_slider_shows_a_moment(opened):
     page = opened(delivery())
     move(page, 10.5)
     assert page.text("#clock") == "10.5 s · cycle 2"
-    assert page.texts("#cycle li") == ["✓ move_base office2", "▶ pickup 1", "○ move_base office1", "○ deliver 1"]
-    assert "_return(move_base,office2,1)." in page.text("#cycle pre")
-    assert page.texts("#goals tbody td")[:2] == ["active", "10.5 s"]
+    assert page.texts("#plan li") == ["✓ move_base office2", "▶ pickup 1", "○ move_base office1", "○ deliver 1"]
+    assert "_return(move_base,office2,1)." in page.texts("#plan pre")[1]
+    assert page.texts("#goals tbody td")[:2] == ["under way", "10.5 s"]
     assert len(page.texts(".timeline .bar.ahead")) == 2
-    assert page.texts(".log [aria-current] .text") == ["pickup 1"]
+    assert page.texts(".log [aria-current] .text summary") == ["pickup 1"]
     move(page, 13.0)
     assert "It carries 1." in page.text("#map .caption")
     move(page, 0)
-    assert page.texts("#goals tbody td")[0] == "pending"
+    assert page.texts("#goals tbody td")[0] == "new"
 
 
 def test_report_page_draws_preempted_action_as_ended_early(opened):
@@ -90,7 +158,8 @@ def test_report_page_draws_preempted_action_as_ended_early(opened):
     view.returned(142.0, "tests", ["_return(move_base,preempted,6)"])
     view.plan(142.5, 6, 8, ["_action_lib(move_base,office1,6)"], (0.01, 0.01))
     page = opened(view)
-    assert page.texts("#cycle li") == ["– move_base office1: preempted"]
+    move(page, 42.5)
+    assert page.texts("#plan li") == ["– move_base office1: preempted"]
     assert page.run("document.querySelectorAll('.timeline .bar.gone').length") == 1
     assert "Not reached" not in page.text("#map .caption")
     assert "ended early" in page.text(".keys")
@@ -99,7 +168,7 @@ def test_report_page_draws_preempted_action_as_ended_early(opened):
 def test_report_page_marks_a_failed_action(opened):
     page = opened(delivery())
     move(page, 21.0)
-    assert "✕ move_base office1: blocked" in page.texts("#cycle li")
+    assert "✕ move_base office1: blocked" in page.texts("#plan li")
     assert "Not reached: office1 (blocked)." in page.text("#map .caption")
     assert page.texts(".map .wayname.bad") == ["✕ blocked"]
     move(page, 31.0)
@@ -138,21 +207,35 @@ def test_report_page_prefers_observations_to_beliefs(opened):
     view.program(0.0, floor())
     view.beliefs(132.4, 6, ["on(9,study,now)", "me(hall,now)"])
     view.describe(labels={**LABELS, "hall": [3.0, 1.0, 0.0], "study": [3.5, 1.0, 0.0]})
-    assert opened(view).text("#map .caption") == "The robot is at office2. Things: 1, 2 at office1."
+    assert opened(view).text("#map .caption").endswith("The robot is at office2. Things: 1, 2 at office1.")
 
 
 def test_report_page_shows_the_figures(opened):
     page = opened(delivery())
-    found = dict(zip(page.texts("figcaption strong"), page.texts("figcaption span")))
+    found = dict(zip(page.texts("figcaption strong, #charts dt"), page.texts("figcaption span, #charts dd")))
     assert found["Goals by their end"] == "1 goal"
-    assert found["Time until the end"] == "median 32.5 s, longest 32.5 s"
-    assert found["Response: time until accepted"] == "median 1.5 s, longest 1.5 s"
-    assert found["Solver's time"] == "250 ms of wall time, 130 ms in the longest cycle"
+    assert found["Time until the end"] == "32.5 s"
+    assert found["Response: time until accepted"] == "1.5 s"
+    assert found["Search for plans"] == "250 ms of wall time, 130 ms in the longest cycle"
     assert found["Metres driven"] == "4.0 m"
+
+
+@pytest.mark.parametrize(("goals", "words", "bars"), [(4, "1.0 s, 2.0 s, 3.0 s, 4.0 s", 0), (5, "median 3.0 s, longest 5.0 s", 5)])
+def test_report_page_histogram_needs_five_values(opened, goals, words, bars):
+    view = RunView()
+    for number in range(1, goals + 1):
+        view.goal(10.0 * number, str(number), f"g({number})")
+        view.status(11.0 * number, str(number), 3, "")
+    page = opened(view)
+    found = dict(zip(page.texts("figcaption strong, #charts dt"), page.texts("figcaption span, #charts dd")))
+    assert found["Time until the end"] == words
+    figure = "[...document.querySelectorAll('figure')].find((one) => one.textContent.includes('until the end'))"
+    assert page.run(f"({figure} || document.createElement('p')).querySelectorAll('rect').length") == bars
 
 
 def test_report_page_is_usable_by_keyboard(opened):
     page = opened(delivery())
+    page.press("End", "#slider")
     page.press("Home", "#slider")
     assert page.text("#clock") == "0.0 s · cycle 1"
     page.press("ArrowRight", ".log")
@@ -161,6 +244,10 @@ def test_report_page_is_usable_by_keyboard(opened):
     assert page.text("#clock") == "0.0 s · cycle 1"
     page.press("Enter", ".log li:last-child button")
     assert page.text("#clock") == "32.5 s · cycle 6"
+    page.press("Enter", ".log li:last-child summary")
+    assert page.run("document.querySelector('.log li:last-child details').open")
+    page.press("Enter", "#whole")
+    assert page.text("#clock") == "whole run, 32.5 s"
 
 
 def test_report_page_timeline_click_jumps_and_play_continues(opened):
@@ -187,6 +274,11 @@ def test_report_page_shows_the_verdict(opened, verdict):
     assert text.split("\n") == (["Not as expected", *verdict] if verdict else ["As expected"])
 
 
+def cut(text):
+    """Return a text as the map shows it: a long one is cut, and has a title."""
+    return text if len(text) <= 30 else f"{text[:29]}…{text}"
+
+
 @pytest.mark.parametrize("text", HOSTILE)
 def test_report_page_escapes_hostile_texts(opened, text):
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
@@ -205,10 +297,10 @@ def test_report_page_escapes_hostile_texts(opened, text):
     view.finish()
     page = opened(view)
     assert page.run("window.broken") is None
-    assert page.texts("#goals code") == [text]
-    assert text in page.texts(".labelname")
-    sign = text.strip()
-    assert page.texts(".map .wayname") == [sign if len(sign) <= 30 else f"{sign[:29]}…"]
+    assert page.texts("#goals tbody th") == [text]
+    assert cut(text) in page.texts(".labelname")
+    assert page.texts(".map .wayname") == [cut(text.strip())]
+    move(page, 1.0)
     assert text in page.texts(".atoms code")
     assert page.texts("h1") == [text]
 
@@ -216,7 +308,7 @@ def test_report_page_escapes_hostile_texts(opened, text):
 def test_report_page_shows_an_empty_run(opened):
     page = opened(RunView())
     assert page.text("#map .caption") == "The robot's place was not recorded."
-    assert page.text("#cycle") == "No cycle has begun yet."
+    assert page.text("#plan") == "No cycle has begun yet."
     assert "No goals yet." in page.text("#goals")
 
 
@@ -234,9 +326,192 @@ def test_report_page_of_many_goals_is_small_and_fast(opened, tmp_path):
     view = long_run()
     assert write(tmp_path, view).stat().st_size < 5_000_000
     page = opened(view)
+    page.run("player.seek(player.model.seconds)")
     assert page.text("#clock").endswith("cycle 1200")
+    assert page.texts("#plan summary")[0] == "19 later actions"
     assert len(page.texts("#goals tbody tr")) == 200
     used = "performance.getEntriesByType('navigation')[0].loadEventEnd"
     drawn = "(() => { const start = performance.now(); player.seek(3000.5); return performance.now() - start; })()"
     print("loaded after", page.wait_for(used), "ms, moment drawn in", page.run(drawn), "ms")
     assert page.text("#clock").endswith("cycle 301")
+
+
+# ---- map and timeline ------------------------------------------------------------------------------------------------
+
+
+def fleet(robots=2, names=("r1", "r2", "<b>r</b>")):
+    """Return a run of several robots that only tf knows, each with three drives ahead."""
+    view = RunView()
+    labels = {f"p{number}": [2.0 * number, 0.0, 0.0] for number in range(5)}
+    program = RunProgram("r", (ProgramFile("f.lp", '_says(go,"drives to {}").', False),), {}, "", {"labels": labels})
+    view.program(0.0, program.text())
+    view.goal(0.0, "a", "g(1)")
+    plan = [f'_action_lib(go("{name}"),p{step},{step})' for step in (1, 2, 3, 4) for name in names[:robots]]
+    view.plan(1.0, 1, 4, plan, (0.01, 0.01))
+    view.dispatched(1.0, plan[:robots])
+    for number, name in enumerate(names[:robots]):
+        view.pose(2.0, 0.5, 0.3 * number, 0.0, name)
+        view.pose(4.0, 1.0, 0.3 * number, 0.0, name)
+    view.clock(5.0)
+    view.finish()
+    return view
+
+
+def test_report_page_numbers_the_next_two_moves(opened):
+    page = opened(delivery(worded()))
+    move(page, 5.0)
+    assert page.texts(".map .number text") == ["1", "2"]
+    assert page.texts(".map .number title") == ["1. drives to office2", "2. drives to office1"]
+    assert page.texts(".map .ahead.faint") == []
+    move(page, 25.0)
+    assert page.texts(".map .number title") == ["1. drives to office1"]
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3])
+def test_report_page_shows_each_robot_with_colour_plan_and_place(opened, robots):
+    page = opened(fleet(robots))
+    move(page, 4.0)
+    names = sorted(["r1", "r2", "<b>r</b>"][:robots])
+    assert page.texts(".robots strong") == names
+    assert page.texts(".map .robotname") == names
+    assert page.texts(".robots li")[-1].strip() == f"{names[-1]} on its way; drives to p1, then drives to p2, drives to p3"
+    colours = "[...new Set([...document.querySelectorAll('.map .robot circle')].map((one) => getComputedStyle(one).fill))]"
+    assert len(page.run(colours)) == robots
+    assert page.texts(".map .number text") == ["1", "2"] * robots
+    assert len(page.texts(".map .ahead.faint")) == 2 * robots
+    assert len(page.run("[...document.querySelectorAll('.map .driven')].map((one) => one.getAttribute('points'))")) == robots
+    assert page.texts(".timeline .robotname title") == names
+    faint = "document.querySelectorAll('.map .ahead.faint')[0]"
+    assert page.run(f"getComputedStyle({faint}).opacity < 0.5")
+
+
+def test_report_page_lanes_beyond_the_limit_are_named(opened):
+    names = [f"r{number:02}" for number in range(20)]
+    page = opened(fleet(20, names))
+    assert page.texts(".timeline .robotname title") == names[:16]
+    assert page.text("#timeline .caption") == "Not shown: r16, r17, r18, r19."
+
+
+def test_report_page_plans_are_as_long_as_such_actions_took(opened):
+    view = RunView()
+    view.goal(0.0, "a", "g(1)")
+    plan = [f"_action_lib({one},{step})" for step, one in enumerate(("go,a", "wait,b", "go,c", "wait,d", "wait,e"), 1)]
+    for number, (begun, ended) in enumerate(((0.0, 20.0), (20.0, 24.0)), 1):
+        view.plan(begun, number, 5, plan, (0.0, 0.0))
+        view.dispatched(begun, [plan[number - 1]])
+        name, value = plan[number - 1].split("(")[1].split(",")[:2]
+        view.returned(ended, name, [f"_return({name},{value},{number})"])
+    view.plan(24.0, 3, 5, plan, (0.0, 0.0))
+    view.dispatched(24.0, [plan[2]])
+    view.finish()
+    page = opened(view)
+    move(page, 24.0)
+    titles = page.texts(".timeline .bar.ahead > title")
+    assert titles == ["planned: wait d in cycle 4, about 4.0 s", "planned: wait e in cycle 5, about 4.0 s"]
+    width = "(name) => [...document.querySelectorAll(`.timeline .bar.${name} rect`)].map((one) => one.getBoundingClientRect())"
+    first, second = page.run(f"({width})('ahead').map(({{x, width}}) => [x, width])")
+    assert second[0] == pytest.approx(first[0] + first[1], abs=2.0)
+    assert page.run(f"({width})('done').map((one) => one.width)")[-1] == pytest.approx(first[1], rel=0.15)
+    assert "hatched" in page.run("getComputedStyle(document.querySelector('.bar.ahead rect')).fill")
+
+
+def test_report_page_shows_the_time_of_searches(opened):
+    view = delivery()
+    view.goal(140.0, "b", "g(b)")
+    view.update(168.0, "#step 6.\n_request(g(b),7).\n#end step.\n")
+    view.plan(168.0, 6, 8, ["_action_lib(move_base,office1,6)"], (20.0, 8.0))
+    view.goal(180.0, "c", "g(c)")
+    view.clock(185.0)
+    view.finish()
+    page = opened(view)
+    assert "search for a plan: 28.0 s of the solver" in page.texts(".timeline .bar.thinking title")
+    move(page, 60.0)
+    assert page.text("#plan .thinking") == "Searching for a plan for 20.0 s."
+    move(page, 69.0)
+    assert page.texts("#plan .thinking") == []
+    move(page, 10.5)
+    assert page.texts("#plan .thinking") == [], "an action runs"
+
+
+def test_report_page_plan_says_what_it_folds_away(opened):
+    view = RunView()
+    view.program(0.0, worded())
+    view.goal(0.0, "a", "g(1)")
+    plan = [f"_action_lib(pickup,{step},{step})" for step in range(1, 41)]
+    view.plan(1.0, 21, 40, plan, (0.0, 0.0))
+    view.dispatched(1.0, [plan[20]])
+    view.finish()
+    page = opened(view)
+    move(page, 1.0)
+    summaries = page.texts("#plan summary")
+    assert summaries == ["17 earlier actions", "12 later actions", "details"]
+    listed = page.texts("#plan > ol li")
+    assert listed[0] == "✓ picks up 18"
+    assert listed[3] == "▶ picks up 21"
+    assert len(listed) == 11
+    page.click("#plan summary")
+    assert "picks up 1\n" in page.text("#plan")
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_report_page_targets_fit_fingers_on_a_phone(opened, page, width):
+    page.size(width, 740)
+    try:
+        opened(delivery(worded()))
+        move(page, 10.5)
+        sizes = (
+            "[...document.querySelectorAll('button, select, summary, input[type=range]')]"
+            ".map((one) => one.getBoundingClientRect()).filter((box) => box.width).map((box) => box.height)"
+        )
+        assert min(page.run(sizes)) >= (44 if width == 390 else 14)
+        bar = page.run("document.getElementById('controls').getBoundingClientRect().height")
+        assert bar <= 60
+        assert page.run("document.documentElement.scrollWidth") <= width
+    finally:
+        page.size(1280, 900)
+
+
+def test_report_page_cut_labels_have_titles(opened):
+    view = delivery(worded(office1="A very long title of an office, longer than a map has room for"))
+    page = opened(view)
+    labels = (
+        "[...document.querySelectorAll('svg text')].filter((one) => one.firstChild.textContent.includes('…'))"
+        ".map((one) => (one.querySelector('title') || one.parentNode.querySelector('title') || {}).textContent || '')"
+    )
+    for time in (5.0, 15.0):
+        move(page, time)
+        found = page.run(labels)
+        assert found
+        assert "" not in found
+
+
+HOSTILE_WORDS = [
+    *("<script>window.broken = 1</script>", "<img src=x onerror='window.broken = 1'>", '" onclick="window.broken = 1'),
+    *("x" * 3000, "\u202eright to left\u202c", "\u0627\u0644\u0645\u0637\u0628\u062e", "two\nlines", "{{constructor}}", "${1}"),
+]
+
+
+@pytest.mark.parametrize("text", HOSTILE_WORDS)
+@pytest.mark.parametrize("width", [390, 1280])
+def test_report_page_sentences_and_titles_are_only_text(opened, page, text, width):
+    quoted = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    says = f'_says(move_base,"{quoted} {{}}"). _says("goal(F,T,I)","{quoted} {{I}} {{F}}"). _says(pickup,"{quoted}").'
+    page.size(width, 740)
+    try:
+        view = delivery(worded(says, office1=text, office2=text))
+        view.goal(140.0, "b", "goal(office1,office2,2)")
+        view.status(141.0, "b", 4, f"goal(office1,office2,2) cannot be met together with {GOAL}")
+        view.pose(132.0, 1.0, 1.0, 0.0, text)
+        view.finish()
+        opened(view)
+        for time in (None, 10.5, 40.5):
+            if time is not None:
+                move(page, time)
+            assert page.run("window.broken") is None
+            assert page.run("document.documentElement.scrollWidth") <= width
+        assert page.run("document.querySelectorAll('main script, main img, main b').length") == 0
+        shown = page.texts("#goals summary")
+        assert [len(one) <= 2100 for one in shown] == [True, True]
+        assert len(text) > 1000 or shown[1].startswith(text)
+    finally:
+        page.size(1280, 900)

@@ -86,6 +86,6 @@ def test_journal_view_ends_each_long_action_once(tmp_path):
     assert [round(one["ended"] - one["begun"], 1) for one in records][1:] == [LASTS, LASTS, LASTS]
     assert records[0]["ended"] == max(one["ended"] for one in records)
     returns = [one["text"] for _, one in changes["log"] if one["kind"] == "return"]
-    assert sorted(returns) == ["drill 2", "saw 1", "saw 3", "saw blocked"]
+    assert sorted(returns) == ["drill 2: done", "saw 1: done", "saw 3: blocked", "saw 3: done"]
     reports = list(Replay(journal_run(path), program).reports())
     assert {one.verdict for one in reports} == {CycleVerdict.SAME}

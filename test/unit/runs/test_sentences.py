@@ -21,8 +21,9 @@ _says(plain,no_text). _says(one). _says(X,Y) :- known(X,Y). known(1,2).
 GOALS = """
 _says("run(P,_)","Run {P}"). _says("run(go(L),_)","Go to {L}"). _says("run(day)","Serve all day").
 _says("goal(From,To,Id)","Bring package {Id} from {From} to {To}"). _says("same(X,X)","{X} twice, {Y}").
+_says("say(\\"X _ goal(Y)\\",_)","Say X _ goal(Y)").
 _says("odd(X)) :- p(X","odd"). _says("odd(X). #include <file>","odd"). _says("odd(","odd"). _says("odd(X)",no_text).
-_says("odd(1;2)","odd"). _says(move_base,"drives to {}").
+_says("odd(1;2)","odd"). _says("odd(é)","odd"). _says("É(1)","odd"). _says(move_base,"drives to {}").
 """
 TITLES = {"office3": "Anna's office", "room(1,2)": "<b>", "7": "\u202eseven\n"}
 
@@ -83,6 +84,7 @@ def test_sentences_of_the_shipped_programs(files, actions, goal, sentence):
         ("run(night)", "run(night)"),
         ("same(a,a)", "a twice, {Y}"),
         ("same(a,b)", "same(a,b)"),
+        ('say("X _ goal(Y)",1)', "Say X _ goal(Y)"),
         ("odd(1)", "odd(1)"),
         ("move_base(1)", "move_base(1)"),
         ("no goal ((", "no goal (("),

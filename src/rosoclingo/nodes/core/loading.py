@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from rosoclingo.checking.lint.actions import PlacedName, lint_labels
 from rosoclingo.checking.lint.linting import findings, is_error, lint_program
-from rosoclingo.common.labels import DEFAULT_FRAME, LabelError, LabelTable
+from rosoclingo.common.labels import DEFAULT_FRAME, Label, LabelError, LabelTable
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.common.reading import Reader
 from rosoclingo.oclingo import ProgramError, ProgressionError, ReactiveProgram, parse_term
@@ -49,7 +49,7 @@ class CoreParameters:
     resume: str = RESUMES[0]
     required: bool = False
     floor: str = ""
-    places: LabelTable = LabelTable()
+    places: Tuple[Label, ...] = ()
 
     @property
     def time_to_shorten(self) -> Optional[float]:
@@ -61,7 +61,8 @@ class CoreParameters:
         """The parameters that affect decisions, by name, and the poses in the map and the titles of the labels."""
         times = {"plan": self.plan, "plan_time": self.plan_time, "recovery_timeout": self.recovery_timeout}
         labels = {one.name: [one.x, one.y, one.yaw] for one in self.places if one.frame == DEFAULT_FRAME}
-        return {**asdict(self.settings), **times, "labels": labels, "titles": self.places.titles}
+        titles = {one.name: one.title for one in self.places if one.title}
+        return {**asdict(self.settings), **times, "labels": labels, "titles": titles}
 
 
 def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameters:
@@ -166,12 +167,12 @@ def _labels(reader: Reader) -> Tuple[str, ...]:
     )
 
 
-def _places(value: Any) -> LabelTable:
+def _places(value: Any) -> Tuple[Label, ...]:
     """Return the labels; the nodes that use poses report their faults, not the core."""
     try:
-        return LabelTable.from_mapping(value)
+        return tuple(LabelTable.from_mapping(value))
     except LabelError:
-        return LabelTable()
+        return ()
 
 
 def _term(reader: Reader, text: str) -> str:

@@ -15,6 +15,7 @@ from rosoclingo.nodes.pages.access import LOCAL, Access
 from rosoclingo.nodes.pages.order_desk import OrderDesk
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
+from rosoclingo.nodes.pages.scan_feed import ScanFeed
 from rosoclingo.nodes.run_topics import RunTopics
 from rosoclingo.nodes.topic_types import TYPES
 from rosoclingo.runs.orders import OrderError, read_orders
@@ -44,6 +45,7 @@ class WebNode:
             (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)
         move_base/GridPlanner/plan, move_base/NavfnROS/plan, move_base/GlobalPlanner/plan (nav_msgs/Path)
         /rosout (rosgraph_msgs/Log): the log of the core.
+        TOPIC (sensor_msgs/LaserScan): the scans of all lasers, as long as a page shows them.
     Publishes:
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID): orders.
         ~address (std_msgs/String, latched): the address of the page, without the token.
@@ -68,6 +70,7 @@ class WebNode:
         self._view = RunView({"title": title})
         self._topics = RunTopics(self._view, rospy.resolve_name("rosoclingo"))
         self._subscribers: Dict[str, rospy.Subscriber] = {}
+        self._scans = ScanFeed(self._on_scan)
         self._server = PageServer(lambda: self._view, self._look, web(), Access(token), sockets, self._take)
         full = self._topics.full
         self._goals = rospy.Publisher(full("rosoclingo/goal"), ROSoClingoActionGoal, queue_size=100)
@@ -91,9 +94,14 @@ class WebNode:
         if not self._topics.is_too_soon(name, now):
             self._server.put(lambda: self._topics.takes[name](now, message))
 
+    def _on_scan(self, topic: str, message: Any) -> None:
+        now = rospy.get_time()
+        self._server.put(lambda: self._topics.scan(now, topic, message))
+
     def _look(self) -> Dict[str, Any]:
         """Limit the size of the view, and return further data for the page: the forms, and whether the core runs."""
         self._view.clock(rospy.get_time())
+        self._scans.check()
         if self._view.full:
             self._topics.events = self._view = self._view.successor()
         plan = self._subscribers.get("~task_plan")
@@ -101,7 +109,7 @@ class WebNode:
         return {"core": core, "orders": self._desk.describe(self._view)}
 
     def _take(self, message: Dict[str, Any]) -> Dict[str, Any]:
-        return self._desk.take(message, self._view)
+        return self._scans.want() if "scan" in message else self._desk.take(message, self._view)
 
     def _send(self, text: str) -> str:
         """Send a goal and return its id."""

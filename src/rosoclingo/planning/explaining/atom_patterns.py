@@ -8,8 +8,10 @@ from typing import Dict, FrozenSet, Optional, Tuple
 import clingo
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo.program.nodes import Node, parse
+from rosoclingo.oclingo.errors import ProgressionError
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.signatures import evaluate
+from rosoclingo.oclingo.progression.terms import parse_term
 
 Bound = Dict[str, clingo.Symbol]
 """The values of variables."""
@@ -24,6 +26,8 @@ MOST = 300
 """Greatest number of patterns of a term; terms with more become :data:`ANY`."""
 
 _VARIABLE = re.compile("_*[A-Z]")
+_TOKEN = re.compile(r'"(?:[^"\\\n]|\\.)*"|[\w\']+')
+_MARK = "__oclingo_variable_"
 
 
 def patterns_of(term: Node, values: Dict[str, clingo.Symbol]) -> Patterns:
@@ -46,16 +50,24 @@ def patterns_of(term: Node, values: Dict[str, clingo.Symbol]) -> Patterns:
 
 
 def pattern_in(text: str) -> Optional[clingo.Symbol]:
-    """Return the pattern in a text, ``goal(From,_,1)``; None if the text is not one term."""
-    if "#" in text:  # a directive, which could read a file
-        return None
+    """Return the pattern in a text, ``goal(From,_,1)``; None for any other text."""
     try:
-        _, rule = parse(f"_pattern({text}).", lambda _code, _message: None)
-        (term,) = rule.head.atom.symbol.arguments
-        (pattern,) = patterns_of(term, {})
-    except (RuntimeError, ValueError, AttributeError):
+        return _with_variables(parse_term(_TOKEN.sub(lambda found: _marked(found.group()), text)))
+    except ProgressionError:
         return None
-    return None if rule.body else pattern
+
+
+def _marked(token: str) -> str:
+    """Return a token, or a constant for a variable."""
+    return ANY.name if token == "_" else f"{_MARK}{token}" if _VARIABLE.match(token) else token
+
+
+def _with_variables(term: clingo.Symbol) -> clingo.Symbol:
+    """Replace the constants of :func:`_marked` by variables."""
+    if term.type is not clingo.SymbolType.Function:
+        return term
+    name = term.name[len(_MARK) :] if term.name.startswith(_MARK) else term.name
+    return clingo.Function(name, [_with_variables(one) for one in term.arguments], term.positive)
 
 
 def _products(name: str, rows: "list[Patterns]") -> Patterns:
