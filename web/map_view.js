@@ -54,7 +54,7 @@ class MapView {
       x0: Math.min(x0, least(0, labels) - 24 * metre),
       y0: Math.min(least(1, points) - margin, least(1, labels) - 50 * metre),
       x1: Math.max(x1, most(0, labels) + 24 * metre),
-      y1: Math.max(most(1, points) + margin, most(1, labels) + 34 * metre),
+      y1: Math.max(most(1, points) + margin, most(1, labels) + 64 * metre),
     };
   }
 

@@ -124,12 +124,14 @@ class TimelineView {
     return rows;
   }
 
-  bar(from, to, top, name, words, whole) {
+  /** A bar with words, or with ``fewer`` if they do not fit. */
+  bar(from, to, top, name, words, whole, fewer = words) {
     const [left, right] = [Math.max(this.left, this.x(from)), Math.min(this.width, this.x(to))];
     if (right < this.left || left > this.width) return null;
     const width = Math.max(2, right - left - 1);
     const room = Math.floor(width / 7.2);
-    const text = room > 2 ? svg("text", { class: "barname", x: left + 4, y: top + LANE / 2 + 4 }, short(words, room)) : null;
+    const said = short(words.length > room ? fewer : words, room);
+    const text = room > 2 ? svg("text", { class: "barname", x: left + 4, y: top + LANE / 2 + 4 }, said) : null;
     const box = svg("rect", { x: left, y: top + 3, width, height: LANE - 6, rx: 4 });
     return svg("g", { class: `bar ${name}` }, box, text, svg("title", {}, whole || words));
   }
@@ -140,9 +142,10 @@ class TimelineView {
     return this.bar(goal.sent, Math.max(end, state.open ? time : end), top, name, goal.words, whole);
   }
 
-  /** The words in a bar: without the robot in its lane, and without the kind in that of the kind. */
-  words(action, lane) {
-    return lane === action.kind ? this.model.title(action.parameter) || action.words : action.deed;
+  /** The bar of an action: its words without the robot in its lane, the parameter in the lane of its kind or without room. */
+  deed(action, from, to, top, name, lane, whole) {
+    const parameter = this.model.title(action.parameter) || action.words;
+    return this.bar(from, to, top, name, lane === action.kind ? parameter : action.deed, whole, parameter);
   }
 
   action(one, lanes, top, time) {
@@ -151,7 +154,7 @@ class TimelineView {
     const whole = `${one.word.words}: ${became}, ${seconds(end - one.begun)}`;
     return this.lanesOf(one.word).map((lane) => {
       const number = lanes.indexOf(lane);
-      return number < 0 ? null : this.bar(one.begun, end, top + number * LANE, one.state, this.words(one.word, lane), whole);
+      return number < 0 ? null : this.deed(one.word, one.begun, end, top + number * LANE, one.state, lane, whole);
     });
   }
 
@@ -175,7 +178,7 @@ class TimelineView {
     const whole = `planned: ${action.words} in cycle ${action.cycle}, about ${seconds(ended - begun)}`;
     return this.lanesOf(action).map((lane) => {
       const number = lanes.indexOf(lane);
-      return number < 0 ? null : this.bar(begun, ended, top + number * LANE, "ahead", this.words(action, lane), whole);
+      return number < 0 ? null : this.deed(action, begun, ended, top + number * LANE, "ahead", lane, whole);
     });
   }
 

@@ -66,7 +66,7 @@ class LabelTable:
 
     @classmethod
     def read(cls, reader: Reader, frame: str = DEFAULT_FRAME) -> "LabelTable":
-        """Read a mapping like `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map, title: Kitchen}}` or `{name: [x, y, yaw]}`.
+        """Read a mapping like `{name: {x: 1.0, y: 2.0, yaw: 0.0, frame: map, title: hall}}` or `{name: [x, y, yaw]}`.
 
         `yaw` (0), `frame` and `title` are optional; a frame's leading slash is dropped, as tf2 refuses it.
         The reader collects the faults; the table has only the valid labels.

@@ -32,8 +32,8 @@ class PoseTopics:
     """Reads messages of POSES and ``/tf_static``; calls ``on_pose`` with the time and each pose in the frame ``map``.
 
     The last argument of ``on_pose`` is the name of one of several robots, else it is empty. A robot r1 has a frame
-    r1/base_link, r1_base_link, or the same with base_footprint; a robot of :meth:`name_robots` also a frame r1. ``takes``
-    maps each topic to a function of the time and a message.
+    r1/base_link, r1_base_link, or the same with base_footprint; a robot of :meth:`name_robots` also a frame r1.
+    ``takes`` maps each topic to a function of the time and a message.
     """
 
     def __init__(self, on_pose: Callable[[float, Pose, str], None]) -> None:
@@ -88,7 +88,7 @@ class PoseTopics:
         self._named.update(names)
 
     def points_of(self, scan: Any) -> List[Tuple[float, float]]:
-        """Return at most MOST_POINTS points of a sensor_msgs/LaserScan in the frame ``map`` (m), none without its pose."""
+        """Return at most MOST_POINTS points of a sensor_msgs/LaserScan in the frame ``map``; none without its pose."""
         pose = self._frames.find(DEFAULT_FRAME, scan.header.frame_id.lstrip("/"))
         if pose is None:
             return []

@@ -65,7 +65,9 @@ class Summary:
 
     def lines(self) -> List[str]:
         """Return the summary as lines of text."""
-        goals = [f"{one.words or one.text}: {SAID[one.status]}{reason_suffix(one.status, one.message)}" for one in self.goals]
+        goals = [
+            f"{one.words or one.text}: {SAID[one.status]}{reason_suffix(one.status, one.message)}" for one in self.goals
+        ]
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
         robot = [f"robot: {self.robot}"] if self.robot else []

@@ -75,13 +75,25 @@ class RunView(RunEvents):
     """
 
     def __init__(self, about: Optional[Mapping[str, Any]] = None, with_state: bool = False) -> None:
-        empty = {"labels": {}, "titles": {}, "map": None, "run": 1}
+        empty: Record = {"labels": {}, "titles": {}, "map": None, "run": 1}
         self.about: Record = {**empty, **(about or {}), "statuses": SAID}
         self._revision = Revision()
         self._about_changed = 1
         self.tables = {
             name: Table(self._revision)
-            for name in ("goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "scans", "log")
+            for name in (
+                "goals",
+                "cycles",
+                "words",
+                "actions",
+                "packages",
+                "beliefs",
+                "drawn",
+                "robots",
+                "paths",
+                "scans",
+                "log",
+            )
         }
         self._terms, self._shapes = Words(), Words(json.loads)
         self._planned_actions = PlannedActions(self.tables["words"])
@@ -400,9 +412,7 @@ class RunView(RunEvents):
             fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self.believed)
         return fresh
 
-    def changes(
-        self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)
-    ) -> Record:
+    def changes(self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)) -> Record:
         """Return the changes since a revision: records by table and number, and the present revision.
 
         ``words`` are the numbers of terms and shapes that the client has; ``poses`` how often its poses were

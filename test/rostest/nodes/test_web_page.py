@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The live page with a real core: the goals in a browser, also after the core was killed and restarted."""
 
+import math
 import os
 import signal
 import sys
@@ -10,9 +11,12 @@ from pathlib import Path
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from rosoclingo.msg import PackageState, PackageStates
+from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.common.parameters import ParameterError
@@ -157,6 +161,31 @@ class WebPage(unittest.TestCase):
         self.assertIn(hostile, self.page.texts("#goals tbody th"))
         self.assertIsNone(self.page.run("window.broken"))
         self.assertEqual(self.page.run("document.querySelectorAll('img').length"), 0)
+        self.assertEqual(self.page.faults, [])
+
+    def test_scans_are_shown_as_long_as_they_are_wanted(self):
+        scans = rospy.Publisher("odd/laser", LaserScan, queue_size=1)
+        frames = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        turned = TransformStamped(child_frame_id="odd_laser")
+        turned.header.frame_id = "map"
+        turned.transform.translation.x, turned.transform.rotation.w = 2.0, 1.0
+        frames.publish([turned])
+        scan = LaserScan(angle_min=0.0, angle_increment=math.pi / 2, range_min=0.1, range_max=10.0)
+        scan.header.frame_id, scan.ranges = "odd_laser", [1.0, math.inf, 0.05, math.nan]
+        self.page.run("document.getElementById('scans').click()")
+        wait_until(scans.get_num_connections, "the page's node to subscribe")
+
+        def shown():
+            scans.publish(scan)
+            return self.page.run("document.querySelectorAll('.map .scan').length")
+
+        wait_until(shown, "the scan to be on the map")
+        self.assertEqual(
+            self.page.run("live.model.scans.map((one) => [one.topic, one.points])"), [["/odd/laser", [[3, 0]]]]
+        )
+        self.page.run("document.getElementById('scans').click()")
+        self.assertEqual(self.page.run("document.querySelectorAll('.map .scan').length"), 0)
+        wait_until(lambda: scans.get_num_connections() == 0, "the page's node to unsubscribe")
         self.assertEqual(self.page.faults, [])
 
     def test_late_page_has_the_open_goals(self):

@@ -35,7 +35,7 @@ def test_labels_frames_lose_their_leading_slash():
 def test_labels_can_have_titles_for_people():
     table = LabelTable.from_mapping({"a": {"x": 1, "y": 2, "title": "Anna's <room>"}, "b": [1, 2]})
     assert [label.title for label in table] == ["Anna's <room>", ""]
-    with pytest.raises(LabelError, match="labels.a.title: must be a name for people, not 7"):
+    with pytest.raises(LabelError, match=r"labels.a.title: must be a name for people, not 7"):
         LabelTable.from_mapping({"a": {"x": 1, "y": 2, "title": 7}})
 
 

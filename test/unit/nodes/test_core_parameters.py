@@ -91,7 +91,9 @@ def test_core_parameters_pass_label_file_to_program(program, labels, reported):
 
 
 def test_core_parameters_record_titles_of_labels(program):
-    found = core_parameters({"program_files": program, "labels": {"a": {"x": 1, "y": 2, "title": "Anna's"}, "b": [1, 2]}})
+    found = core_parameters(
+        {"program_files": program, "labels": {"a": {"x": 1, "y": 2, "title": "Anna's"}, "b": [1, 2]}}
+    )
     assert found.deciding["titles"] == {"a": "Anna's"}
 
 

@@ -124,7 +124,7 @@ def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path, cor
     ((_, goal),) = found["goals"]
     assert [state[:2] for state in goal["states"]] == [[0.0, "pending"], [1.0, "active"], [3.0, "succeeded"]]
     ((_, cycle),) = found["cycles"]
-    assert (cycle["plans"][0]["ground"], cycle["problems"]) == (0.5, [[2.0, "something is odd"]])
+    assert (cycle["plans"][0]["ground"], cycle["problems"]) == (0.5, [[2.0, "something is odd", ""]])
     assert [one["places"] for _, one in found["packages"]] == [[["1", "x"]], [["1", ""]]]
     assert found["actions"][0][1]["value"] == "office2"
 
@@ -162,6 +162,36 @@ def test_report_reads_robot_pose_from_tf(report, write, run, tmp_path):
     tf += [(3.0 + tick, "/tf", transform("odom", "base_footprint", float(tick))) for tick in range(3)]
     report(write([*run(), *tf]))
     assert [pose[:2] for pose in shown(tmp_path / "run.html")["poses"]] == [[1.0, 7.5], [2.0, 8.5], [3.0, 9.5]]
+
+
+@pytest.mark.parametrize(
+    ("frame", "robot"),
+    [
+        ("r1/base_link", "r1"),
+        ("/lab/r1/base_footprint", "lab/r1"),
+        ("r1_base_link", "r1"),
+        ("my_robot_base_footprint", "my_robot"),
+        ("planned", "planned"),
+        ("other", None),
+        ("base_links", None),
+    ],
+)
+def test_report_finds_robots_by_their_frames(report, write, run, messages, tmp_path, frame, robot):
+    plan = messages.TaskPlan(cycle=1, horizon=1, actions=["_action_lib(go(planned),x,1)"])
+    tf = [(2.0, "/tf", transform("map", "odom", 7.0)), (3.0, "/tf", transform("odom", frame, 1.0))]
+    report(write([*run(), (1.5, "/rosoclingo/task_plan", plan), *tf]))
+    found = [(one["robot"], one["pose"]) for _, one in shown(tmp_path / "run.html")["robots"]]
+    assert found == ([] if robot is None else [(robot, [8.0, 0.0, 0.0])])
+
+
+def test_report_prefers_the_usual_frame_of_a_robot(report, write, run, tmp_path):
+    tf = [(2.0, "/tf_static", transform("map", "r1/base_footprint", 7.0))]
+    tf += [
+        (2.0, "/tf_static", transform("r1/base_footprint", "r1/base_link", 0.5)),
+        (3.0, "/tf", transform("a", "b", 1.0)),
+    ]
+    report(write([*run(), *tf]))
+    assert [one["pose"][0] for _, one in shown(tmp_path / "run.html")["robots"]][-1] == 7.5
 
 
 def test_report_shows_the_planned_path(report, write, run, tmp_path):

@@ -98,13 +98,20 @@ def test_report_page_speaks_the_words_of_the_program(opened):
     sentence = "Bring package 1 from office2 to Anna's <b>office</b>"
     assert page.texts("#goals summary") == [sentence]
     move(page, 10.5)
-    assert page.texts("#plan li") == ["✓ drives to office2", "▶ picks up 1", "○ drives to Anna's <b>office</b>", "○ puts down 1"]
+    assert page.texts("#plan li") == [
+        "✓ drives to office2",
+        "▶ picks up 1",
+        "○ drives to Anna's <b>office</b>",
+        "○ puts down 1",
+    ]
     assert "Anna's <b>office</b>" in page.texts(".map .labelname")
     lines = page.texts(".log .text summary")
     assert f"{sentence}: done" in page.texts(".log .text summary")
     assert "drives to office2: done" in lines
     visible = page.run("document.querySelector('main').innerText")
-    assert not [term for term in ("goal(", "_request", "_return", "_action_lib", "move_base", "#step") if term in visible]
+    assert not [
+        term for term in ("goal(", "_request", "_return", "_action_lib", "move_base", "#step") if term in visible
+    ]
     assert page.run("document.querySelectorAll('main b').length") == 0
     page.click("#goals summary")
     assert GOAL in page.text("#goals tbody th")
@@ -220,7 +227,9 @@ def test_report_page_shows_the_figures(opened):
     assert found["Metres driven"] == "4.0 m"
 
 
-@pytest.mark.parametrize(("goals", "words", "bars"), [(4, "1.0 s, 2.0 s, 3.0 s, 4.0 s", 0), (5, "median 3.0 s, longest 5.0 s", 5)])
+@pytest.mark.parametrize(
+    ("goals", "words", "bars"), [(4, "1.0 s, 2.0 s, 3.0 s, 4.0 s", 0), (5, "median 3.0 s, longest 5.0 s", 5)]
+)
 def test_report_page_histogram_needs_five_values(opened, goals, words, bars):
     view = RunView()
     for number in range(1, goals + 1):
@@ -374,12 +383,19 @@ def test_report_page_shows_each_robot_with_colour_plan_and_place(opened, robots)
     names = sorted(["r1", "r2", "<b>r</b>"][:robots])
     assert page.texts(".robots strong") == names
     assert page.texts(".map .robotname") == names
-    assert page.texts(".robots li")[-1].strip() == f"{names[-1]} on its way; drives to p1, then drives to p2, drives to p3"
-    colours = "[...new Set([...document.querySelectorAll('.map .robot circle')].map((one) => getComputedStyle(one).fill))]"
+    assert (
+        page.texts(".robots li")[-1].strip() == f"{names[-1]} on its way; drives to p1, then drives to p2, drives to p3"
+    )
+    colours = (
+        "[...new Set([...document.querySelectorAll('.map .robot circle')].map((one) => getComputedStyle(one).fill))]"
+    )
     assert len(page.run(colours)) == robots
     assert page.texts(".map .number text") == ["1", "2"] * robots
     assert len(page.texts(".map .ahead.faint")) == 2 * robots
-    assert len(page.run("[...document.querySelectorAll('.map .driven')].map((one) => one.getAttribute('points'))")) == robots
+    assert (
+        len(page.run("[...document.querySelectorAll('.map .driven')].map((one) => one.getAttribute('points'))"))
+        == robots
+    )
     assert page.texts(".timeline .robotname title") == names
     faint = "document.querySelectorAll('.map .ahead.faint')[0]"
     assert page.run(f"getComputedStyle({faint}).opacity < 0.5")
@@ -408,7 +424,8 @@ def test_report_page_plans_are_as_long_as_such_actions_took(opened):
     move(page, 24.0)
     titles = page.texts(".timeline .bar.ahead > title")
     assert titles == ["planned: wait d in cycle 4, about 4.0 s", "planned: wait e in cycle 5, about 4.0 s"]
-    width = "(name) => [...document.querySelectorAll(`.timeline .bar.${name} rect`)].map((one) => one.getBoundingClientRect())"
+    boxes = "[...document.querySelectorAll(`.timeline .bar.${name} rect`)].map((one) => one.getBoundingClientRect())"
+    width = f"(name) => {boxes}"
     first, second = page.run(f"({width})('ahead').map(({{x, width}}) => [x, width])")
     assert second[0] == pytest.approx(first[0] + first[1], abs=2.0)
     assert page.run(f"({width})('done').map((one) => one.width)")[-1] == pytest.approx(first[1], rel=0.15)
@@ -487,7 +504,14 @@ def test_report_page_cut_labels_have_titles(opened):
 
 HOSTILE_WORDS = [
     *("<script>window.broken = 1</script>", "<img src=x onerror='window.broken = 1'>", '" onclick="window.broken = 1'),
-    *("x" * 3000, "\u202eright to left\u202c", "\u0627\u0644\u0645\u0637\u0628\u062e", "two\nlines", "{{constructor}}", "${1}"),
+    *(
+        "x" * 3000,
+        "\u202eright to left\u202c",
+        "\u0627\u0644\u0645\u0637\u0628\u062e",
+        "two\nlines",
+        "{{constructor}}",
+        "${1}",
+    ),
 ]
 
 

@@ -62,7 +62,13 @@ def test_view_action_has_its_return(published):
 def test_view_log_equals_the_account(published):
     log = records(published, "log")
     assert [one["kind"] for one in log[:4]] == ["plan", "request", "update", "plan"]
-    assert {**log[-1], "details": ""} == {"time": 32.5, "cycle": 6, "kind": "goal", "text": f"{GOAL}: done", "details": ""}
+    assert {**log[-1], "details": ""} == {
+        "time": 32.5,
+        "cycle": 6,
+        "kind": "goal",
+        "text": f"{GOAL}: done",
+        "details": "",
+    }
     assert log[-1]["details"] == f"{GOAL}: succeeded"
     assert [one["time"] for one in log] == sorted(one["time"] for one in log)
 
@@ -381,6 +387,41 @@ def test_view_keeps_paths_to_one_place_occasionally():
         view.path(0.1 * tick, [(0.01 * tick, 0.0), (2.0, 0.0)])
     view.path(10.0, [(1.0, 0.0), (9.0, 0.0)])
     assert [one["time"] for one in records(view.changes(), "paths")] == [0.0, 5.0, 10.0]
+
+
+def test_view_keeps_the_latest_scan_of_each_laser(monkeypatch):
+    monkeypatch.setattr(run_view, "MOST_SCANS", 2)
+    view = RunView()
+    view.goal(10.0, "a", "g(1)")
+    for time, topic in ((11.0, "/scan"), (12.0, "/r1/scan"), (13.0, "/scan"), (14.0, "/r2/scan")):
+        view.scan(time, topic, [(time, 0.123)])
+    known = view.revision
+    assert [(one["topic"], one["time"], one["points"]) for one in records(view.changes(), "scans")] == [
+        ("/scan", 3.0, [[13.0, 0.12]]),
+        ("/r1/scan", 2.0, [[12.0, 0.12]]),
+    ]
+    view.scan(15.0, "/r1/scan", [])
+    assert [number for number, _ in view.changes(known)["scans"]] == [1]
+
+
+def test_view_rewords_goals_and_actions_with_the_program():
+    view = RunView()
+    view.goal(10.0, "a", "g(room)")
+    view.dispatched(11.0, ["_action_lib(go(r1),room,1)"])
+    known = view.revision
+    text = '_says(go,"goes to {}"). _says("g(Place)","Clean the {Place}").'
+    program = RunProgram("r", (ProgramFile("w.lp", text, False),), {}, "", {"titles": {"room": "hall", "odd": 7}})
+    view.program(12.0, program.text())
+    more = view.changes(known)
+    assert [one["words"] for one in records(more, "goals")] == ["Clean the hall"]
+    (action,) = records(more, "words")
+    assert (action["words"], action["deed"], action["kind"]) == ("r1 goes to hall", "goes to hall", "goes to …")
+    assert (action["term"], action["robots"]) == ("_action_lib(go(r1),room,1)", ["r1"])
+    assert more["about"]["titles"] == {"room": "hall"}
+    fresh = view.successor().changes()
+    assert [(one["words"], one["request"]) for one in records(fresh, "goals")] == [("Clean the hall", "g(room)")]
+    view.program(13.0, program.text())
+    assert [records(view.changes(more["revision"]), name) for name in ("goals", "words")] == [[], []]
 
 
 def test_view_keeps_beliefs_when_they_change():

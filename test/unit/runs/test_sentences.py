@@ -108,9 +108,15 @@ def test_sentences_of_actions_name_titled_labels():
         ("goal(a,b,1) is met", "is met"),
         ("the program rejects goal(a,b,1): there is no a", "there is no a"),
         ("the program aborts goal(a,b,1): package 1 is not at a", "package 1 is not at a"),
-        ("goal(a,b,1) cannot be met together with goal(b,c,2)", "cannot be met together with 'Bring package 2 from b to c'"),
+        (
+            "goal(a,b,1) cannot be met together with goal(b,c,2)",
+            "cannot be met together with 'Bring package 2 from b to c'",
+        ),
         ("since '_return(move_base,blocked,3)' from 'robot'", "since 'move_base returned blocked' from 'robot'"),
-        ("_action_lib(move_base(r1),a,3) and _request(goal(a,b,2),5)", "'r1 drives to a' and 'Bring package 2 from a to b'"),
+        (
+            "_action_lib(move_base(r1),a,3) and _request(goal(a,b,2),5)",
+            "'r1 drives to a' and 'Bring package 2 from a to b'",
+        ),
         ('_request(run(go("x)("),1),2), goal(goal(a', "'Go to x)(', goal(goal(a"),
         ("_seen(cup,3), goal(a), regoal(a,b,1)", "_seen(cup,3), goal(a), regoal(a,b,1)"),
     ],

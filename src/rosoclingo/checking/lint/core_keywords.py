@@ -184,7 +184,9 @@ def _idle_goal_words(survey: Survey, name: Node, goal: clingo.Symbol, text: Node
         goals = dict.fromkeys(term_text(one) for one in terms if not str(one).startswith(f"{_CANCEL}("))
         yield fault_at(name, "idle-words", f"no rule asks for a goal {goal}", f"rules ask for {', '.join(goals)}")
     value = evaluate(text, survey.constants)
-    named = re.findall(r"\{(\w+)\}", value.string) if value is not None and value.type is clingo.SymbolType.String else ()
+    named = (
+        re.findall(r"\{(\w+)\}", value.string) if value is not None and value.type is clingo.SymbolType.String else ()
+    )
     for one in dict.fromkeys(named):
         if one not in names_of(goal):
             yield fault_at(text, "idle-words", f"the goal has no variable {one}", "name a variable of the goal")

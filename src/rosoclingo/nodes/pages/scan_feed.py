@@ -40,7 +40,9 @@ class ScanFeed:
             return {"fault": "the ROS master does not answer: try again"}
         for topic in sorted(topics)[:MOST]:
             if topic not in self._subscribers:
-                self._subscribers[topic] = rospy.Subscriber(topic, LaserScan, partial(self._on_scan, topic), queue_size=1)
+                self._subscribers[topic] = rospy.Subscriber(
+                    topic, LaserScan, partial(self._on_scan, topic), queue_size=1
+                )
         return {"scans": len(topics)}
 
     def check(self) -> None:
