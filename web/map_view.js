@@ -201,7 +201,7 @@ class MapView {
   boxes(names, x, y) {
     const size = 16 * this.unit;
     const shown = names.map((name) => short(name, 12));
-    const widths = shown.map((name) => Math.max(size, (0.42 * name.length + 0.4) * size));
+    const widths = shown.map((name) => Math.max(size, (0.46 * name.length + 0.5) * size));
     const gap = size * 0.15;
     let left = x - (widths.reduce((sum, width) => sum + width, 0) + gap * (names.length - 1)) / 2;
     return shown.map((name, number) => {

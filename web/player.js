@@ -138,14 +138,15 @@ class Player {
     const { seconds: end } = this.model;
     if (this.home && this.live) this.time = end;
     const cycle = this.model.cycles[this.model.cycleAt(this.time)];
-    const moment = `${seconds(this.time)}${cycle ? ` · cycle ${cycle.cycle}` : ""}`;
+    const whole = this.home && !this.live;
+    const words = [whole ? "whole run, " : "", seconds(whole ? end : this.time), cycle && !whole ? ` · cycle ${cycle.cycle}` : ""];
     this.slider.value = this.time;
-    say(this.clock, this.home && !this.live ? `whole run, ${seconds(end)}` : moment);
+    if (this.clock.textContent !== words.join("")) show(this.clock, words.map((part, place) => html("span", { class: place === 1 ? null : "less" }, part)));
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
     say(this.whole, this.live ? (this.home ? "Look back" : "Back to the present") : "Whole run");
-    this.whole.setAttribute("aria-pressed", String(this.home && !this.live));
+    this.whole.setAttribute("aria-pressed", String(whole));
     document.getElementById("controls").classList.toggle("following", this.home && this.live);
-    say(document.getElementById("planhead"), this.home && !this.live ? "The run" : "Plan");
+    say(document.getElementById("planhead"), whole ? "The run" : "Plan");
     this.draw();
   }
 

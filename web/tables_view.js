@@ -205,6 +205,7 @@ class LogView {
     show(this.list, this.model.log.slice(this.first, this.past).map((entry, number) => this.line(entry, this.first + number)));
     this.earlier.hidden = this.first === 0;
     this.later.hidden = this.past === all;
+    this.later.parentNode.hidden = this.earlier.hidden && this.later.hidden;
     this.mark(this.now);
   }
 

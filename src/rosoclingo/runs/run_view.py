@@ -57,10 +57,10 @@ class RunView(RunEvents):
     A view can begin in the middle of a run, with the messages of the latched topics in any order. The log counts
     seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to the log.
 
-    Goals, actions, reasons and lines of the log are in the program's sentences. A goal has ``words`` and its term as
-    ``request``, an action ``words``, its ``deed`` without the robots, its ``kind`` without the
-    parameter, and its terms. A state of a goal is [seconds, status, reason, details], a problem
-    [seconds, text, details]; ``details`` is the text with terms, empty if it is the same.
+    Goals, actions, facts, reasons and lines of the log are in the program's sentences. A goal has ``words`` and its
+    term as ``request``, an action ``words``, its ``deed`` without the robots, its ``kind`` without the parameter, and
+    its terms. A state of a goal is [seconds, status, reason, details], a problem [seconds, text, details]; ``details``
+    is the text with terms, empty if it is the same.
 
     Attributes:
         about: all data outside the tables.
@@ -268,7 +268,8 @@ class RunView(RunEvents):
         for text in facts:
             now, answer = self._now(time, begins=True), return_in(text)
             if answer is None:
-                self._log.add(now, "fact", f"{shortened(text, SHOWN)} from {shortened(origin)}")
+                words = f"{shortened(self.sentences.fact(text), SHOWN)} from {shortened(origin)}"
+                self._log.add(now, "fact", words, details=f"{shortened(text, SHOWN)} from {shortened(origin)}")
             else:
                 record = self._actions.returned(now, answer)
                 words = f"{name_of(answer.interface)} {name_of(answer.value)}"
@@ -351,7 +352,7 @@ class RunView(RunEvents):
 
     @property
     def sentences(self) -> Sentences:
-        """The program's sentences for actions and goals; new ones replace those of the known actions and goals."""
+        """The program's sentences; new ones replace those of the known actions and goals."""
         return self._sentences
 
     @sentences.setter

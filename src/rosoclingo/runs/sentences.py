@@ -1,8 +1,8 @@
-"""The program's sentences for actions and goals, the facts ``_says`` of its base part.
+"""The program's sentences for actions, goals and facts: the facts ``_says`` of its base part.
 
 ``_says(move_base,"drives to {}").`` is about an action; the sentence of ``move_base`` is also that of
 ``move_base(r1)``: "r1 drives to office2". ``_says("bring(Room,Thing)","Bring the {Thing} to the {Room}").`` is about
-goals: those that the pattern matches. A label with a title is named by its title.
+goals, or facts from outside: those that the pattern matches. A label with a title is named by its title.
 """
 
 import re
@@ -18,7 +18,7 @@ from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.topic_atoms import action_in, atom_in, return_in
 
 #: ``_says(A,Text)``: a text about action A, with ``{}`` in place of its parameter; a text without ``{}`` omits it.
-#: ``_says(Pattern,Text)``: a text about goals, with ``{Name}`` in place of the variables of the pattern, a string.
+#: ``_says(Pattern,Text)``: a text about goals or facts; the pattern is a string, and ``{Name}`` stands for a variable.
 SAYS = "_says"
 
 _PLACE = "{}"
@@ -29,25 +29,25 @@ _EDGE = re.compile(r'[()]|"(?:[^"\\]|\\.)*"')
 _CANCELLING = ("recalling", "preempting")
 
 
-class GoalSentence(NamedTuple):
-    """The text of a ``_says`` fact about goals, with the pattern of the goals."""
+class PatternSentence(NamedTuple):
+    """The text of a ``_says`` fact about goals or facts, with their pattern."""
 
     pattern: Symbol
     text: str
 
-    def of(self, goal: Symbol, names: Mapping[str, str]) -> Optional[str]:
-        """Return the sentence for a goal, None for a goal of another kind; ``names`` replace terms."""
+    def of(self, term: Symbol, names: Mapping[str, str]) -> Optional[str]:
+        """Return the sentence for a goal or a fact, None for one of another kind; ``names`` replace terms."""
         bound: Bound = {}
-        if not matches(self.pattern, goal, bound):
+        if not matches(self.pattern, term, bound):
             return None
-        words = {name: names.get(str(term), name_of(term)) for name, term in bound.items()}
+        words = {name: names.get(str(value), name_of(value)) for name, value in bound.items()}
         return _NAMED.sub(lambda found: words.get(found.group(1), found.group()), self.text)
 
 
 class Sentences:
-    """Describes actions and goals; an action or a goal without a text is described by its terms.
+    """Describes actions, goals and facts; those without a text are described by their terms.
 
-    ``texts`` maps names of interfaces to texts. Of the ``goals`` that match, the pattern with most fixed names counts.
+    ``texts`` maps names of interfaces to texts. Of the ``patterns`` that match, the one with most fixed names counts.
 
     Attributes:
         titles: the titles of labels, which replace their names.
@@ -57,13 +57,13 @@ class Sentences:
     def __init__(
         self,
         texts: Optional[Mapping[str, str]] = None,
-        goals: Sequence[GoalSentence] = (),
+        patterns: Sequence[PatternSentence] = (),
         titles: Optional[Mapping[str, str]] = None,
     ) -> None:
         self._texts: Dict[str, str] = dict(texts or {})
-        self._goals = sorted(goals, key=lambda one: -_size(one.pattern))
+        self._patterns = sorted(patterns, key=lambda one: -_size(one.pattern))
         self.titles: Dict[str, str] = dict(titles or {})
-        self._calls = {ACTION_LIB, REQUEST, RETURN, *(one.pattern.name for one in goals)}
+        self._calls = {ACTION_LIB, REQUEST, RETURN, *(one.pattern.name for one in patterns)}
 
     def of(self, action: Action) -> str:
         """Return the sentence for an action, "drives to office2" or "r1 drives to office2"."""
@@ -91,21 +91,26 @@ class Sentences:
     def goal(self, request: str) -> str:
         """Return the sentence for a goal, "Bring package 1 from office3 to office2"; other texts are unchanged."""
         try:
-            return self._of_goal(parse_term(request)) or request
+            return self._of_term(parse_term(request)) or request
         except ProgressionError:
             return request
 
-    def _of_goal(self, goal: Symbol) -> Optional[str]:
-        return next(filter(None, (one.of(goal, self.titles) for one in self._goals)), None)
+    def fact(self, text: str) -> str:
+        """Return the sentence for a fact, "the study is closed"; other texts are unchanged."""
+        atom = atom_in(text)
+        return (atom and self._of_term(atom)) or text
+
+    def _of_term(self, term: Symbol) -> Optional[str]:
+        return next(filter(None, (one.of(term, self.titles) for one in self._patterns)), None)
 
     def reason(self, request: str, message: str) -> str:
         """Return a message about a goal without the goal at its beginning, and with sentences in place of terms."""
-        for opening in (request, f"the program rejects {request}: ", f"the program aborts {request}: "):
-            message = message[len(opening) :] if message.startswith(opening) else message
-        return self.replace(message.strip())
+        for opening in (request, f"the program rejects {request}: ", f"the program aborts {request}: ", "is aborted: "):
+            message = (message[len(opening) :] if message.startswith(opening) else message).strip()
+        return self.replace(message)
 
     def replace(self, message: str) -> str:
-        """Return a message with sentences in place of the goals, actions and returns in it."""
+        """Return a message with sentences in place of the goals, actions and facts in it."""
         found, at = [], 0
         for call in _CALL.finditer(message):
             end = _end_of(message, call.end()) if call.start() >= at and call.group()[:-1] in self._calls else 0
@@ -117,7 +122,7 @@ class Sentences:
         return "".join([*found, message[at:]])
 
     def _of_call(self, text: str) -> Optional[str]:
-        """Return the words for a goal, an action, a request or a return; None for any other text."""
+        """Return the words for a goal, an action, a request or a fact; None for any other text."""
         action, answer, term = action_in(text), return_in(text), atom_in(text)
         if action is not None:
             return self.of(action)
@@ -125,7 +130,7 @@ class Sentences:
             return f"{answer.interface_name} returned {name_of(answer.value)}"
         if term is not None and term.match(REQUEST, 2):
             term = term.arguments[0]
-        return None if term is None else self._of_goal(term)
+        return None if term is None else self._of_term(term)
 
     def now(self, cycle: int, state: str, plan: Iterable[str]) -> str:
         """Return a line about the actions of a cycle in a plan, for a goal with this state (its feedback)."""
@@ -149,26 +154,17 @@ def actors_of(action: Action) -> List[str]:
 
 def sentences_of(program: RunProgram) -> Sentences:
     """Return the sentences in a program's texts; invalid texts are ignored."""
-    texts, goals = {}, []
+    texts, patterns = {}, []
     for what, text in (one.arguments for one in facts_of(program, {SAYS}) if one.match(SAYS, 2)):
         if text.type is SymbolType.String:
-            sentence = goal_sentence(what, text)
-            if sentence is None:
-                texts[name_of(what)] = text.string
+            pattern = pattern_in(what.string) if what.type is SymbolType.String else None
+            if pattern is not None and arguments_in(pattern):
+                patterns.append(PatternSentence(pattern, text.string))
             else:
-                goals.append(sentence)
+                texts[name_of(what)] = text.string
     titles = program.settings.get("titles", {})
     found = titles.items() if isinstance(titles, dict) else ()
-    return Sentences(texts, goals, {name: title for name, title in found if isinstance(title, str)})
-
-
-def goal_sentence(what: Symbol, text: Symbol) -> Optional[GoalSentence]:
-    """Return the sentence for goals of ``_says(what,text)``; None if the fact is not about goals.
-
-    A pattern is a string with a goal, in which names in upper case are variables.
-    """
-    pattern = pattern_in(what.string) if what.type is SymbolType.String else None
-    return GoalSentence(pattern, text.string) if pattern is not None and arguments_in(pattern) else None
+    return Sentences(texts, patterns, {name: title for name, title in found if isinstance(title, str)})
 
 
 def _size(pattern: Symbol) -> int:

@@ -288,6 +288,42 @@ def test_page_is_no_wider_than_a_phone(page, served, width):
 
 @pytest.mark.slow
 @pytest.mark.once
+def test_page_has_a_slider_only_while_one_looks_back(page, served):
+    page.open(served.address + "/")
+    page.wait_for("document.querySelectorAll('#goals tbody tr').length === 1")
+    visible = "['slider', 'play', 'speed', 'before'].filter((one) => document.getElementById(one).offsetParent)"
+    assert page.run(visible) == []
+    assert page.text("#whole") == "Look back"
+    page.click("#whole")
+    assert page.run(visible) == ["slider", "play", "speed", "before"]
+    assert page.run("live.player.home") is False
+    page.press("Home", "#slider")
+    served.do(lambda view: view.clock(160.0))
+    page.wait_for("live.model.seconds === 60")
+    assert page.text("#clock") == "0.0 s · cycle 1"
+    page.press("End", "#slider")
+    assert page.run(visible) == []
+    served.do(lambda view: view.clock(170.0))
+    page.wait_for("document.getElementById('clock').textContent.startsWith('1 min 10 s')")
+    page.press("ArrowLeft")
+    page.click("#whole")
+    assert page.text("#clock").startswith("1 min 10 s"), "back to the present"
+
+
+@pytest.mark.slow
+@pytest.mark.once
+def test_page_shows_the_pace_of_simulated_time(page, served):
+    page.open(served.address + "/")
+    page.wait_for("document.querySelectorAll('#goals tbody tr').length === 1")
+    assert "real time" not in page.text("#facts")
+    page.run("live.model.paces = [], live.model.measure(0, 0), live.model.measure(6000, 12), live.player.update()")
+    assert "the clock runs at 2.0 × real time" in page.text("#facts")
+    page.run("live.model.paces = [], live.model.measure(0, 0), live.model.measure(6000, 6.1), live.player.update()")
+    assert "real time" not in page.text("#facts")
+
+
+@pytest.mark.slow
+@pytest.mark.once
 def test_page_connects_again(page):
     with serving() as served:
         page.open(served.address + "/")

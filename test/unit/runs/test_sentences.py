@@ -21,7 +21,7 @@ _says(plain,no_text). _says(one). _says(X,Y) :- known(X,Y). known(1,2).
 GOALS = """
 _says("run(P,_)","Run {P}"). _says("run(go(L),_)","Go to {L}"). _says("run(day)","Serve all day").
 _says("goal(From,To,Id)","Bring package {Id} from {From} to {To}"). _says("same(X,X)","{X} twice, {Y}").
-_says("say(\\"X _ goal(Y)\\",_)","Say X _ goal(Y)").
+_says("_shut(Room,_)","{Room} is shut"). _says("say(\\"X _ goal(Y)\\",_)","Say X _ goal(Y)").
 _says("odd(X)) :- p(X","odd"). _says("odd(X). #include <file>","odd"). _says("odd(","odd"). _says("odd(X)",no_text).
 _says("odd(1;2)","odd"). _says("odd(é)","odd"). _says("É(1)","odd"). _says(move_base,"drives to {}").
 """
@@ -94,6 +94,19 @@ def test_sentence_of_goal_has_the_most_fixed_pattern(goal, sentence):
     assert sentences_of(program(GOALS, TITLES)).goal(goal) == sentence
 
 
+@pytest.mark.parametrize(
+    ("fact", "words"),
+    [
+        ("_shut(a,now)", "a is shut"),
+        ("_shut(office3,7).", "Anna's office is shut"),
+        ("_shut(a)", "_shut(a)"),
+        ("((", "(("),
+    ],
+)
+def test_sentences_describe_facts(fact, words):
+    assert sentences_of(program(GOALS, TITLES)).fact(fact) == words
+
+
 def test_sentences_of_actions_name_titled_labels():
     sentences = sentences_of(program(GOALS, TITLES))
     assert sentences.of(action_of(parse_atom("_action_lib(move_base(r1),office3,4)"))) == "r1 drives to Anna's office"
@@ -119,6 +132,8 @@ def test_sentences_of_actions_name_titled_labels():
         ),
         ('_request(run(go("x)("),1),2), goal(goal(a', "'Go to x)(', goal(goal(a"),
         ("_seen(cup,3), goal(a), regoal(a,b,1)", "_seen(cup,3), goal(a), regoal(a,b,1)"),
+        ("goal(a,b,1) is aborted: the core shuts down", "the core shuts down"),
+        ("since '_shut(room(1,2),3)' from 'door'", "since 'room(1,2) is shut' from 'door'"),
     ],
 )
 def test_sentences_replace_terms_in_reasons(message, reason):

@@ -21,6 +21,7 @@ from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import (
     ANY,
     arguments_in,
+    format_pattern,
     is_variable,
     matches,
     names_of,
@@ -159,7 +160,7 @@ def misspelt_cancels(survey: Survey) -> Iterator[Fault]:
 
 
 def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
-    """Yield the ``_says`` facts about actions and goals that the program does not have."""
+    """Yield the ``_says`` facts about actions, goals and facts that the program does not have."""
     survey = program.survey
     actions = Actions(program) if _SAYS in survey.defining else None
     known = [] if actions is None else [*actions.parameters, *(one.partition("(")[0] for one in actions.parameters)]
@@ -170,23 +171,31 @@ def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
             continue
         goal = pattern_in(value.string) if value.type is clingo.SymbolType.String else None
         if goal is not None and arguments_in(goal):
-            yield from _idle_goal_words(survey, name, goal, text)
+            yield from _idle_patterns(survey, name, goal, text)
         elif actions is not None and actions.all_known:
             message = f"the program has no action {value}"
             yield fault_at(name, "idle-words", message, likely_value(str(value), list(dict.fromkeys(known))))
 
 
-def _idle_goal_words(survey: Survey, name: Node, goal: clingo.Symbol, text: Node) -> Iterator[Fault]:
-    """Yield a fault for a sentence about a goal that no rule asks for, and for its names without a variable."""
+def _idle_patterns(survey: Survey, name: Node, goal: clingo.Symbol, text: Node) -> Iterator[Fault]:
+    """Yield a fault for a sentence about neither goals nor external facts, and for its names without a variable."""
     terms = [one.occurrence.arguments[0] for one in survey.using.get(REQUEST, ())]
     asked = [substitute(one, {}) for term in terms for one in patterns_of(term, survey.constants)]
-    if not any(matches(goal, one, {}) for one in asked):
+    external = survey.is_external(Signature(goal.name, len(goal.arguments)))
+    if not external and not any(matches(goal, one, {}) for one in asked):
         goals = dict.fromkeys(term_text(one) for one in terms if not str(one).startswith(f"{_CANCEL}("))
-        yield fault_at(name, "idle-words", f"no rule asks for a goal {goal}", f"rules ask for {', '.join(goals)}")
+        yield fault_at(
+            name,
+            "idle-words",
+            f"{format_pattern(goal)} is no goal of the program and no external fact",
+            f"rules ask for {', '.join(goals)}",
+        )
     value = evaluate(text, survey.constants)
     named = (
         re.findall(r"\{(\w+)\}", value.string) if value is not None and value.type is clingo.SymbolType.String else ()
     )
     for one in dict.fromkeys(named):
         if one not in names_of(goal):
-            yield fault_at(text, "idle-words", f"the goal has no variable {one}", "name a variable of the goal")
+            yield fault_at(
+                text, "idle-words", f"{format_pattern(goal)} has no variable {one}", "name one of its variables"
+            )

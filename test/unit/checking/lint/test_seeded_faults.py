@@ -187,6 +187,7 @@ SEEDS = [
     ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "did you mean move_base?"),
     ("template", "@NAME@.lp", '_says("visit(', '_says(@"visits(', "idle-words", "rules ask for visit(P)"),
     ("template", "@NAME@.lp", '"Visit the {Place}"', '@"Visit the {Room}"', "idle-words", "has no variable Room"),
+    ("template", "@NAME@.lp", '_says("_closed(P', '_says(@"_closes(P', "idle-words", "no external fact"),
     (
         "template",
         "@NAME@.lp",
