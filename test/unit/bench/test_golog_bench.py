@@ -4,11 +4,7 @@ import random
 
 import golog
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-
-import golog  # noqa: E402
-from workloads import sized  # noqa: E402
+from workloads import sized
 
 
 @pytest.mark.slow

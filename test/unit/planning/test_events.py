@@ -22,8 +22,6 @@ from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Pla
 from rosoclingo.planning.question import never
 from rosoclingo.planning.solver import PlanSolver
 
-pytestmark = pytest.mark.usefixtures("reorder_effort")
-
 RING = ReactiveProgram.from_text(
     """
 #program base.

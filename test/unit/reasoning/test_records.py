@@ -88,8 +88,6 @@ def test_records_begin_at_checkpoint_before_last_update(entries, passed):
     assert names_of(kept) == entries[passed:]
     assert (kept.step, kept.horizon, kept.keep_from) == (log.step, log.horizon, log.keep_from)
     assert (kept.update is None) == (log.update is None)
-    log.cut()
-    assert names_of(recorded(log)[1]) == entries[passed:]
 
 
 def test_records_name_each_entry_uniquely_while_kept():

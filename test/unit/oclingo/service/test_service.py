@@ -7,6 +7,7 @@ import struct
 import pytest
 from service_helpers import TIMEOUT, running
 from shipped import GOLDEN
+from workloads import sized
 
 from rosoclingo.oclingo.service import connection as service_client
 from rosoclingo.oclingo.service import server as service

@@ -12,6 +12,7 @@ import pytest
 from children import ended, kill, wait_until_prepared
 from plain_walk import LINE
 from shipped import GOLDEN
+from workloads import sized
 
 from rosoclingo.oclingo import (
     DroppedError,
