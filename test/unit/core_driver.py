@@ -12,7 +12,7 @@ from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, Solve
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import GoalChanged, GoalProgress, GoalRefused, Problem
+from rosoclingo.reasoning.events import GoalChanged, GoalProgress, Problem
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, SearchWatch, unwatched
 
@@ -163,8 +163,7 @@ class Driver:
     def message(self, key: str) -> str:
         """Return the message with which a goal ended."""
         ends = [event for event in self.journal.of(GoalChanged) if event.key == key and event.outcome is not None]
-        refused = [event for event in self.journal.of(GoalRefused) if event.key == key]
-        return ([event.message for event in ends] + [event.message for event in refused])[0]
+        return ends[0].message
 
     def feedback(self, key: str) -> List[GoalProgress]:
         """Return the feedback about a goal."""

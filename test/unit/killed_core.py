@@ -11,7 +11,7 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, GoalRefused
+from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
 from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, Header
@@ -128,8 +128,6 @@ class World:
         if isinstance(event, ActionsDispatched):
             for action in event.actions:
                 self.command(action)
-        elif isinstance(event, GoalRefused):
-            self.end(event.key, GoalState.REJECTED)
         elif isinstance(event, GoalChanged) and event.outcome is not None:
             self.end(event.key, event.state)
 

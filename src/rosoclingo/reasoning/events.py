@@ -86,10 +86,12 @@ class FactAccepted(Event):
 
 @dataclass(frozen=True)
 class GoalChanged(Event):
-    """The state of a goal has changed; ``outcome`` and ``message`` are set if the goal has ended."""
+    """The state of a goal has changed; ``outcome`` and ``message`` are set if the goal has ended.
+
+    A goal that the core does not accept is rejected on arrival.
+    """
 
     key: str
-    term: Symbol
     event: GoalEvent
     state: GoalState
     outcome: Optional[Outcome] = None
@@ -103,15 +105,6 @@ class GoalUnmet(Event):
     key: str
     term: Symbol
     stream: Stream
-
-
-@dataclass(frozen=True)
-class GoalRefused(Event):
-    """A goal was rejected on arrival, with its text and the reason."""
-
-    key: str
-    text: str
-    message: str
 
 
 @dataclass(frozen=True)

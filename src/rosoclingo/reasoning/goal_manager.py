@@ -8,9 +8,9 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.reasoning.admission import Admission
-from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, GoalRefused, Problem
+from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, Problem
 from rosoclingo.reasoning.goal_status import Reading, update_status
-from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, Outcome, read_goal
+from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, GoalState, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record
@@ -76,7 +76,8 @@ class GoalManager(PersistentPart):
             self._check_relevant(goal)
             self._check_unique(goal)
         except GoalError as error:
-            self._emit(GoalRefused(self._cycle(), key, text, str(error)))
+            rejected = GoalEvent.REJECT, GoalState.REJECTED, Outcome.REJECTED
+            self._emit(GoalChanged(self._cycle(), key, *rejected, str(error)))
             return
         self._goals[key], goal.waits, goal.observer = goal, True, self._changed
         self._admit()
@@ -232,7 +233,7 @@ class GoalManager(PersistentPart):
             self.queue.end(goal)
             del self._goals[goal.key]
             self._admit()
-        self._emit(GoalChanged(self._cycle(), goal.key, goal.term, event, goal.state, goal.outcome, goal.message))
+        self._emit(GoalChanged(self._cycle(), goal.key, event, goal.state, goal.outcome, goal.message))
 
     def _admit(self) -> None:
         """Feed the goals that are admitted now."""

@@ -14,7 +14,8 @@ from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionRes
 from rosoclingo.common.action_servers import start_server
 from rosoclingo.nodes.core import goal_handles
 from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, GoalServer
-from rosoclingo.reasoning.events import GoalRefused
+from rosoclingo.reasoning.events import GoalChanged
+from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -159,7 +160,8 @@ class GoalServerTest(unittest.TestCase):
             texts = ["do(walk,1)", "do({},2)".format("x" * 50000), "do(walk,3)"]
             goals = [self.admit(core, client, handles, text) for text in texts]
             self.assertIn(" has 2 open goals", goals[2].ends_as(GoalStatus.REJECTED))
-            handles.refused(GoalRefused(1, core.handles[0].get_goal_id().id, texts[0], "y" * 50000))
+            rejected = GoalEvent.REJECT, GoalState.REJECTED, Outcome.REJECTED
+            handles.changed(GoalChanged(1, core.handles[0].get_goal_id().id, *rejected, "y" * 50000))
             self.assertEqual(len(goals[0].ends_as(GoalStatus.REJECTED)), 50000)
             self.admit(core, client, handles, "do(walk,4)")
         handles.board.flush()

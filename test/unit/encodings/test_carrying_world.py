@@ -10,7 +10,7 @@ from shipped import shipped
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, GoalRefused, Problem
+from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, Problem
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt
 
@@ -50,8 +50,6 @@ class Stage:
             self._commands += [str(action.atom) for action in event.actions]
         elif isinstance(event, GoalChanged) and event.outcome is not None:
             self._ends.append((event.key, event.outcome.name.lower(), event.message))
-        elif isinstance(event, GoalRefused):
-            self._ends.append((event.key, "rejected", event.reason))
         elif isinstance(event, Problem) and not event.origin:
             self.problems.append(f"cycle {event.cycle}: {event.message}")
             self.play._say("problem " + event.message)

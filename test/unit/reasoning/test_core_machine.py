@@ -18,7 +18,7 @@ from stream_replay import check_replay
 
 from rosoclingo.planning import compaction, solver
 from rosoclingo.reasoning import stream_planner
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, GoalRefused, PlanMade
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, PlanMade
 from rosoclingo.reasoning.returns import DONE
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import unwatched
@@ -177,11 +177,7 @@ class CoreMachine(RuleBasedStateMachine):
         return self.goals[key] is not None and not self.ended(key)
 
     def ended(self, key):
-        events = self.driver.journal.of(GoalChanged)
-        refused = self.driver.journal.of(GoalRefused)
-        return any(one.key == key and one.outcome is not None for one in events) or any(
-            one.key == key for one in refused
-        )
+        return any(one.key == key and one.outcome is not None for one in self.driver.journal.of(GoalChanged))
 
     @invariant()
     def every_status_change_is_legal(self):

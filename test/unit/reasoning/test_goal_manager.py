@@ -4,7 +4,6 @@ import pytest
 from core_scripts import perform
 from goal_clients import Clients, crowd
 
-from rosoclingo.reasoning.events import GoalRefused
 from rosoclingo.reasoning.goals import GoalState, Outcome
 
 
@@ -61,9 +60,14 @@ def test_goal_manager_ends_only_undeclared_requests():
 def test_goal_manager_rejects_goals(key, text, reason):
     clients = Clients().add(1)
     clients.goals.add(key, text)
-    refused = [event for event in clients.reports if isinstance(event, GoalRefused)]
-    assert [(event.cycle, event.key, event.text) for event in refused] == [(7, key, text)]
-    assert reason in refused[0].message
+    refused = clients.reports[-1]
+    assert (refused.cycle, refused.key, refused.state, refused.outcome) == (
+        7,
+        key,
+        GoalState.REJECTED,
+        Outcome.REJECTED,
+    )
+    assert reason in refused.message
     assert clients.live == ["g1"]
 
 

@@ -138,7 +138,7 @@ def test_goal_that_no_rule_reads_is_rejected(text, advice):
     play(
         Driver.of_shipped("paper.lp"),
         f"""
-        goal key {text}; says key no rule of the program can see {text}: {advice}; all key; unsent ...""",
+        goal key {text}; says key no rule of the program can see {text}: {advice}; all key rejected; unsent ...""",
     )
 
 

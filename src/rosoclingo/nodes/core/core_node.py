@@ -30,7 +30,6 @@ from rosoclingo.reasoning.events import (
     Event,
     GoalChanged,
     GoalProgress,
-    GoalRefused,
     PlanMade,
     Problem,
     ReturnAccepted,
@@ -187,7 +186,6 @@ class CoreNode:
             ActionsPreempted: self._topics.actions_preempted,
             ReturnAccepted: self._return_taken,
             GoalChanged: self._handles.changed,
-            GoalRefused: self._handles.refused,
             GoalProgress: self._handles.progress,
             Problem: self._log_problem,
         }

@@ -11,7 +11,7 @@ from actionlib_msgs.msg import GoalStatus
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.nodes.core.board import SHOWN, GoalBoard
-from rosoclingo.reasoning.events import GoalChanged, GoalProgress, GoalRefused
+from rosoclingo.reasoning.events import GoalChanged, GoalProgress
 from rosoclingo.reasoning.goals import TRANSITIONS, Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.journal.keeper import ClientGoal
 from rosoclingo.reasoning.keywords import Action, shortened
@@ -68,12 +68,8 @@ class GoalHandles:
             return
         handle = self._handles[event.key]
         if event.event is GoalEvent.ACCEPT:
-            handle.set_accepted(f"{event.term} is accepted")
+            handle.set_accepted(_accepted(handle))
         self.board.look(event.key, handle)
-
-    def refused(self, event: GoalRefused) -> None:
-        """Reject a goal that the core did not accept."""
-        self._end(event.key, GoalEvent.REJECT, Outcome.REJECTED, event.message)
 
     def recall(self, key: str, message: str) -> None:
         """End a goal that was cancelled before the core received it."""
@@ -94,8 +90,7 @@ class GoalHandles:
 
     def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
         """Set a new remark as the text of an accepted goal's status; actionlib has no function for this."""
-        accepted = f"{shortened(handle.get_goal().request)} is accepted"
-        text = f"{accepted}: {remark}" if remark else accepted
+        text = f"{_accepted(handle)}: {remark}" if remark else _accepted(handle)
         if remark != self._remarks.get(key, ""):
             self._remarks[key] = remark
             with handle.action_server.lock:
@@ -151,6 +146,10 @@ def status_of(client: ClientGoal, goal: Optional[Goal]) -> int:
         return client.ending.state.number
     state = GoalState.PENDING if goal is None else goal.state
     return (TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if client.cancelled else state).number
+
+
+def _accepted(handle: ServerGoalHandle) -> str:
+    return f"{shortened(handle.get_goal().request)} is accepted"
 
 
 def _node_of(handle: Any) -> str:

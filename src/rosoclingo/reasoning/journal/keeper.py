@@ -3,7 +3,7 @@
 from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.reasoning.aborted_goals import AbortedGoals
-from rosoclingo.reasoning.events import Event, GoalChanged, GoalRefused, GoalUnmet, Observer
+from rosoclingo.reasoning.events import Event, GoalChanged, GoalUnmet, Observer
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
@@ -146,13 +146,7 @@ class Keeper(PersistentPart):
         """Record the end of a client's goal and return its key, None for other events; record unmet goals."""
         if isinstance(event, GoalUnmet):
             self.aborted_goals.add(event)
-        if isinstance(event, GoalRefused):
-            ending = Ending(GoalState.REJECTED, Outcome.REJECTED, event.message)
-        elif isinstance(event, GoalChanged) and event.outcome is not None:
-            ending = Ending(event.state, event.outcome, event.message)
-        else:
+        if not isinstance(event, GoalChanged) or event.outcome is None or event.key not in self.clients:
             return None
-        if event.key not in self.clients:
-            return None
-        self.end(event.key, ending)
+        self.end(event.key, Ending(event.state, event.outcome, event.message))
         return event.key

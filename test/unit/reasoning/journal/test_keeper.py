@@ -12,7 +12,7 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, GoalRefused, ReturnAccepted
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, ReturnAccepted
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
@@ -36,14 +36,15 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
             assert str(event.actions[0].atom) in json.dumps(state["execution:dispatches"])
         if isinstance(event, GoalChanged) and event.outcome is not None:
             assert f"goal:{event.key}" not in state
-            assert state[f"client:{event.key}"]["ending"]["state"] == event.state.value
-        if isinstance(event, GoalRefused):
-            ending = {"state": "rejected", "outcome": 2, "message": event.message}
+            ending = {"state": event.state.value, "outcome": int(event.outcome), "message": event.message}
             assert state[f"client:{event.key}"]["ending"] == ending
 
     node.at_event = look
     node.goal("a", "do(walk,1)").goal("b", "do(").succeed()
-    assert [type(event) for event in node.published].count(GoalRefused) == 1
+    ends = [
+        event.state.value for event in node.published if isinstance(event, GoalChanged) and event.outcome is not None
+    ]
+    assert ends == ["rejected", "succeeded"]
     assert not node.keeper.clients
 
 
@@ -262,7 +263,7 @@ def test_keeper_releases_all_messages_without_journal(tmp_path):
     core.add_goal("a", "do(")
     assert published == []
     keeper.send()
-    assert [one.key for one in published if isinstance(one, GoalRefused)] == ["a"]
+    assert [(one.key, one.state) for one in published if isinstance(one, GoalChanged)] == [("a", GoalState.REJECTED)]
     assert (keeper.clients, keeper.fault) == ({}, "")
     keeper.close()
 
