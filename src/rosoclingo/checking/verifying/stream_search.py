@@ -155,7 +155,7 @@ class StreamSearch:
 
     def _successor(self, node: StateNode, move: Move, core: TrialCore) -> StateNode:
         changes = [one for one in core.events if isinstance(one, GoalChanged)]
-        ends = tuple(f"{one.term} {one.outcome.name.lower()}" for one in changes if one.outcome is not None)
+        ends = tuple(f"{one.key} {one.outcome.name.lower()}" for one in changes if one.outcome is not None)
         actions = core.solver.found.actions if core.solver.found is not None else frozenset()
         step = Step(move, core.updates, core.cycle, actions, ends)
         after = StateNode(core.snapshot(), node, step)
