@@ -7,6 +7,7 @@ Events:
     hear ORIGIN FACT...           a message, after which the core does not advance yet
     wait SECONDS, pass SECONDS    time passes, and the core advances or not
     once                          one cycle begins
+    pause, resume, stop           commands of an operator, after which the core advances
     leave NUMBER, slow NUMBER     end this search, counted from now on, for an arrival or for time
     succeed, fail VALUE, finish, until INTERFACE, run    methods of the driver, like any other word
 
@@ -125,7 +126,15 @@ def preempted(driver):
     return [str(action.cancellation) for event in driver.journal.of(ActionsPreempted) for action in event.actions]
 
 
+def command(driver, name, *arguments):
+    getattr(driver.core, name)(*arguments)
+    driver.run()
+
+
 EVENTS = {
+    "pause": lambda driver: command(driver, "pause", True),
+    "resume": lambda driver: command(driver, "pause", False),
+    "stop": lambda driver: command(driver, "stop", "is aborted: stopped"),
     "add": lambda driver, *words: driver.core.add_goal(*words),
     "hear": lambda driver, origin, *facts: driver.core.receive(origin, facts),
     "wait": wait,

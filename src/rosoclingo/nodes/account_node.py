@@ -68,7 +68,7 @@ class AccountNode(TopicAccount):
     """Prints the account of a core from now on; ``words`` are the sentences of its program.
 
     Subscribes:
-        CORE/program (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
+        CORE/program, CORE/mode (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
         out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), CORE/task_plan (rosoclingo/TaskPlan)
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
         rosoclingo/status (actionlib_msgs/GoalStatusArray), CORE/updates (std_msgs/String)

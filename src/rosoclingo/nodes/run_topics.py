@@ -41,6 +41,7 @@ class RunTopics:
             "~task_plan": self._plan,
             "~goals": self._goals,
             "~state": lambda time, message: self.events.beliefs(time, message.cycle, message.atoms),
+            "~mode": lambda time, message: self.events.mode(time, message.data),
             "out_rosoclingo": self._dispatched,
             "in_rosoclingo": lambda time, message: self.events.returned(time, message.interface, message.facts),
             "packages": self._packages,

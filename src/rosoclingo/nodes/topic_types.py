@@ -28,6 +28,7 @@ TYPES: Dict[str, Any] = {
     "~program": String,
     "~goals": GoalStates,
     "~state": State,
+    "~mode": String,
     "out_rosoclingo": InterfaceIO,
     "in_rosoclingo": InterfaceIO,
     "rosoclingo/goal": ROSoClingoActionGoal,

@@ -8,7 +8,15 @@ from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
 from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.deferral import defer
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Announcer, GoalUnmet, Observer
+from rosoclingo.reasoning.events import (
+    ActionsDispatched,
+    ActionsPreempted,
+    Announcer,
+    GoalUnmet,
+    Mode,
+    ModeChanged,
+    Observer,
+)
 from rosoclingo.reasoning.explanations import Explanations, refusals, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
@@ -80,6 +88,8 @@ class Core:
         self._last_plan, self._last_cycle = TaskPlan(), 0  # the last executed plan and its cycle
         self._step, self._waits = 0, 0
         self._improvable = False  # whether a shorter plan can exist
+        self._mode = Mode.RUNNING
+        self._withheld = False  # whether actions of this cycle were not dispatched because of the mode
 
     @property
     def cycle(self) -> int:
@@ -97,6 +107,11 @@ class Core:
         return self._goals.queue
 
     @property
+    def mode(self) -> Mode:
+        """Whether the core dispatches actions."""
+        return self._mode
+
+    @property
     def live_goals(self) -> List[Goal]:
         """The goals that have not ended, oldest first."""
         return self._goals.live
@@ -109,6 +124,8 @@ class Core:
     def add_goal(self, key: str, text: str) -> None:
         """Add the goal ``text`` under the client's handle ``key``, or reject it with a reason."""
         self._goals.add(key, text)
+        if self._mode is Mode.STOPPED and self._goals.live:
+            self._set_mode(Mode.RUNNING)
 
     def cancel_goal(self, key: str) -> None:
         """Cancel a goal; has no effect if the goal has ended."""
@@ -162,13 +179,43 @@ class Core:
         if result is not None:
             self._follow(result)
             self._announce.plan(result, self._shown())
-            self._announce.progress(self._step, self._goals.fed, self._shown())
+            self._report_progress()
         self._improvable = self._improvable and (result is not None or stopped())
         return self._improvable
 
     def prepare(self) -> None:
         """Prefetch the answer to a likely update, or a plan with queued goals, while actions run."""
         self._ahead.prepare(self._planner, self._last_plan, self._announce.published + 1)
+
+    def pause(self, paused: bool) -> None:
+        """Dispatch no further actions, or continue. Running actions go on, and goals join and are planned for."""
+        self._set_mode(Mode.PAUSED if paused else Mode.RUNNING)
+
+    def stop(self, why: str) -> None:
+        """Cancel the running actions, abort every goal, and dispatch no actions until the next goal arrives.
+
+        A paused core stays paused.
+        """
+        self.shut_down(why)
+        if self._mode is Mode.RUNNING:
+            self._set_mode(Mode.STOPPED)
+
+    def _set_mode(self, mode: Mode) -> None:
+        if mode is not self._mode:
+            self._mode = mode
+            self._emit(ModeChanged(self.cycle, mode))
+            self._report_progress()
+
+    def _report_progress(self) -> None:
+        self._announce.progress(self._step, self._goals.fed, self._shown(), self._mode is Mode.PAUSED)
+
+    def shut_down(self, why: str) -> None:
+        """Cancel the running actions and abort every goal.
+
+        A core that resumes sends the same cancels, and cancels the goals that its program has.
+        """
+        self._end(self._preemption.end_all())
+        self.abandon(why)
 
     def abandon(self, why: str) -> None:
         """Abort every goal, and cancel the goals in the program with the next update."""
@@ -190,7 +237,8 @@ class Core:
 
         While actions run, a cycle can end only if they can go on in the next one.
         """
-        arrived = self._feeder.pending or self._plan is None
+        continues = self._withheld and self._mode is Mode.RUNNING and bool(self.plan.at(self._step))
+        arrived = self._feeder.pending or self._plan is None or continues
         if self.awaited:
             return self._execution.goes_on and (arrived or (self._unseen and not self._execution.has_dispatched))
         return arrived or bool(self._execution.under_way) or self._later()
@@ -202,8 +250,10 @@ class Core:
 
     def _later(self) -> bool:
         fed, patient = self._goals.fed, self._waits < self._planner.lookahead
+        if self._unseen or self._mode is not Mode.RUNNING:
+            return self._unseen
         planned = self.plan.after(self._step)
-        return self._unseen or bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
+        return bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
 
     def _next_cycle(self, now: float) -> None:
         if goals := self.queue.yielding():
@@ -213,7 +263,8 @@ class Core:
         self._waits = 0 if executed or self._feeder.pending else self._waits + 1
         self._feeder.add_executed(executed)
         self._step = self._announce.published + 1
-        batch = self._ahead.next_update(self._planner, self._last_plan, self._step)
+        followed = self._mode is Mode.RUNNING and not self._withheld
+        batch = self._ahead.next_update(self._planner, self._last_plan, self._step, followed)
         self._respond(State(Situation.DUE, batch, now))
 
     def _respond(self, state: State) -> None:
@@ -345,9 +396,11 @@ class Core:
     def _use(self, result: SolveResult, now: float, new_goals: bool = False) -> None:
         """Dispatch the actions that are due before reporting the rest of the answer."""
         since, plan = self._last_cycle + 1, self._follow(result)
-        actions, left_out = self._execution.begin(self._step, plan.at(self._step), now)
+        due = plan.at(self._step)
+        actions, left_out = self._execution.begin(self._step, due, now, sends=self._mode is Mode.RUNNING)
+        self._withheld = len(self._execution.under_way) < len(due)
+        self._preemption.begin(actions)
         if self._settings.preempt:
-            self._preemption.begin(actions)
             self._end(self._preemption.end(left_out))
         if actions:
             self._emit(ActionsDispatched(self._step, actions))
@@ -358,7 +411,7 @@ class Core:
         self._improvable = not result.shortest
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
         self._goals.read(reading)
-        self._announce.progress(self._step, self._goals.fed, shown)
+        self._report_progress()
 
     def _follow(self, result: SolveResult) -> TaskPlan:
         """Adopt the plan of an answer."""
@@ -433,8 +486,8 @@ class Core:
 
     def _keep_plan(self, state: State) -> Optional[State]:
         """Keep the last plan if it is still valid, deferred by the cycles without actions."""
-        waited = self._step - self._last_cycle - 1
-        actions = [one._replace(cycle=one.cycle + waited) for one in self._last_plan.after(self._last_cycle)]
+        last = self._last_cycle - self._withheld
+        actions = [one._replace(cycle=one.cycle + self._step - last - 1) for one in self._last_plan.after(last)]
         result = self._planner.solve_with(actions) if actions and not state.batch.known_goals else None
         return None if result is None else state._replace(situation=Situation.PLAN, result=result)
 

@@ -1,6 +1,7 @@
 """Events of the core, which its observers receive in order."""
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Callable, FrozenSet, Iterable, Optional, Tuple
 
 from clingo import Symbol
@@ -18,6 +19,21 @@ class Event:
     """The base of all events: something happened in ``cycle``."""
 
     cycle: int
+
+
+class Mode(Enum):
+    """Whether the core dispatches actions. A stopped core dispatches none until the next goal arrives."""
+
+    RUNNING = "running"
+    PAUSED = "paused"
+    STOPPED = "stopped"
+
+
+@dataclass(frozen=True)
+class ModeChanged(Event):
+    """An operator has paused, continued or stopped the core, or the first goal after a stop has arrived."""
+
+    mode: Mode
 
 
 @dataclass(frozen=True)
@@ -192,10 +208,11 @@ class Announcer(PersistentPart):
         if self.state is not None:
             self._emit(StateChanged(self._cycle(), self.state))
 
-    def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...]) -> None:
+    def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...], paused: bool = False) -> None:
         """Report the progress of each goal."""
         for goal in goals:
-            self._emit(GoalProgress(step, goal.key, goal.state, shown, remark=goal.remark))
+            remark = goal.remark or (Mode.PAUSED.value if paused else "")
+            self._emit(GoalProgress(step, goal.key, goal.state, shown, remark=remark))
 
     def problem(self, message: str, origin: str = "") -> None:
         """Report a problem."""

@@ -108,14 +108,16 @@ class Preparations:
                 return
         self._prepared = situation
 
-    def next_update(self, planner: Planner, plan: TaskPlan, step: int) -> Batch:
+    def next_update(self, planner: Planner, plan: TaskPlan, step: int, followed: bool = True) -> Batch:
         """Return the next update, and set the lookahead of the planner.
 
-        The update has the new requests if a plan with them was found, or if the current plan ends without them.
+        The update has the new requests if a plan with them was found, or if the current plan ends without them or is
+        not ``followed``.
         """
+        self.join = self.join if followed else None
         first_open, planner.lookahead = self._outlook(planner, plan, step)
         batch, join = self._feeder.next_update(step, first_open), self.join
-        if self._watch is None or not (join or self._requests):
+        if self._watch is None or not followed or not (join or self._requests):
             return batch
         rest, predicted = self._feeder.next_update(step, first_open, ()), self._predicted(plan, step, first_open)
         goes_on = not rest.failures and planner.predicts(predicted)

@@ -308,14 +308,15 @@ class ExecutionMonitor(PersistentPart):
         self._under_way = tuple(map(self.present, self.running))
 
     def begin(
-        self, cycle: int, actions: Tuple[Action, ...], now: float
+        self, cycle: int, actions: Tuple[Action, ...], now: float, sends: bool = True
     ) -> Tuple[Tuple[Action, ...], Tuple[Action, ...]]:
         """Begin the actions of ``cycle``; return those to send, and the running ones that they leave out.
 
-        An action that is running is not sent again.
+        An action that is running is not sent again. Unless ``sends``, the others do not begin.
         """
         self.cycle = cycle
         names, running = [one.name for one in actions], [one.name for one in self.running]
+        actions = actions if sends else tuple(one for one in actions if one.name in running)
         sent = tuple(one for one in actions if one.name not in running)
         if sent:
             self._dispatches.append(Dispatch(cycle, sent, now))

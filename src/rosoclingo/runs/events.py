@@ -94,6 +94,9 @@ class RunEvents:
     def beliefs(self, time: float, cycle: int, atoms: Sequence[str]) -> None:
         """Handle the program's beliefs, the shown atoms that hold now."""
 
+    def mode(self, time: float, mode: str) -> None:
+        """Handle whether the core dispatches actions: running, paused or stopped."""
+
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Handle a problem from the core's log."""
 

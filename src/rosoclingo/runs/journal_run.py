@@ -136,6 +136,7 @@ class _Reader:
             self._running(time, state)
             self._advance(time, state)
         self._events.beliefs(time, state["core:step"], sorted(group(state, "believed")))
+        self._events.mode(time, state["core:mode"])
         self._statuses(time, state)
         self._events.clock(time)
 

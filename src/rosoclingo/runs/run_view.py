@@ -32,6 +32,10 @@ SHOWN = 2000
 #: Limit of actions of a plan in a line of the log.
 LISTED = 8
 
+#: The mode of a core that dispatches actions, and the words for all modes.
+RUNNING = "running"
+MODES = {RUNNING: "continued", "paused": "paused: no action begins", "stopped": "stopped: the next goal continues"}
+
 #: Minimum interval in seconds between two recorded paths to the same place.
 PATHS_APART = 5.0
 
@@ -67,6 +71,7 @@ class RunView(RunEvents):
         tables: the tables by name.
         seconds: the present time of the run's clock.
         drawings: the program's declarations of drawings.
+        mode_word: whether the core dispatches actions: running, paused or stopped.
         believed: the program's beliefs.
         position: x and y (m) of the robot, None before its first pose.
         positions: x and y (m) of each of several robots, by name.
@@ -98,6 +103,7 @@ class RunView(RunEvents):
         self._terms, self._shapes = Words(), Words(json.loads)
         self._planned_actions = PlannedActions(self.tables["words"])
         self._sentences, self.drawings = Sentences(), Drawings()
+        self.mode_word = RUNNING
         self.believed: Sequence[str] = ()
         self._believed_since = 0.0
         self.position: Optional[Point] = None
@@ -299,6 +305,12 @@ class RunView(RunEvents):
         self.believed, self._believed_since = atoms, self._now(time)
         self._draw()
 
+    def mode(self, time: float, mode: str) -> None:
+        """Record whether the core dispatches actions, if it has changed."""
+        if mode != self.mode_word:
+            self.mode_word = mode
+            self._log.add(self._now(time), "mode", shortened(MODES.get(mode, mode)))
+
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Record a problem from the core's log."""
         now, plain = self._now(time), shortened(text, SHOWN)
@@ -382,6 +394,14 @@ class RunView(RunEvents):
         number = self._goals.get(key)
         return key in self._history if number is None else self.tables["goals"][number]["ended"] is not None
 
+    def last_state(self, key: str) -> Optional[Tuple[str, str]]:
+        """Return the latest status of a goal and its reason; None for an unknown goal."""
+        number = self._goals.get(key)
+        if number is None:
+            return None
+        _, word, reason, _ = self.tables["goals"][number]["states"][-1]
+        return word, reason
+
     @property
     def full(self) -> bool:
         """Whether the tables have more than MOST records, see :meth:`successor`."""
@@ -393,7 +413,7 @@ class RunView(RunEvents):
         fresh = RunView(self.about)
         start = self._start or 0.0
         fresh.begin(self._run)
-        fresh.drawings, fresh.sentences = self.drawings, self.sentences
+        fresh.drawings, fresh.sentences, fresh.mode_word = self.drawings, self.sentences, self.mode_word
         fresh._met, fresh._history = self._met, {*self._history, *self._goals}
         for goal in (record for _, record in self.tables["goals"].changes_since(0) if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])

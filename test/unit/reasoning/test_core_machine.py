@@ -64,8 +64,22 @@ class CoreMachine(RuleBasedStateMachine):
         self.failures = 0
         self.garbage = 0
         self.number = 0
+        self.paused_at = None  # number of dispatches at the beginning of a pause
 
-    # ---- clients
+    # ---- clients and operators
+
+    @rule(paused=st.booleans())
+    def pause(self, paused):
+        self.driver.core.pause(paused)
+        self.paused_at = len(self.driver.journal.of(ActionsDispatched)) if paused else None
+        self.driver.run()
+
+    @rule()
+    def stop(self):
+        self.failures += 1
+        self.driver.core.stop("is aborted: stopped")
+        assert not self.driver.core.live_goals
+        self.driver.run()
 
     @rule(start=st.sampled_from(OFFICES), end=st.sampled_from(OFFICES))
     @precondition(lambda self: sum(self.lives(key) for key in self.goals) < 5)
@@ -203,6 +217,11 @@ class CoreMachine(RuleBasedStateMachine):
         assert answered <= done, f"{answered - done} in the answer was never done\n{self.account()}"
 
     @invariant()
+    def paused_core_dispatches_nothing(self):
+        if self.paused_at is not None:
+            assert len(self.driver.journal.of(ActionsDispatched)) == self.paused_at
+
+    @invariant()
     def idle_when_nothing_is_to_do(self):
         assert not self.driver.core.advance(self.driver.now)
         if not self.driver.core.live_goals:
@@ -216,6 +235,7 @@ class CoreMachine(RuleBasedStateMachine):
 
     def come_to_an_end(self):
         """Let all actions under way succeed; then every goal has the right end."""
+        self.pause(paused=False)
         for _ in range(300):
             if not self.driver.core.awaited:
                 break

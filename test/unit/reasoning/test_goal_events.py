@@ -56,7 +56,7 @@ def happen(event, manager):
     elif event == "the client cancels":
         manager.cancel("key")
     else:
-        assert event in ("it cannot be met", "the core shuts down")
+        assert event in ("it cannot be met", "the core is stopped or shuts down")
         manager.end(manager.live, Outcome.ABORTED, "why")
 
 

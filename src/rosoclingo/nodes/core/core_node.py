@@ -18,6 +18,7 @@ from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, s
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
 from rosoclingo.nodes.core.loading import core_parameters, load_program
+from rosoclingo.nodes.core.operator_commands import OperatorCommands
 from rosoclingo.nodes.core.topics import CoreTopics
 from rosoclingo.nodes.core.unmet_goals import UnmetGoals
 from rosoclingo.oclingo import DroppedError
@@ -30,6 +31,8 @@ from rosoclingo.reasoning.events import (
     Event,
     GoalChanged,
     GoalProgress,
+    Mode,
+    ModeChanged,
     PlanMade,
     Problem,
     ReturnAccepted,
@@ -129,12 +132,17 @@ class CoreNode:
         ~program (std_msgs/String, latched): the whole program, its constants, and all parameters that affect
             decisions, as JSON. With ``~updates`` and ``~task_plan`` it is the input of ``rosrun rosoclingo replay``.
         ~cycle (std_msgs/UInt32, latched): the current cycle, from 1.
+        ~mode (std_msgs/String, latched): ``running``, ``paused`` or ``stopped``, see ``~pause`` and ``~stop``.
         /diagnostics (diagnostic_msgs/DiagnosticArray): the core's state, once a second and on change.
     Services:
         ~explain (rosoclingo/Explain): explains why a goal was aborted: the fewest rules that forbid it, by file and
             line and in the program's words, the facts, and the steps. Available for the last 20 goals without a plan,
             after a restart as far as the journal has them. It takes up to 30 s of processor time in a separate
             process, while the core continues.
+        ~pause (std_srvs/SetBool): true: no action begins any more. Running actions end as usual, and goals join and are
+            planned for. false: the plan continues. A paused core that was killed resumes paused.
+        ~stop (std_srvs/Trigger): cancels the running actions and aborts all goals. Then no action begins until the next
+            goal arrives, or ``~pause`` gets false; a paused core stays paused.
     Actions served:
         rosoclingo (rosoclingo/ROSoClingoAction): goals of any number of clients, each with its own status.
 
@@ -187,6 +195,7 @@ class CoreNode:
             ReturnAccepted: self._return_taken,
             GoalChanged: self._handles.changed,
             GoalProgress: self._handles.progress,
+            ModeChanged: lambda event: self._topics.publish_mode(event.mode),
             Problem: self._log_problem,
         }
         self._connect()
@@ -198,6 +207,7 @@ class CoreNode:
         self._go_on_with_clients()
         self._results.open("rosoclingo")
         self._facts.connect()
+        self._commands = OperatorCommands(self._core, self._worker, self._send)
         rospy.on_shutdown(self._shut_down)
         start_server(self._server)
         self._worker.start()
@@ -206,6 +216,7 @@ class CoreNode:
 
     def _start(self) -> None:
         """Publish the restored state, then wait for the solver process, which no search time includes."""
+        self._topics.publish_mode(self._core.mode)
         self._core.report_beliefs()
         if self._core.plan.actions:
             self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
@@ -380,6 +391,8 @@ class CoreNode:
         def watch() -> Optional[Halt]:
             """Return why the search has to end now, None while it can continue."""
             self._attend()
+            if self._commands.waiting:
+                return Halt("an operator's command has arrived", disturbed=True)
             halt = look()
             if halt is None and 0 < limit <= worked():
                 if not queue.unhurried:
@@ -439,6 +452,10 @@ class CoreNode:
         lost = ", ".join(map(str, sorted(self._core.interfaces.lost)))
         if lost and not missing:
             report = report._replace(level=Level.WARN, message=f"lost robots: {lost}")
+        mode = self._core.mode
+        report.values["mode"] = mode.value
+        if mode is not Mode.RUNNING and not missing:
+            report = report._replace(level=Level.WARN, message=f"{mode.value}: {report.message}")
         if self._keeper.fault:
             report = report._replace(level=Level.WARN, message=self._keeper.fault)
         return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")

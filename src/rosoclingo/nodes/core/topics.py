@@ -8,7 +8,7 @@ from std_msgs.msg import String, UInt32
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO, State, TaskPlan
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, PlanMade, StateChanged, UpdateSent
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Mode, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.keywords import CORE, Action, run_of
 
 
@@ -36,6 +36,7 @@ class CoreTopics:
         self._program = prompt_publisher("~program", String, 1, latch=True)
         self._updates = prompt_publisher("~updates", String)
         self._cycle = prompt_publisher("~cycle", UInt32, 10, latch=True)
+        self._mode = prompt_publisher("~mode", String, 1, latch=True)
         self._last_cycle = 0
         self._publish_cycle(cycle)
 
@@ -64,6 +65,10 @@ class CoreTopics:
         if cycle != self._last_cycle:
             self._last_cycle = cycle
             self._cycle.publish(UInt32(cycle))
+
+    def publish_mode(self, mode: Mode) -> None:
+        """Publish whether the core dispatches actions."""
+        self._mode.publish(String(mode.value))
 
     def plan_made(self, event: PlanMade) -> None:
         """Publish a plan."""

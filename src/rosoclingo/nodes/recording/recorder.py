@@ -36,7 +36,7 @@ TOPICS = (
     *("map", "amcl_pose", "odom", "base_pose_ground_truth", "cmd_vel"),
     *("out_rosoclingo", "in_rosoclingo", "packages"),
     *(f"rosoclingo/{name}" for name in ("goal", "cancel", "status", "feedback", "result")),
-    *(f"rosoclingo/{name}" for name in ("task_plan", "updates", "program", "state", "goals")),
+    *(f"rosoclingo/{name}" for name in ("task_plan", "updates", "program", "state", "goals", "mode")),
     *(f"move_base/{name}/plan" for name in ("GridPlanner", "NavfnROS", "GlobalPlanner")),
     *(f"move_base/{name}" for name in ("goal", "cancel", "status", "result")),
     *(f"{server}/{name}" for server in ("pickup", "deliver") for name in ("goal", "cancel", "result")),
@@ -69,9 +69,9 @@ class RecorderNode:
         ~topics (list of str, optional): topics to record. Default: the topics that ``watch``, ``replay`` and ``report``
             read of a core called rosoclingo, and the topics of the shipped robots: /rosout, /diagnostics, clock, tf,
             tf_static, map, amcl_pose, odom, base_pose_ground_truth, cmd_vel, out_rosoclingo, in_rosoclingo, packages;
-            goal, cancel, status, feedback, result, task_plan, updates, program, state and goals of rosoclingo/; the
-            plans of its planners, goal, cancel, status and result of move_base/; goal, cancel and result of pickup/ and
-            deliver/.
+            goal, cancel, status, feedback, result, task_plan, updates, program, state, goals and mode of rosoclingo/;
+            the plans of its planners, goal, cancel, status and result of move_base/; goal, cancel and result of
+            pickup/ and deliver/.
         ~bag (str, default ""): the bag's file; empty: rosoclingo_DATE.bag in the working directory, which is ~/.ros
             for roslaunch.
         ~patience (float, default 10.0): seconds of wall time to wait for other nodes to end; roslaunch kills after 15.

@@ -4,7 +4,7 @@ from typing import Any, Optional, Tuple
 
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import ActionsPreempted
+from rosoclingo.reasoning.events import Mode
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.journal.recorded_history import RecordedHistory
 from rosoclingo.reasoning.keywords import Action
@@ -28,6 +28,8 @@ class ResumableCore(Core, PersistentPart):
         _plan=Optional[TaskPlan],
         _last_plan=TaskPlan,
         _last_cycle=int,
+        _mode=Mode,
+        _withheld=bool,
     )
 
     def __init__(self, *arguments: Any, record: Optional[Record] = None, **more: Any) -> None:
@@ -66,16 +68,6 @@ class ResumableCore(Core, PersistentPart):
     def goal(self, key: str) -> Optional[Goal]:
         """Return the live goal with a client's handle, None if there is none."""
         return self._goals.by_key(key)
-
-    def shut_down(self, why: str) -> None:
-        """End the running actions and abort every goal, because the core shuts down.
-
-        A core that resumes sends the same cancels, and cancels the goals that its program has.
-        """
-        ended = self._preemption.end_all()
-        if ended:
-            self._emit(ActionsPreempted(self.cycle, ended))
-        self.abandon(why)
 
     @property
     def parts(self) -> Tuple[PersistentPart, ...]:

@@ -115,6 +115,8 @@ COMMON = [
         lambda which, value: lambda play: play.answer(which, value), SIZES, st.sampled_from(["failed", "blocked"])
     ),
     st.builds(lambda seconds: lambda play: play.wait(seconds), st.sampled_from([0.5, 31.0])),
+    st.builds(lambda paused: lambda play: play.core.pause(paused), st.booleans()),
+    st.just(lambda play: play.core.stop("is aborted: stopped")),
 ]
 
 
