@@ -3,6 +3,9 @@
 
 const RETRY = { first: 500, most: 5000 }; // ms
 
+/** The present state of the system, which a message has if it has changed. */
+const STATE = ["core", "mode", "health", "orders", "operates"];
+
 class Live {
   constructor() {
     this.model = new RunModel();
@@ -11,9 +14,12 @@ class Live {
     this.wait = RETRY.first;
     this.answers = new Map(); // callbacks for answers, by the number of the message
     this.asked = 0;
-    this.orders = new OrdersView(document.getElementById("orders"), this.model, (message, then) => this.ask(message, then));
-    this.player.goals.mine = (goal) => this.orders.orders.has(goal.id);
-    this.player.goals.cancel = (goal) => this.orders.cancel(goal);
+    this.state = { core: false, mode: "running", health: [], orders: [], operates: false };
+    const part = (name) => document.getElementById(name);
+    const notices = new Notices(part("messages"), part("dialog"));
+    this.orders = new OrdersView(part("orders"), this.model, (message, then) => this.ask(message, then), notices);
+    this.operator = new OperatorView(this.model, this.orders.ask, notices);
+    this.player.goals.buttons = (goal, state) => this.orders.questions(goal, state);
     this.connect();
   }
 
@@ -52,8 +58,10 @@ class Live {
     }
     if (changes.whole) this.model.clear();
     this.model.merge(changes, performance.now());
-    this.orders.draw(changes.orders || []);
-    if (changes.core) this.say("live", "Live");
+    for (const name of STATE) if (name in changes) this.state[name] = changes[name];
+    this.orders.draw(this.state.orders);
+    this.operator.draw(this.state);
+    if (this.state.core) this.say("live", "Live");
     else this.say("lost", "The core is not running.");
     if (!document.hidden || changes.whole) this.player.update();
   }

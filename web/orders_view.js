@@ -1,14 +1,21 @@
 "use strict";
-// Orders: a form for each kind of goal. The same browser can cancel its orders.
+// Orders and facts: a form for each kind, and below them the orders of this browser, which it can cancel.
 
 const MINE = "rosoclingo orders";
 
-const FOLLOWED = 5;
+const ENDED_SHOWN = 5;
 
-/** The texts about an order, by the state of its goal. */
-const BECAME = {
-  succeeded: "Done", rejected: "Rejected", aborted: "Aborted", canceled: "Cancelled", lost: "Lost", waiting: "Ordered, queued",
-};
+/** The states of an order that are announced, and those of them that are failures. */
+const ANNOUNCED = new Set(["succeeded", "canceled", "waiting", "rejected", "aborted", "lost"]);
+const FAILURES = new Set(["rejected", "aborted", "lost"]);
+
+/** A text with a capital letter at its beginning. */
+function capital(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** The states that people ask about. */
+const ASKED_ABOUT = new Set(["pending", "waiting", "rejected", "aborted", "lost"]);
 
 /** This browser's stored data: its key, and the ids of its goals. */
 class Orders {
@@ -40,16 +47,26 @@ class Orders {
 }
 
 class OrdersView {
-  /** ``ask`` sends a message and calls a function with its answer. */
-  constructor(parent, model, ask) {
+  /** ``ask`` sends a message and calls a function with its answer; ``notices`` shows messages and explanations. */
+  constructor(parent, model, ask, notices) {
     this.model = model;
-    this.ask = ask;
     this.orders = new Orders();
+    this.ask = (message, then) => ask({ ...message, key: this.orders.kept.key }, then);
+    this.notices = notices;
     this.forms = html("div", { class: "forms" });
-    this.said = html("div", { role: "status" });
-    this.followed = []; // orders and faults of this page, the latest first: {goal, begun, line}
+    this.own = html("div", { hidden: true });
+    this.states = new Map(); // the last state of each of this browser's goals
+    this.facts = []; // the facts that were sent: {text, words, line (of the log)}
     this.shape = "";
-    show(parent, this.forms, this.said);
+    const table = html("div", { class: "scroll" });
+    show(parent, this.forms, this.own);
+    show(this.own, html("h3", {}, "My orders"), table);
+    this.mine = new GoalsView(table, model);
+    this.mine.only = (goal) => this.listed.has(goal.id);
+    this.mine.buttons = (goal, state) => [
+      ...(state.open && state.word !== "canceling" ? [["Cancel", () => this.cancel(goal)]] : []),
+      ...this.questions(goal, state),
+    ];
   }
 
   /** Show the forms. A choice stays selected, even if it is temporarily unavailable. */
@@ -74,8 +91,8 @@ class OrdersView {
 
   form(form, number) {
     const fields = [...this.selects[number]].map(([name, select]) => html("label", {}, `${name} `, select));
-    const button = html("button", { type: "submit", id: `order-${number}` }, "Order");
-    const whole = html("form", { "aria-label": form.title }, html("strong", {}, form.title), fields, button);
+    const button = html("button", { type: "submit", id: `order-${number}` }, form.fact ? "Report" : "Order");
+    const whole = html("form", { "aria-label": form.title, class: form.fact ? "fact" : null }, html("strong", {}, form.title), fields, button);
     whole.addEventListener("submit", (event) => {
       event.preventDefault();
       this.order(number, Object.fromEntries([...this.selects[number]].map(([name, select]) => [name, select.value])));
@@ -110,35 +127,61 @@ class OrdersView {
   }
 
   order(number, chosen) {
-    this.ask({ order: number, chosen, key: this.orders.kept.key }, (answer) => {
-      if (answer.ordered) this.orders.add(answer.ordered);
-      this.note(answer.ordered, answer.fault ? `Not ordered: ${answer.fault}` : answer.text, "Ordered");
+    this.ask({ order: number, chosen }, ({ fault, ordered, reported, text, words }) => {
+      if (fault) {
+        this.notices.say(`Not sent: ${fault}`, true);
+        return;
+      }
+      if (ordered) {
+        this.orders.add(ordered);
+        this.states.set(ordered, "");
+      }
+      if (reported) this.facts.push({ text, words, line: this.model.log.length });
+      this.notices.say(`${ordered ? "Ordered" : "Reported"}: ${words}`);
     });
   }
 
   cancel(goal) {
-    this.ask({ cancel: goal.id, key: this.orders.kept.key }, (answer) => {
-      this.note(answer.canceled, answer.fault ? `Not cancelled: ${answer.fault}` : goal.request, "Cancel requested");
+    this.ask({ cancel: goal.id }, ({ fault }) => {
+      if (fault) this.notices.say(`Not cancelled: ${fault}`, true);
     });
   }
 
-  /** Track a goal, or show why there is none. */
-  note(goal, text, begun) {
-    const others = this.followed.filter((one) => one.goal && one.goal !== goal);
-    this.followed = [{ goal, text, begun, line: html("p", { class: "caption" }, goal ? `${begun}: ${text}` : text) }, ...others].slice(0, FOLLOWED);
-    show(this.said, this.followed.map(({ line }) => line));
-    this.follow();
+  /** The button that asks why a goal is not met, if there is a reason to ask. */
+  questions(goal, { word }) {
+    return ASKED_ABOUT.has(word) ? [["Why?", () => this.explain(goal)]] : [];
   }
 
-  /** Show the outcome of the latest orders. */
+  explain(goal) {
+    this.notices.explain(goal.words, ["One moment …"]);
+    this.ask({ why: goal.id }, ({ fault, why, details }) => this.notices.explain(goal.words, fault ? [fault] : why, details));
+  }
+
+  /** Show this browser's goals, and report the changes of their states. */
   follow() {
-    const goals = new Map(this.model.goals.map((goal) => [goal.id, goal]));
-    for (const { goal, text, begun, line } of this.followed) {
-      const found = goals.get(goal);
-      if (!found) continue; // not reported yet, or dropped long ago
-      const [, word, reason] = found.states[found.states.length - 1];
-      const why = reason && !["pending", "active", "canceling", "succeeded", "canceled"].includes(word) ? ` (${reason})` : "";
-      say(line, `${BECAME[word] || begun}: ${text}${why}`);
-    }
+    const own = this.model.goals.filter((goal) => goal && this.orders.has(goal.id));
+    const ended = own.filter((goal) => goal.ended !== null).slice(-ENDED_SHOWN);
+    this.listed = new Set([...own.filter((goal) => goal.ended === null), ...ended].map((goal) => goal.id));
+    this.own.hidden = !this.listed.size;
+    this.mine.draw(this.model.seconds);
+    for (const goal of own) this.announce(goal);
+    this.facts = this.facts.filter((fact) => this.model.log.length < fact.line + 100 && !this.isIgnored(fact));
+  }
+
+  announce(goal) {
+    const [, word, reason] = goal.states[goal.states.length - 1];
+    const before = this.states.get(goal.id);
+    this.states.set(goal.id, word);
+    if (before === undefined || before === word || !ANNOUNCED.has(word)) return; // ``undefined``: before this page was opened
+    const why = reason && (FAILURES.has(word) || word === "waiting") ? ` (${reason})` : "";
+    this.notices.say(`${capital(this.model.said(word))}: ${goal.words}${why}`, FAILURES.has(word));
+  }
+
+  /** Return whether the core's log reports that it ignores a fact, and show that. */
+  isIgnored({ text, words, line }) {
+    const [begin] = text.split("now");
+    const found = this.model.log.slice(line).find(({ kind, text: note, details }) => kind === "note" && `${note} ${details}`.includes(begin));
+    if (found) this.notices.say(`${words}: ${found.text}`, true);
+    return Boolean(found);
   }
 }

@@ -7,8 +7,8 @@ class GoalsView {
   constructor(parent, model) {
     this.model = model;
     this.rows = new Map(); // by the goal's id
-    this.mine = () => false; // whether this page can cancel a goal, and the function that does
-    this.cancel = () => undefined;
+    this.only = () => true; // whether to show a goal
+    this.buttons = () => []; // [text, function] of each button of a goal in a state
     this.open = new Set(); // ids of goals whose terms are shown
     this.body = html("tbody");
     const heads = ["goal", "state", "duration", "reason"].map((words) => html("th", { scope: "col" }, words));
@@ -18,7 +18,7 @@ class GoalsView {
 
   /** Update only changed texts of rows, so that no button disappears while it is pressed. */
   draw(time) {
-    const rows = this.model.goals.map((goal) => this.row(goal, this.model.goalAt(goal, time))).filter(Boolean);
+    const rows = this.model.goals.filter((goal) => this.only(goal)).map((goal) => this.row(goal, this.model.goalAt(goal, time))).filter(Boolean);
     this.none.hidden = rows.length > 0;
     if (rows.length !== this.body.children.length || rows.some((row, number) => row !== this.body.children[number])) {
       show(this.body, rows);
@@ -28,10 +28,13 @@ class GoalsView {
   row(goal, state) {
     if (!state) return null;
     if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
-    const { row, name, word, waited, reason, last, cancel } = this.rows.get(goal.id);
-    const offered = goal.ended === null && state.word !== "canceling" && this.mine(goal);
-    if (offered && !cancel.isConnected) last.append(cancel);
-    if (!offered) cancel.remove();
+    const { row, name, word, waited, reason, acts } = this.rows.get(goal.id);
+    const buttons = this.buttons(goal, state);
+    const names = buttons.map(([text]) => text).join();
+    if (acts.dataset.names !== names) {
+      acts.dataset.names = names;
+      show(acts, buttons.map(([text, act]) => html("button", { type: "button", "aria-label": `${text} ${goal.words}`, onclick: act }, text)));
+    }
     const plain = [goal.request === goal.words ? "" : goal.request, state.details];
     const terms = plain.filter(Boolean).join("\n");
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
@@ -47,12 +50,10 @@ class GoalsView {
   }
 
   newRow(goal) {
-    const [word, waited, reason] = [html("span"), html("td", { class: "number" }), html("span")];
-    const cancel = html("button", { type: "button", onclick: () => this.cancel(goal) }, "Cancel");
-    cancel.setAttribute("aria-label", `Cancel ${goal.words}`);
+    const [word, waited, reason, acts] = [html("span"), html("td", { class: "number" }), html("span"), html("span", { class: "acts" })];
     const name = html("th", { scope: "row" });
-    const last = html("td", {}, reason);
-    return { row: html("tr", {}, name, html("td", {}, word), waited, last), name, word, waited, reason, last, cancel };
+    const last = html("td", {}, reason, " ", acts);
+    return { row: html("tr", {}, name, html("td", {}, word), waited, last), name, word, waited, reason, acts };
   }
 }
 

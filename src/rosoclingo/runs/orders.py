@@ -1,9 +1,12 @@
-"""Order forms of a page: kinds of goals with their choices, declared in YAML.
+"""Order forms of a page: kinds of goals and of facts with their choices, declared in YAML.
 
     orders:
       - title: Deliver a package
         goal: "goal({from},{to},{package})"
         choices: {package: packages, from: place of package, to: labels}
+      - title: A door is open again
+        fact: "_opened({room},now)"
+        choices: {room: [kitchen, study]}
 
 A choice is one of these:
 
@@ -12,7 +15,7 @@ A choice is one of these:
 * ``packages``: all packages at a known place;
 * ``place of NAME``: the place of the package that was chosen as NAME, which is not a field of the form.
 
-The places of one goal differ: a label chosen from ``labels`` cannot be another place of the goal.
+The places of one order differ: a label chosen from ``labels`` cannot be another place of the order.
 """
 
 import re
@@ -20,7 +23,8 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tup
 
 from rosoclingo.checking.sample_requests import IDENTIFIER, combine
 from rosoclingo.common.reading import Reader
-from rosoclingo.oclingo import ProgressionError, parse_term
+from rosoclingo.oclingo import ProgressionError, parse_atom, parse_term
+from rosoclingo.reasoning.keywords import RESERVED, RETURN
 
 #: Choices whose options depend on the world.
 LABELS, PACKAGES, PLACE_OF = "labels", "packages", "place of "
@@ -33,7 +37,7 @@ class OrderError(ValueError):
 
 
 class Choice(NamedTuple):
-    """The options for a name in a goal: ``kind`` is LABELS, PACKAGES, PLACE_OF, or empty for ``terms``."""
+    """The options for a name in an order: ``kind`` is LABELS, PACKAGES, PLACE_OF, or empty for ``terms``."""
 
     name: str
     kind: str = ""
@@ -42,11 +46,12 @@ class Choice(NamedTuple):
 
 
 class OrderForm(NamedTuple):
-    """A kind of goal: ``goal`` has ``{name}`` in place of each choice."""
+    """A kind of goal, or of fact: ``term`` has ``{name}`` in place of each choice."""
 
     title: str
-    goal: str
+    term: str
     choices: Tuple[Choice, ...]
+    is_fact: bool = False
 
     def describe(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
         """Return the form for a page: its title, and its fields with their options.
@@ -61,7 +66,7 @@ class OrderForm(NamedTuple):
             )
             if one.kind != PLACE_OF
         ]
-        return {"title": self.title, "fields": fields}
+        return {"title": self.title, "fact": self.is_fact, "fields": fields}
 
     def _apart(self, choice: Choice, packages: Mapping[str, str]) -> Dict[str, Any]:
         """Return the fields that exclude options of a choice of labels."""
@@ -75,7 +80,7 @@ class OrderForm(NamedTuple):
         return {"apart": apart} if apart else {}
 
     def fill(self, chosen: Mapping[str, Any], labels: Sequence[str], packages: Mapping[str, str]) -> str:
-        """Return the goal for the chosen options; raises OrderError for invalid choices."""
+        """Return the goal or the fact for the chosen options; raises OrderError for invalid choices."""
         found: Dict[str, str] = {}
         for one in self.choices:
             if one.kind == PLACE_OF:
@@ -88,10 +93,15 @@ class OrderForm(NamedTuple):
             if one.kind == PLACE_OF:
                 found[one.name] = packages[found[one.of]]
         self._check_places(found)
-        return _NAME.sub(lambda match: found[match.group(1)], self.goal)
+        return _NAME.sub(lambda match: found[match.group(1)], self.term)
+
+    def words(self, chosen: Mapping[str, Any]) -> str:
+        """Return the title and the chosen options."""
+        options = ", ".join(str(chosen[one.name]) for one in self.choices if one.kind != PLACE_OF)
+        return f"{self.title}: {options}" if options else self.title
 
     def _check_places(self, found: Mapping[str, str]) -> None:
-        """Raise OrderError if a chosen label is another place of the same goal."""
+        """Raise OrderError if a chosen label is another place of the same order."""
         places = [one for one in self.choices if one.kind in (LABELS, PLACE_OF)]
         for one in (place for place in places if place.kind == LABELS):
             same = next((other for other in places if other != one and found[other.name] == found[one.name]), None)
@@ -99,14 +109,14 @@ class OrderForm(NamedTuple):
                 raise OrderError(f"{one.name}: {found[one.name]} is already '{same.name}', choose another place")
 
     def samples(self, labels: Sequence[str], packages: Sequence[str]) -> Iterator[str]:
-        """Yield some goals that can be chosen in any world with these labels and packages.
+        """Yield some goals or facts that can be chosen in any world with these labels and packages.
 
         A package can also be a number, and can be at any of the ``labels``.
         """
         known = {LABELS: labels, PLACE_OF: labels, PACKAGES: [IDENTIFIER, *packages]}
         for words in combine([known.get(one.kind, one.terms) for one in self.choices]):
             found = dict(zip((one.name for one in self.choices), words))
-            yield _NAME.sub(lambda match, found=found: found[match.group(1)], self.goal)  # type: ignore[misc]
+            yield _NAME.sub(lambda match, found=found: found[match.group(1)], self.term)  # type: ignore[misc]
 
 
 def read_orders(reader: Reader) -> Tuple[OrderForm, ...]:
@@ -115,21 +125,37 @@ def read_orders(reader: Reader) -> Tuple[OrderForm, ...]:
 
 
 def _form(reader: Reader) -> OrderForm:
-    title, goal = reader.at("title").text(), reader.at("goal").text()
+    title, kind = reader.at("title").text(), "fact" if "fact" in (reader.value or ()) else "goal"
+    term = reader.at(kind).text()
     choices = tuple(
         _choice(name, value) for name, value in reader.at("choices").entries("a mapping of names to choices")
     )
     reader.close()
-    form = OrderForm(title, goal, choices)
+    form = OrderForm(title, term, choices, kind == "fact")
     names = {one.name: one for one in choices}
-    for name in set(_NAME.findall(goal)) ^ set(names):
-        reader.fault(f"'{name}' has to be in the goal, as {{{name}}}, and among the choices")
+    for name in set(_NAME.findall(term)) ^ set(names):
+        reader.fault(f"'{name}' has to be in the {kind}, as {{{name}}}, and among the choices")
     for one in choices:
         if one.kind == PLACE_OF and (one.of not in names or names[one.of].kind != PACKAGES):
             reader.fault(f"'{one.of}' is not a choice of packages")
-    if not reader.faults and not _is_term(_NAME.sub("1", goal)):
-        reader.at("goal").fault("is not a ground term")
+    if not reader.faults:
+        fault = _fault_of(_NAME.sub("1", term), form.is_fact)
+        if fault:
+            reader.at(kind).fault(fault)
     return form
+
+
+def _fault_of(term: str, is_fact: bool) -> str:
+    """Return why a term cannot be a goal, or a fact of an interface; empty if it can."""
+    if not is_fact:
+        return "" if _is_term(term) else "is not a ground term"
+    try:
+        atom = parse_atom(term)
+    except ProgressionError:
+        return "is not a ground atom"
+    signature = (atom.name, len(atom.arguments))
+    reserved = signature in RESERVED or signature == (RETURN, 3)
+    return "is reserved for the core, the program and the interfaces" if reserved else ""
 
 
 def _choice(name: str, reader: Reader) -> Choice:

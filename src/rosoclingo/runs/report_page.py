@@ -19,7 +19,7 @@ _VIEWS = (
     "player.js",
 )
 SCRIPTS = (*_VIEWS, "report.js")
-LIVE_SCRIPTS = (*_VIEWS, "orders_view.js", "live.js")
+LIVE_SCRIPTS = (*_VIEWS, "orders_view.js", "operator_view.js", "live.js")
 STYLE = "page.css"
 PAGE, LIVE_PAGE, VIEWS = "report.html", "live.html", "views.html"
 

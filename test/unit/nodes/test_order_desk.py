@@ -1,11 +1,13 @@
-"""Orders that arrive from pages."""
+"""Orders, facts, commands and questions that arrive from pages."""
+
+from types import SimpleNamespace
 
 import pytest
 import yaml
 from published_runs import LABELS
 
 from rosoclingo.common.reading import Reader
-from rosoclingo.nodes.pages.order_desk import MOST_KNOWN, MOST_OPEN, OrderDesk
+from rosoclingo.nodes.pages.order_desk import MOST_ASKED, MOST_COMMANDS, MOST_KNOWN, MOST_OPEN, OrderDesk, Reason
 from rosoclingo.runs.orders import OrderError, read_orders
 from rosoclingo.runs.run_view import RunView
 
@@ -13,6 +15,9 @@ FORM = """
 - title: Deliver
   goal: "goal({from},{to},{package})"
   choices: {package: packages, from: place of package, to: labels}
+- title: A place is open again
+  fact: "_opened({place},now)"
+  choices: {place: labels}
 """
 KEY = "a key of a page"
 
@@ -23,8 +28,21 @@ class Counter:
     def __init__(self):
         self.view = RunView({"labels": LABELS})
         self.view.packages(0.0, [("1", "office2"), ("2", "")])
-        self.sent, self.canceled = [], []
-        self.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), self.send, self.canceled.append)
+        self.sent, self.canceled, self.facts, self.commands = [], [], [], []
+        self.reason = Reason(["the door is shut"], "the rules")
+        self.core = SimpleNamespace(
+            send=lambda text: self.send(text),
+            cancel=self.canceled.append,
+            report=self.facts.append,
+            pause=self.command,
+            stop=lambda: self.command("stop"),
+            explain=lambda _key: self.reason,
+        )
+        self.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), self.core)
+
+    def command(self, value):
+        self.commands.append(value)
+        return f"the core got {value}"
 
     def send(self, text):
         self.sent.append(text)
@@ -45,7 +63,7 @@ def counter():
 
 
 def test_desk_order_is_a_goal_that_its_key_cancels(counter):
-    assert counter.order() == {"ordered": "id 1", "text": "goal(office2,office1,1)"}
+    assert counter.order() == {"ordered": "id 1", "text": "goal(office2,office1,1)", "words": "Deliver: 1, office1"}
     assert counter.sent == ["goal(office2,office1,1)"]
     for key in ("another key", "a key of a pagE", "ö" * 9):
         assert counter.take(cancel="id 1", key=key) == {"fault": "this page did not send that order"}
@@ -92,7 +110,7 @@ def test_desk_answers_half_a_surrogate_pair_anywhere(counter, half):
 
 
 def test_desk_answers_a_message_without_order_or_cancel(counter):
-    assert counter.take(key=KEY) == {"fault": "the message needs 'order' or 'cancel'"}
+    assert counter.take(key=KEY) == {"fault": "the message needs 'order', 'cancel', 'why', 'pause' or 'stop'"}
 
 
 def test_desk_sends_no_goal_that_is_not_offered(counter):
@@ -104,7 +122,6 @@ def test_desk_burst_accepts_only_free_places():
     """The view learns about a goal only after the burst, so sent goals occupy places."""
     desk = Counter()
     desk.send = lambda text: desk.sent.append(text) or f"id {len(desk.sent)}"
-    desk.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), lambda text: desk.send(text), lambda key: None)
     answers = [desk.order(f"key of page {number % 20}") for number in range(400)]
     assert [("ordered" in one) for one in answers] == [True] * MOST_OPEN + [False] * (400 - MOST_OPEN)
     assert len(desk.sent) == MOST_OPEN
@@ -120,10 +137,9 @@ def test_desk_place_is_kept_after_failed_sending(counter):
     def fail(_text):
         raise OrderError("the core is not running: try again later")
 
-    desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), fail, fail)
+    counter.send = fail
     for _ in range(MOST_OPEN + 1):
-        message = {"order": 0, "key": KEY, "chosen": {"package": "1", "to": "office1"}}
-        assert desk.take(message, counter.view) == {"fault": "the core is not running: try again later"}
+        assert counter.order() == {"fault": "the core is not running: try again later"}
 
 
 def test_desk_counts_orders_of_an_earlier_view(counter):
@@ -149,3 +165,84 @@ def test_desk_forgets_old_orders(counter):
         counter.view.status(2.0, f"id {number + 1}", 3, "")
     assert "fault" in counter.take(cancel="id 1", key=KEY)
     assert "canceled" in counter.take(cancel="id 2", key=KEY)
+
+
+def test_desk_reports_an_offered_fact(counter):
+    answer = counter.take(order=1, key=KEY, chosen={"place": "office2"})
+    assert answer == {
+        "reported": "_opened(office2,now)",
+        "text": "_opened(office2,now)",
+        "words": "A place is open again: office2",
+    }
+    assert (counter.facts, counter.sent) == (["_opened(office2,now)"], [])
+    assert "choose one" in counter.take(order=1, key=KEY, chosen={"place": "office9"})["fault"]
+    assert "fault" in counter.take(cancel="_opened(office2,now)", key=KEY)
+
+
+@pytest.mark.parametrize(
+    ("message", "value"), [({"pause": True}, True), ({"pause": False}, False), ({"stop": True}, "stop")]
+)
+def test_desk_command_waits_for_the_core(counter, message, value):
+    wait = counter.take(key=KEY, **message)
+    assert counter.commands == []
+    assert wait() == {"done": f"the core got {value}"}
+    assert counter.commands == [value]
+
+
+@pytest.mark.parametrize(
+    "message", [{"pause": 1}, {"pause": None}, {"stop": False}, {"stop": "yes"}, {"stop": True, "pause": True}]
+)
+def test_desk_refuses_malformed_commands(counter, message):
+    assert counter.take(key=KEY, **message) == {"fault": "'pause' needs true or false, and 'stop' true"}
+
+
+@pytest.mark.parametrize("message", [{"pause": True}, {"stop": True}])
+def test_desk_without_orders_accepts_no_command(counter, message):
+    desk = OrderDesk((), counter.core)
+    assert "only shows the robot" in desk.take({"key": KEY, **message}, counter.view)["fault"]
+
+
+@pytest.mark.parametrize(("message", "limit"), [({"why": "id 1"}, MOST_ASKED), ({"stop": True}, MOST_COMMANDS)])
+def test_desk_limits_requests_that_wait_for_the_core(counter, message, limit):
+    counter.order()
+    counter.view.status(2.0, "id 1", 4, "cannot be met")
+    waits = [counter.take(key=KEY, **message) for _ in range(limit)]
+    assert "try again" in counter.take(key=KEY, **message)["fault"]
+    counter.reason = None  # an error in the connection frees the place, too
+    for wait in waits:
+        try:
+            wait()
+        except TypeError:
+            assert "why" in message
+    assert not isinstance(counter.take(key=KEY, **message), dict)
+
+
+def test_desk_command_answers_a_fault_of_the_core(counter):
+    def fail():
+        raise OrderError("the core does not answer: gone")
+
+    counter.core.stop = fail
+    assert counter.take(key=KEY, stop=True)() == {"fault": "the core does not answer: gone"}
+
+
+@pytest.mark.parametrize(
+    ("status", "reason", "lines"),
+    [
+        (5, "goal(office2,office1,1) is unknown", ["is unknown"]),
+        (5, "", ["the core gives no reason"]),
+        (0, "", ["the core has not planned for it yet"]),
+    ],
+)
+def test_desk_explains_a_goal_by_its_reason(counter, status, reason, lines):
+    counter.order()
+    counter.view.status(2.0, "id 1", status, reason)
+    assert counter.take(key=KEY, why="id 1") == {"why": lines, "details": ""}
+
+
+def test_desk_asks_the_core_why_a_goal_has_no_plan(counter):
+    counter.order()
+    counter.view.status(2.0, "id 1", 4, "cannot be met")
+    expected = {"why": ["cannot be met", "the door is shut"], "details": "the rules"}
+    assert counter.take(key="a key of another page", why="id 1")() == expected
+    for unknown in ("id 2", None, 7, "\ud800"):
+        assert counter.take(key=KEY, why=unknown) == {"fault": "there is no such goal"}

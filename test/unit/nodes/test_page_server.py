@@ -3,6 +3,7 @@
 import asyncio
 import gc
 import json
+import threading
 
 import browser
 import pytest
@@ -34,7 +35,7 @@ def test_server_serves_the_page_and_its_files(served):
     assert (headers["X-Frame-Options"], headers["X-Content-Type-Options"]) == ("DENY", "nosniff")
 
 
-@pytest.mark.parametrize("path", ["/nosuch", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/report.html"])
+@pytest.mark.parametrize("path", ["/nosuch", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/run.html"])
 def test_server_serves_nothing_else(served, path):
     assert served.get(path)[0] == 404
 
@@ -98,7 +99,7 @@ def test_server_refuses_a_token_that_is_not_utf8(served, token):
 def test_server_with_a_token_admits_only_its_holders():
     with serving(token="open sesame") as served:
         assert served.get()[0] == 403
-        assert served.get("/model.js")[0] == 403
+        assert served.get("/model.js")[0] == served.get("/report.html")[0] == 403
         assert served.get("/?token=wrong")[0] == 403
         assert "Token needed" in served.get("/?token=wr%C3%B6ng")[2]
         with pytest.raises(HTTPClientError) as error:
@@ -111,7 +112,7 @@ def test_server_with_a_token_admits_only_its_holders():
         assert "HttpOnly" in cookie
         assert "SameSite=Lax" in cookie
         mine = cookie.partition(";")[0]
-        assert served.get(Cookie=mine)[0] == 200
+        assert served.get(Cookie=mine)[0] == served.get("/report.html", Cookie=mine)[0] == 200
         assert served.get(Cookie=mine, Host="robot.example:8080")[0] == 200
         play(served.connect(Cookie=mine))
 
@@ -220,6 +221,25 @@ def test_server_answers_a_question():
             client = await served.connect()
             await client.write_message(json.dumps({"number": 7, "order": 0}))
             assert await answered(client) == {"number": 7, "heard": {"number": 7, "order": 0}}
+
+        play(scene())
+
+
+def test_server_answers_others_while_a_question_waits():
+    event = threading.Event()
+
+    def take(message):
+        return (lambda: {"waited": event.wait(PATIENCE)}) if message["number"] == 1 else {"heard": True}
+
+    with serving(take=take) as served:
+
+        async def scene():
+            client = await served.connect()
+            for number in (1, 2):
+                await client.write_message(json.dumps({"number": number}))
+            assert await answered(client) == {"number": 2, "heard": True}
+            event.set()
+            assert await answered(client) == {"number": 1, "waited": True}
 
         play(scene())
 

@@ -34,6 +34,7 @@ def test_orders_show_the_declared_form():
     deliver, clean = (form.describe(LABELS, PACKAGES) for form in forms())
     assert deliver == {
         "title": "Deliver a package",
+        "fact": False,
         "fields": [
             {"name": "package", "options": [["1", "1 (at office2)"]]},
             {
@@ -132,3 +133,33 @@ def test_orders_declaration_faults_are_reported(text, message):
 
 def test_orders_can_be_undeclared():
     assert read("")[0] == ()
+
+
+def test_orders_can_be_facts():
+    [found] = forms('[{title: Open, fact: "_opened({a},{b},now)", choices: {a: labels, b: labels}}]')
+    assert found.describe(LABELS, {})["fact"]
+    chosen = {"a": "office1", "b": "office2"}
+    assert found.fill(chosen, LABELS, {}) == "_opened(office1,office2,now)"
+    assert found.words(chosen) == "Open: office1, office2"
+    with pytest.raises(OrderError, match="another place"):
+        found.fill({"a": "office1", "b": "office1"}, LABELS, {})
+
+
+@pytest.mark.parametrize(
+    ("fact", "words"),
+    [
+        ("_opened(X,now)", "is not a ground atom"),
+        ("7", "is not a ground atom"),
+        ("_return(pickup,1,1)", "is reserved"),
+        ("_request(go(1),1)", "is reserved"),
+        ("_status(1,succeeded,now)", "is reserved"),
+    ],
+)
+def test_orders_with_facts_that_no_sensor_reports_are_refused(fact, words):
+    _, faults = read(yaml.safe_dump([{"title": "A", "fact": fact, "choices": {}}]))
+    assert [words in str(one) for one in faults] == [True], faults
+
+
+def test_orders_are_goals_or_facts():
+    _, faults = read('[{title: A, goal: "g(1)", fact: "_f(now)", choices: {}}]')
+    assert "goal" in str(faults[0])

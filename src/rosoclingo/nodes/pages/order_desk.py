@@ -1,38 +1,57 @@
-"""Orders from pages: each becomes a goal, which only the same page can cancel."""
+"""Requests from pages: orders, which only the same page can cancel, facts, commands and questions."""
 
 import hmac
+import threading
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Mapping, Sequence
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Union
 
 from rosoclingo.runs.orders import OrderError, OrderForm
 from rosoclingo.runs.run_view import RunView
 
-__all__ = ["OrderDesk"]
+__all__ = ["OrderDesk", "Reason"]
 
 #: Limits of open and of remembered goals of pages (open goals are always remembered), and of characters of a key.
 MOST_OPEN, MOST_KNOWN, LONGEST_KEY = 50, 1000, 100
 
+#: Limits of explanations and of commands that wait for the core.
+MOST_ASKED, MOST_COMMANDS = 2, 4
+
 Answer = Dict[str, Any]
+
+#: An answer, or a function that waits for it, for another thread.
+Taken = Union[Answer, Callable[[], Answer]]
+
+
+class Reason(NamedTuple):
+    """Why a goal has no plan: lines in words, and the whole explanation with its rules."""
+
+    lines: List[str]
+    details: str
 
 
 class OrderDesk:
-    """Processes orders and cancellations.
+    """Processes the requests of pages, by ``core``, a :class:`CoreConnection`.
 
-    ``send`` sends a goal and returns its id, ``cancel`` cancels the goal of an id; both raise OrderError on failure.
-    Each order has a ``key`` that only its browser knows; the cancellation needs the same key.
+    Each order has a ``key`` that only its browser knows; the cancellation needs the same key. A desk without ``forms``
+    accepts no commands either.
     """
 
-    def __init__(self, forms: Sequence[OrderForm], send: Callable[[str], str], cancel: Callable[[str], None]) -> None:
-        self._forms = forms
-        self._send, self._cancel = send, cancel
+    def __init__(self, forms: Sequence[OrderForm], core: Any) -> None:
+        self._forms, self._core = forms, core
         self._keys: OrderedDict[str, str] = OrderedDict()  # by the goal's id
+        self._asked = threading.BoundedSemaphore(MOST_ASKED)
+        self._commands = threading.BoundedSemaphore(MOST_COMMANDS)
 
     def describe(self, view: RunView) -> Sequence[Dict[str, Any]]:
         """Return the forms for a page."""
         return [form.describe(*_world(view)) for form in self._forms]
 
-    def take(self, message: Mapping[str, Any], view: RunView) -> Answer:
-        """Process a request of a page; the answer has ``ordered``, ``canceled`` or ``fault``."""
+    def take(self, message: Mapping[str, Any], view: RunView) -> Taken:
+        """Process a request of a page.
+
+        The answer has ``ordered`` (a goal's id), ``reported`` (a fact), ``canceled``, ``done`` (of a command), ``why``
+        (lines) or ``fault``.
+        """
         key = message.get("key")
         try:
             if not isinstance(key, str) or not 8 <= len(key) <= LONGEST_KEY:
@@ -43,7 +62,11 @@ class OrderDesk:
                 return self._order(message, key, view)
             if "cancel" in message:
                 return self._withdraw(message["cancel"], key)
-            raise OrderError("the message needs 'order' or 'cancel'")
+            if "why" in message:
+                return self._explain(message["why"], view)
+            if "pause" in message or "stop" in message:
+                return self._command(message)
+            raise OrderError("the message needs 'order', 'cancel', 'why', 'pause' or 'stop'")
         except OrderError as error:
             return {"fault": str(error)}
 
@@ -51,22 +74,76 @@ class OrderDesk:
         number, chosen = message["order"], message.get("chosen")
         if type(number) is not int or not 0 <= number < len(self._forms) or not isinstance(chosen, dict):
             raise OrderError("there is no such order")
-        text = self._forms[number].fill(chosen, *_world(view))
+        form = self._forms[number]
+        text = form.fill(chosen, *_world(view))
+        if form.is_fact:
+            self._core.report(text)
+            return {"reported": text, "text": text, "words": form.words(chosen)}
         still = [one for one in self._keys if not view.has_ended(one)]  # the view can lack a goal that was just sent
         if len(still) >= MOST_OPEN:
             raise OrderError("too many orders are open: wait until some have ended")
         for one in [one for one in self._keys if view.has_ended(one)][: max(0, len(self._keys) + 1 - MOST_KNOWN)]:
             del self._keys[one]
-        found = self._send(text)
+        found = self._core.send(text)
         self._keys[found] = key
-        return {"ordered": found, "text": text}
+        return {"ordered": found, "text": text, "words": form.words(chosen)}
 
     def _withdraw(self, found: Any, key: str) -> Answer:
         known = self._keys.get(found) if isinstance(found, str) else None
         if known is None or not hmac.compare_digest(known.encode("utf-8"), key.encode("utf-8")):
             raise OrderError("this page did not send that order")
-        self._cancel(found)
+        self._core.cancel(found)
         return {"canceled": found}
+
+    def _command(self, message: Mapping[str, Any]) -> Callable[[], Answer]:
+        """Return the function that executes a command: ``pause`` with true or false, or ``stop`` with true."""
+        if not self._forms:
+            raise OrderError("this page only shows the robot: it has no orders (~orders)")
+        paused = message.get("pause", message.get("stop"))
+        if type(paused) is not bool or ("stop" in message and (not paused or "pause" in message)):
+            raise OrderError("'pause' needs true or false, and 'stop' true")
+        act = (lambda: self._core.pause(paused)) if "pause" in message else self._core.stop
+        return _waiting(self._commands, lambda: {"done": act()})
+
+    def _explain(self, found: Any, view: RunView) -> Taken:
+        """Answer why a goal is not met: by its reason, or by the core's explanation if it has no plan."""
+        state = view.last_state(found) if isinstance(found, str) else None
+        if state is None:
+            raise OrderError("there is no such goal")
+        word, reason = state
+        own = [reason or _WITHOUT_REASON.get(word, "the core gives no reason")]
+        if word != "aborted":
+            return {"why": own, "details": ""}
+
+        sentences = view.sentences
+
+        def ask() -> Answer:
+            """Ask the core."""
+            lines, details = self._core.explain(found)
+            return {"why": [*own, *map(sentences.replace, lines)], "details": details}
+
+        return _waiting(self._asked, ask)
+
+
+#: Why a goal in a state without a reason is not met yet.
+_WITHOUT_REASON = {"pending": "the core has not planned for it yet", "waiting": "other goals come first"}
+
+
+def _waiting(limit: threading.BoundedSemaphore, act: Callable[[], Answer]) -> Callable[[], Answer]:
+    """Return a function that waits for the core; raises OrderError if too many others wait."""
+    if not limit.acquire(blocking=False):
+        raise OrderError("the core still answers earlier requests: try again")
+
+    def wait() -> Answer:
+        """Return the answer of the core."""
+        try:
+            return act()
+        except OrderError as error:
+            return {"fault": str(error)}
+        finally:
+            limit.release()
+
+    return wait
 
 
 def is_unicode(text: str) -> bool:

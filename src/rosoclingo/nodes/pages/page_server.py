@@ -7,6 +7,7 @@ import socket
 import threading
 import time
 from collections import deque
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set
 
@@ -16,7 +17,8 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from rosoclingo.nodes.pages.access import Access
-from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page
+from rosoclingo.nodes.pages.order_desk import Answer, Taken
+from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page, report_page
 from rosoclingo.runs.run_view import ClientState, RunView
 
 __all__ = ["PageServer"]
@@ -38,6 +40,9 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:; connect-src 'self' ws://{host} wss://{host};"
     " base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+#: The path of the report of the run so far.
+REPORT = "/report.html"
+
 #: Types of the number of a message, which its answer repeats.
 _NUMBERS = (int, type(None))
 
@@ -48,8 +53,8 @@ class PageServer:
     """Serves the view of a run; all callbacks run in the server's thread, ``put`` and ``stop`` work from any thread.
 
     ``look`` is called before each check for changes and returns further data for the page; ``view`` returns the view,
-    which can be replaced. ``sockets`` already listen. ``take`` answers requests of viewers; without it, requests are
-    refused.
+    which can be replaced. ``sockets`` already listen. ``take`` answers requests of viewers, or returns a function that
+    waits for the answer in a thread of its own; without ``take``, requests are refused.
     """
 
     def __init__(
@@ -59,12 +64,12 @@ class PageServer:
         web: Path,
         access: Access,
         sockets: Sequence[socket.socket],
-        take: Optional[Callable[[Dict[str, Any]], Dict[str, Any]]] = None,
+        take: Optional[Callable[[Dict[str, Any]], Taken]] = None,
     ) -> None:
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         self.access = access
         self.viewers: Set[_Viewer] = set()
-        self._view, self._look, self.take = view, look, take
+        self._view, self._look, self._web, self.take = view, look, web, take
         self._shown: Optional[RunView] = None
         self._extra: Dict[str, Any] = {}
         self._files = {f"/{name}": (web / name).read_bytes() for name in (*LIVE_SCRIPTS, STYLE)}
@@ -83,6 +88,14 @@ class PageServer:
         """Queue a job for the server's thread, from any thread."""
         if self._loop is not None:
             self._loop.add_callback(job)
+
+    def wait_for(self, job: Callable[[], Answer], then: Callable[[Answer], object]) -> None:
+        """Call a function in a thread of its own, and then another one with its result in the server's thread."""
+        threading.Thread(target=lambda: self.put(partial(then, job())), name="waiting", daemon=True).start()
+
+    def report(self) -> str:
+        """Return the run so far as a report."""
+        return report_page(self._view().changes(), self._web)
 
     def stop(self, timeout: float = 2.0) -> None:
         """Stop the server, and wait for its thread."""
@@ -118,7 +131,7 @@ class PageServer:
     def _application(self) -> Application:
         files = [(path, _File, {"server": self, "path": path, "data": data}) for path, data in self._files.items()]
         return Application(
-            [*files, ("/run", _Viewer, {"server": self})],
+            [*files, (REPORT, _Report, {"server": self}), ("/run", _Viewer, {"server": self})],
             websocket_max_message_size=MOST_BYTES,
             websocket_ping_interval=SILENCE,
             default_handler_class=_Nothing,
@@ -194,6 +207,26 @@ class _File(_Nothing):
         self.finish(self._data)
 
 
+class _Report(_Nothing):
+    """The report of the run so far, as a file to save."""
+
+    def initialize(self, server: PageServer) -> None:
+        """Set the server."""
+        self._server = server
+
+    def prepare(self) -> None:
+        """Refuse requests without access."""
+        _check(self, self._server)
+
+    def get(self) -> None:
+        """Answer with the report."""
+        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.set_header("Content-Disposition", 'attachment; filename="run.html"')
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Cache-Control", "no-store")
+        self.finish(self._server.report())
+
+
 class _Viewer(WebSocketHandler):
     """The connection of a viewer."""
 
@@ -202,11 +235,11 @@ class _Viewer(WebSocketHandler):
         self._server = server
         self._busy = False
         self._received: Deque[float] = deque(maxlen=MOST_MESSAGES)  # times of messages
-        self._sent: Dict[str, Any] = {}
         self.forget()
 
     def forget(self) -> None:
         """Send the whole view next."""
+        self._sent: Dict[str, Any] = {}
         self._known: ClientState = (-1, (0, 0), (0, 0))
 
     def check_origin(self, origin: str) -> bool:
@@ -243,24 +276,38 @@ class _Viewer(WebSocketHandler):
             self.close(1008, "a message has to be a JSON object")
             return
         number = found.get("number")
-        taken = self._server.take(found) if type(number) in _NUMBERS else {"fault": "'number' is not an integer"}
-        answer = json.dumps({"answer": {**taken, "number": number if type(number) in _NUMBERS else None}})
-        self._server.put(lambda: self._say(answer))
+        if type(number) not in _NUMBERS:
+            self._answer(None, {"fault": "'number' is not an integer"})
+            return
+        taken = self._server.take(found)
+        if isinstance(taken, dict):
+            self._answer(number, taken)
+        else:
+            self._server.wait_for(taken, partial(self._answer, number))
+
+    def _answer(self, number: Optional[int], answer: Answer) -> None:
+        text = json.dumps({"answer": {**answer, "number": number}})
+        self._server.put(lambda: self._say(text))
 
     def on_close(self) -> None:
         """Remove the viewer."""
         self._server.viewers.discard(self)
 
     def send_news(self, view: RunView, extra: Dict[str, Any], texts: Dict[Any, str]) -> None:
-        """Send the changes since the last message; ``texts`` caches the messages of this turn for all viewers."""
+        """Send the changes since the last message, also of ``extra``.
+
+        ``texts`` caches the messages of this turn for all viewers.
+        """
         seconds = {**extra, "seconds": int(view.seconds)}
         if self._busy or (self._known[0] == view.revision and self._sent == seconds):
             return
-        if self._known not in texts:
+        fresh = {name: value for name, value in extra.items() if name not in self._sent or self._sent[name] != value}
+        key = self._known, *fresh
+        if key not in texts:
             revision, words, poses = self._known
             changes = view.changes(max(0, revision), words, poses)
-            texts[self._known] = json.dumps({**changes, **extra, "whole": revision < 0}, separators=(",", ":"))
-        text, self._known, self._sent, self._busy = texts[self._known], view.client_state(), seconds, True
+            texts[key] = json.dumps({**changes, **fresh, "whole": revision < 0}, separators=(",", ":"))
+        text, self._known, self._sent, self._busy = texts[key], view.client_state(), seconds, True
         self._server.put(lambda: self._write(text))
 
     async def _write(self, text: str) -> None:

@@ -1,25 +1,32 @@
 """The node that serves the live page."""
 
 import secrets
-import uuid
-from typing import Any, Dict
+import time
+from typing import Any, Dict, List, Tuple
 
 import rospy
-from actionlib_msgs.msg import GoalID
+from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 from tornado.netutil import bind_sockets
 
 from rosoclingo.common.parameters import ParameterError, Parameters
-from rosoclingo.msg import ROSoClingoActionGoal
 from rosoclingo.nodes.pages.access import LOCAL, Access
-from rosoclingo.nodes.pages.order_desk import OrderDesk
+from rosoclingo.nodes.pages.core_connection import CoreConnection
+from rosoclingo.nodes.pages.order_desk import OrderDesk, Taken
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
 from rosoclingo.nodes.pages.scan_feed import ScanFeed
 from rosoclingo.nodes.run_topics import RunTopics
 from rosoclingo.nodes.topic_types import TYPES
-from rosoclingo.runs.orders import OrderError, read_orders
+from rosoclingo.reasoning.keywords import shortened
+from rosoclingo.runs.orders import read_orders
 from rosoclingo.runs.run_view import RunView
+
+#: Limit of components on /diagnostics that a page lists.
+MOST_COMPONENTS = 100
+
+#: Seconds of wall time without a report, after which a component is stale, and its level (diagnostic_msgs).
+SILENCE, STALE = 10.0, 3
 
 
 class WebNode:
@@ -32,9 +39,11 @@ class WebNode:
         ~port (int, default 8080): the port; 0 for any free port.
         ~token (str, default ""): the token for other machines; empty: a new token at each start, printed in the log.
         ~title (str, default "rosoclingo"): the page's title.
-        ~orders (list, default []): the orders that the page offers, see ``doc/web_page.md``; empty: none.
+        ~orders (list, default []): the orders and facts that the page offers, see ``doc/web_page.md``; empty: the page
+            only shows the run, and offers no pause and no stop.
     Subscribes:
-        rosoclingo/program, rosoclingo/updates (std_msgs/String), rosoclingo/task_plan (rosoclingo/TaskPlan)
+        rosoclingo/program, rosoclingo/updates, rosoclingo/mode (std_msgs/String)
+        rosoclingo/task_plan (rosoclingo/TaskPlan)
         rosoclingo/goals (rosoclingo/GoalStates): the states of goals, also of goals that were sent before the start.
         rosoclingo/state (rosoclingo/State): the program's beliefs.
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
@@ -46,9 +55,13 @@ class WebNode:
         move_base/GridPlanner/plan, move_base/NavfnROS/plan, move_base/GlobalPlanner/plan (nav_msgs/Path)
         /rosout (rosgraph_msgs/Log): the log of the core.
         TOPIC (sensor_msgs/LaserScan): the scans of all lasers, as long as a page shows them.
+        /diagnostics (diagnostic_msgs/DiagnosticArray): the health of core, interfaces and robot.
     Publishes:
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID): orders.
+        in_rosoclingo (rosoclingo/InterfaceIO): facts of ~orders that people report.
         ~address (std_msgs/String, latched): the address of the page, without the token.
+    Services called:
+        rosoclingo/pause (std_srvs/SetBool), rosoclingo/stop (std_srvs/Trigger), rosoclingo/explain (rosoclingo/Explain)
 
     Raises ParameterError if it cannot start, for example because the port is in use.
 
@@ -58,7 +71,7 @@ class WebNode:
         given = Parameters()
         host, port = given.at("host").text("127.0.0.1"), given.at("port").whole(8080, low=0, high=65535)
         token, title = given.at("token").text(""), given.at("title").text("rosoclingo")
-        self._desk = OrderDesk(read_orders(given.at("orders")), self._send, self._cancel)
+        self._forms = read_orders(given.at("orders"))
         given.check()
         local = host in LOCAL
         token = "" if local else token or secrets.token_urlsafe(12)
@@ -72,9 +85,8 @@ class WebNode:
         self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._scans = ScanFeed(self._on_scan)
         self._server = PageServer(lambda: self._view, self._look, web(), Access(token), sockets, self._take)
-        full = self._topics.full
-        self._goals = rospy.Publisher(full("rosoclingo/goal"), ROSoClingoActionGoal, queue_size=100)
-        self._cancels = rospy.Publisher(full("rosoclingo/cancel"), GoalID, queue_size=100)
+        self._desk = OrderDesk(self._forms, CoreConnection(self._topics.full))
+        self._health: Dict[str, Tuple[int, str, float]] = {}
         self._server.start()
         rospy.on_shutdown(self._server.stop)
         self._subscribers = self._subscribe()
@@ -84,14 +96,17 @@ class WebNode:
         self._address.publish(String(address))
 
     def _subscribe(self) -> Dict[str, rospy.Subscriber]:
+        kinds = {"/diagnostics": DiagnosticArray, **TYPES}
         return {
             name: rospy.Subscriber(self._topics.full(name), kind, self._on_message, name)
-            for name, kind in TYPES.items()
+            for name, kind in kinds.items()
         }
 
     def _on_message(self, message: Any, name: str) -> None:
         now = rospy.get_time()
-        if not self._topics.is_too_soon(name, now):
+        if name == "/diagnostics":
+            self._server.put(lambda: self._take_health(message))
+        elif not self._topics.is_too_soon(name, now):
             self._server.put(lambda: self._topics.takes[name](now, message))
 
     def _on_scan(self, topic: str, message: Any) -> None:
@@ -99,26 +114,29 @@ class WebNode:
         self._server.put(lambda: self._topics.scan(now, topic, message))
 
     def _look(self) -> Dict[str, Any]:
-        """Limit the size of the view, and return further data for the page: the forms, and whether the core runs."""
+        """Limit the size of the view, and return further data for the page: forms, state and health of the core."""
         self._view.clock(rospy.get_time())
         self._scans.check()
         if self._view.full:
             self._topics.events = self._view = self._view.successor()
         plan = self._subscribers.get("~task_plan")
         core = plan is not None and plan.get_num_connections() > 0
-        return {"core": core, "orders": self._desk.describe(self._view)}
+        state = {"core": core, "mode": self._view.mode_word, "health": self._described_health()}
+        return {**state, "orders": self._desk.describe(self._view), "operates": bool(self._forms)}
 
-    def _take(self, message: Dict[str, Any]) -> Dict[str, Any]:
+    def _take_health(self, message: DiagnosticArray) -> None:
+        for one in message.status:
+            if one.name in self._health or len(self._health) < MOST_COMPONENTS:
+                level = one.level[0] if isinstance(one.level, bytes) else int(one.level)
+                self._health[one.name] = min(level, STALE), shortened(one.message), time.monotonic()
+
+    def _described_health(self) -> List[Tuple[str, int, str]]:
+        """Return name, level and message of each component."""
+        late = time.monotonic() - SILENCE
+        return [
+            (shortened(name), level, text) if heard >= late else (shortened(name), STALE, f"no report; before: {text}")
+            for name, (level, text, heard) in sorted(self._health.items())
+        ]
+
+    def _take(self, message: Dict[str, Any]) -> Taken:
         return self._scans.want() if "scan" in message else self._desk.take(message, self._view)
-
-    def _send(self, text: str) -> str:
-        """Send a goal and return its id."""
-        if not self._goals.get_num_connections():
-            raise OrderError("the core is not running: try again later")
-        goal = ROSoClingoActionGoal(goal_id=GoalID(rospy.Time.now(), f"{rospy.get_name()}-{uuid.uuid4().hex}"))
-        goal.header.stamp, goal.goal.request = goal.goal_id.stamp, text
-        self._goals.publish(goal)
-        return str(goal.goal_id.id)
-
-    def _cancel(self, found: str) -> None:
-        self._cancels.publish(GoalID(id=found))

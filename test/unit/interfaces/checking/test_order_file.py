@@ -44,6 +44,7 @@ def test_order_file_goals_are_tried(ask):
         (ORDERS.replace("visit({room})", "visit({room},1)"), "unheard-order", 3, "no rule of the program asks for"),
         (ORDERS.replace("{room: [", "{rom: ["), "configuration", 2, "'room' has to be in the goal"),
         (ORDERS.replace("den]", "Den]"), "configuration", 4, "'Den' is not a ground term"),
+        ('[{title: A, fact: "_nosuch(now)", choices: {}}]', "unheard-order", 1, "declares no external _nosuch/1"),
         ("- ]", "configuration", 1, "invalid YAML"),
     ],
 )

@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""People operate robots by their pages: order, see, report a fact, ask why, pause and stop."""
+
+import sys
+import tempfile
+import unittest
+from contextlib import ExitStack
+from pathlib import Path
+
+import rospy
+import rostest
+import yaml
+from rosoclingo.msg import PackageState, PackageStates
+from std_msgs.msg import String
+
+from rosoclingo.nodes.new_package import new_package
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import browser
+from core_helpers import ManualInterfaces
+from interface_helpers import Process, executable, init_node, wait_until
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class OperatedPages(unittest.TestCase):
+    def setUp(self):
+        path = browser.found()
+        if path is None:
+            self.skipTest("there is no browser: install chromium")
+        self.ends = ExitStack()
+        self.addCleanup(self.ends.close)
+        self.page = self.ends.enter_context(browser.Browser(path))
+        self.page.size(1400, 900)
+
+    def start(self, name, programs, labels, orders):
+        """Start a core and its page in a namespace, with the test as the interfaces; open the page."""
+        core, web = f"/{name}/rosoclingo", f"/{name}/web"
+        places = yaml.safe_load(labels.read_text())
+        rospy.set_param(core, {"program_files": list(map(str, programs)), "labels": places, "journal": "none"})
+        rospy.set_param(web, {"port": 0, "orders": yaml.safe_load(orders.read_text())})
+        for node in ("core", "web"):
+            full = core if node == "core" else web
+            self.ends.enter_context(Process(executable(node), f"__name:={Path(full).name}", f"__ns:=/{name}"))
+        self.hands = ManualInterfaces(f"/{name}/")
+        self.hands.wait_for(core)
+        self.page.open(rospy.wait_for_message(f"{web}/address", String).data)
+        self.page.wait_for("document.getElementById('now').textContent === 'Idle: no open goals'")
+        self.page.wait_for("document.getElementById('light').textContent === 'All is well'")
+
+    def send(self, form, **chosen):
+        """Fill the form of this title and send it."""
+        inside = f"#orders form[aria-label='{form}']"
+        for name, value in chosen.items():
+            select = f'document.querySelector("{inside} select[name={name}]")'
+            self.page.wait_for(f"[...{select}.options].some((one) => one.value === '{value}')")
+            self.page.run(f"{select}.value = '{value}'; {select}.dispatchEvent(new Event('change'))")
+        self.page.click(f"{inside} button")
+
+    def push(self, text, within):
+        """Click on the last button of this text."""
+        found = f"[...document.querySelectorAll('{within} button')].filter((one) => one.textContent === '{text}').pop()"
+        self.page.wait_for(f"{found} !== undefined")
+        self.page.run(f"{found}.dataset.pushed = ''")
+        self.page.click("[data-pushed]")
+        self.page.run("delete document.querySelector('[data-pushed]')?.dataset.pushed")
+
+    def command(self, text):
+        """Give a command, and confirm it."""
+        self.push(text, "#commands")
+        if text != "Continue":
+            self.push(text, "#dialog")
+
+    def says(self, text):
+        self.page.wait_for(f"document.getElementById('messages').textContent.includes({text!r})")
+
+    def last_order(self, words, state):
+        row = "document.querySelector('#orders tbody tr:last-child')"
+        self.page.wait_for(
+            f"{row} !== null && {row}.innerText.includes({words!r}) && {row}.innerText.includes({state!r})"
+        )
+
+    def now(self, text):
+        self.page.wait_for(f"document.getElementById('now').textContent.startsWith({text!r})")
+
+    def why(self, text):
+        """Ask why the last order was not met."""
+        self.push("Why?", "#orders tbody")
+        self.page.wait_for(f"document.getElementById('dialog').innerText.includes({text!r})")
+        self.push("Close", "#dialog")
+
+    def operate(self, order, second, words):
+        """Pause and stop the robot while it has these orders; ``words`` are those of the first one's first action."""
+        self.hands.at_once = False
+        self.send(**order)
+        command = self.hands.take()
+        self.now(words)
+        self.command("Pause")
+        self.now("Paused after this")
+        seen = len(self.hands.seen)
+        self.send(**second)
+        self.hands.succeed(command)
+        self.now("Paused")
+        self.page.wait_for("document.querySelectorAll('#orders .state.active').length === 2")
+        self.assertEqual(self.hands.seen[seen:], [])
+        self.page.wait_for("document.getElementById('light').textContent === 'Warning'")
+        self.command("Continue")
+        command = self.hands.take()
+        self.command("Stop")
+        wait_until(lambda: any(one.startswith("_cancel") for one in self.hands.seen), "the cancel of the action")
+        self.hands.fail(command, "preempted")
+        self.now("Stopped")
+        self.page.wait_for("document.querySelectorAll('#orders .state.aborted').length >= 2")
+        self.page.click("a[download]")
+        self.assertEqual(self.page.faults, [])
+
+    def test_package_of_the_command_new_is_operated_by_its_page(self):
+        folder = Path(self.ends.enter_context(tempfile.TemporaryDirectory()))
+        new_package("guard", folder, ROOT / "templates" / "package")
+        guard = folder / "guard"
+        self.start("guard", [guard / "encodings/guard.lp"], guard / "config/labels.yaml", guard / "config/orders.yaml")
+        self.hands.at_once = True
+        self.send("Visit a place", place="kitchen")
+        self.says("Done: Visit the kitchen")
+        self.send("A place is closed", place="study")
+        self.says("Reported: A place is closed: study")
+        self.page.wait_for("document.getElementById('log').textContent.includes('_closed(study')")
+        self.send("Visit a place", place="study")
+        self.says("Rejected: Visit the study (")
+        self.why("the study is closed")
+        self.send("A place is open again", place="study")
+        self.says("Reported: A place is open again: study")
+        self.send("Visit a place", place="study")
+        self.last_order("Visit the study", "done")
+        visit = {"form": "Visit a place"}
+        self.operate({**visit, "place": "bedroom"}, {**visit, "place": "bathroom"}, "Drives to bedroom")
+        self.hands.at_once = True
+        self.send("Visit a place", place="home")
+        self.last_order("Visit the home", "done")
+
+    def test_mailbot_is_operated_by_its_page(self):
+        things = rospy.Publisher("/mailbot/packages", PackageStates, queue_size=1, latch=True)
+        lie(things, {"7": "office3", "8": "office1"})
+        programs = [ROOT / "encodings" / name for name in ("mailbot.lp", "office.lp")]
+        self.start("mailbot", programs, ROOT / "config/office_labels.yaml", ROOT / "config/office_orders.yaml")
+        order = {"form": "Deliver a package"}
+        self.deliver({**order, "package": "7", "to": "office2"}, "Bring package 7 from office3 to office2")
+        blocked = {"from": "office3", "to": "office4"}
+        self.reopen({**order, "package": "8", "to": "office4"}, "Bring package 8 from office1 to office4", blocked)
+        lie(things, {"7": "office2", "8": "office4"})
+        self.operate({**order, "package": "7", "to": "office1"}, {**order, "package": "8", "to": "office3"}, "Drives to")
+
+    def test_house_is_operated_by_its_page(self):
+        things = rospy.Publisher("/house/packages", PackageStates, queue_size=1, latch=True)
+        lie(things, {"cup": "kitchen", "book": "study"})
+        programs = [ROOT / "encodings" / name for name in ("house.lp", "home.lp")]
+        self.start("house", programs, ROOT / "config/house_labels.yaml", ROOT / "config/house_orders.yaml")
+        order = {"form": "Bring a thing"}
+        self.deliver({**order, "thing": "cup", "room": "hallway"}, "Bring the cup to the hallway")
+        blocked = {"from": "hallway", "to": "bathroom"}
+        self.reopen({**order, "thing": "book", "room": "bathroom"}, "Bring the book to the bathroom", blocked)
+        lie(things, {"cup": "hallway", "book": "bathroom"})
+        self.operate({**order, "thing": "cup", "room": "kitchen"}, {**order, "thing": "book", "room": "hallway"}, "Drives to")
+
+    def deliver(self, order, words):
+        """Send an order that is met."""
+        self.hands.at_once = True
+        self.send(**order)
+        self.says(f"Done: {words}")
+
+    def reopen(self, order, words, blocked):
+        """Send an order while a way is blocked, ask why it failed, report that the way is clear, and send it again."""
+        self.hands.tell(f"_blocked({blocked['from']},{blocked['to']},now)")
+        self.send(**order)
+        self.says(f"Given up: {words} (")
+        self.why(blocked["to"])
+        self.send("The way is clear again", **blocked)
+        self.says("Reported: The way is clear again")
+        self.send(**order)
+        self.last_order(words, "done")
+
+
+def lie(publisher, places):
+    """Publish the places of things."""
+    publisher.publish(packages=[PackageState(name, place, False) for name, place in places.items()])
+
+
+if __name__ == "__main__":
+    init_node("operated_pages_test")
+    rostest.rosrun("rosoclingo", "operated_pages", OperatedPages, sys.argv)

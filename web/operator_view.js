@@ -1,0 +1,106 @@
+"use strict";
+// What an operator needs first: the robot's present action, its health, pause and stop, messages and explanations.
+
+const LEVELS = ["ok", "warn", "error", "stale"];
+const LIGHTS = ["All is well", "Warning", "Error", "No reports"];
+
+/** Seconds for which a message is shown, unless it is about a failure. */
+const MESSAGE_TIME = 12;
+
+/** Messages at the edge of the page, and explanations and questions in a dialog. */
+class Notices {
+  constructor(messages, dialog) {
+    this.messages = messages;
+    this.dialog = dialog;
+    this.title = html("h2", { id: "dialog-title" });
+    this.content = html("div");
+    this.buttons = html("div", { class: "row" });
+    dialog.setAttribute("aria-labelledby", this.title.id);
+    show(dialog, this.title, this.content, this.buttons);
+  }
+
+  /** Show a message, which a screen reader reads; one about a failure stays until it is closed. */
+  say(text, bad = false) {
+    const box = html("div", { class: bad ? "message bad" : "message" }, html("span", {}, text));
+    box.append(html("button", { type: "button", "aria-label": "Close the message", onclick: () => box.remove() }, "×"));
+    this.messages.append(box);
+    while (this.messages.children.length > 4) this.messages.firstElementChild.remove();
+    if (!bad) window.setTimeout(() => box.remove(), 1000 * MESSAGE_TIME);
+  }
+
+  /** Show an explanation, its terms folded. */
+  explain(title, lines, terms = "") {
+    const folded = terms && html("details", {}, html("summary", {}, "Rules and facts"), html("code", {}, terms));
+    this.open(`Why? ${title}`, [html("ul", {}, lines.map((line) => html("li", {}, line))), folded || null], [["Close", () => undefined]]);
+  }
+
+  /** Ask for a confirmation before ``act``. */
+  confirm(title, text, name, act) {
+    this.open(title, [html("p", {}, text)], [[name, act], ["Back", () => undefined]]);
+  }
+
+  open(title, content, buttons) {
+    this.title.textContent = title;
+    show(this.content, content);
+    const close = (act) => () => {
+      this.dialog.close();
+      act();
+    };
+    show(this.buttons, buttons.map(([name, act]) => html("button", { type: "button", onclick: close(act) }, name)));
+    if (!this.dialog.open) this.dialog.showModal();
+    this.buttons.lastElementChild.focus();
+  }
+}
+
+class OperatorView {
+  /** ``ask`` sends a message and calls a function with its answer. */
+  constructor(model, ask, notices) {
+    this.model = model;
+    this.notices = notices;
+    this.part = (name) => document.getElementById(name);
+    const command = (message) => () => ask(message, ({ fault, done }) => notices.say(fault ? `Not done: ${fault}` : done, Boolean(fault)));
+    this.part("pause").addEventListener("click", () => {
+      if (this.mode !== "running") command({ pause: false })();
+      else notices.confirm("Pause the robot?", "What it does now ends as usual. Nothing else begins until you continue.", "Pause", command({ pause: true }));
+    });
+    const words = "What it does now is cancelled, and all goals are given up. It rests until the next order.";
+    this.part("stop").addEventListener("click", () => notices.confirm("Stop the robot?", words, "Stop", command({ stop: true })));
+  }
+
+  /** Show the state of core and robot; ``operates``: this page can pause and stop them. */
+  draw({ core, mode, health, operates }) {
+    this.mode = mode;
+    this.part("commands").hidden = !operates;
+    say(this.part("pause"), mode === "running" ? "Pause" : "Continue");
+    const now = this.part("now");
+    say(now, this.now(core));
+    now.className = `now ${core ? mode : "stopped"}`;
+    this.light(health);
+  }
+
+  /** The present actions, or why there are none. */
+  now(core) {
+    if (!core) return "The core is not running";
+    const doing = this.model.actionsAt(this.model.seconds).filter((one) => one.state === "now").map(({ word }) => word.words);
+    const said = doing.join(", ");
+    if (this.mode === "paused") return said ? `Paused after this: ${said}` : "Paused";
+    if (said) return capital(said);
+    if (this.mode === "stopped") return "Stopped until the next order";
+    const open = this.model.goals.filter((goal) => goal && goal.ended === null).map((goal) => this.model.goalAt(goal, this.model.seconds));
+    const reason = open.map((state) => state && state.reason).find(Boolean);
+    return open.length ? `Waits${reason ? `: ${reason}` : " or plans"}` : "Idle: no open goals";
+  }
+
+  /** One light for all reports on /diagnostics: [name, level, message]. */
+  light(health) {
+    const box = this.part("health");
+    const worst = Math.max(0, ...health.map(([, level]) => level));
+    box.hidden = !health.length;
+    box.className = `health ${LEVELS[worst]}`;
+    say(this.part("light"), LIGHTS[worst]);
+    const shown = JSON.stringify(health);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    show(this.part("reports"), health.map(([name, level, message]) => html("li", { class: LEVELS[level] }, html("strong", {}, name), ` ${LEVELS[level]}: ${message}`)));
+  }
+}
