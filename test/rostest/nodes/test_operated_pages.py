@@ -150,7 +150,9 @@ class OperatedPages(unittest.TestCase):
         blocked = {"from": "office3", "to": "office4"}
         self.reopen({**order, "package": "8", "to": "office4"}, "Bring package 8 from office1 to office4", blocked)
         lie(things, {"7": "office2", "8": "office4"})
-        self.operate({**order, "package": "7", "to": "office1"}, {**order, "package": "8", "to": "office3"}, "Drives to")
+        self.operate(
+            {**order, "package": "7", "to": "office1"}, {**order, "package": "8", "to": "office3"}, "Drives to"
+        )
 
     def test_house_is_operated_by_its_page(self):
         things = rospy.Publisher("/house/packages", PackageStates, queue_size=1, latch=True)
@@ -162,7 +164,9 @@ class OperatedPages(unittest.TestCase):
         blocked = {"from": "hallway", "to": "bathroom"}
         self.reopen({**order, "thing": "book", "room": "bathroom"}, "Bring the book to the bathroom", blocked)
         lie(things, {"cup": "hallway", "book": "bathroom"})
-        self.operate({**order, "thing": "cup", "room": "kitchen"}, {**order, "thing": "book", "room": "hallway"}, "Drives to")
+        self.operate(
+            {**order, "thing": "cup", "room": "kitchen"}, {**order, "thing": "book", "room": "hallway"}, "Drives to"
+        )
 
     def deliver(self, order, words):
         """Send an order that is met."""
