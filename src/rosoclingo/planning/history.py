@@ -142,14 +142,12 @@ class History:
 
     """
 
-    __slots__ = ("_last", "_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
+    __slots__ = ("_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
         """Append ``entry`` to the history ``before``; without arguments the history is empty."""
         self.before, self.entry = before, entry
         self._snapshot: Optional[Snapshot] = None
-        # the last update, and the history before it
-        self._last: Optional[Tuple[AcceptedUpdate, Optional[History]]] = None if before is None else before._last
         self.length: int = 0 if before is None else before.length + isinstance(entry, AcceptedUpdate)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
@@ -168,7 +166,6 @@ class History:
     def _advance(self, entry: AcceptedUpdate) -> None:
         self.horizon = entry.horizon
         if entry.update is not None:
-            self._last = entry, self.before
             if Reset() in entry.update.items:
                 self.step, self.keep_from = 1, 0
             self.step = self.step if entry.update.step is None else entry.update.step
@@ -218,17 +215,30 @@ class History:
     @property
     def update(self) -> Optional[StreamUpdate]:
         """The last update, None if there is none."""
-        return None if self._last is None else self._last[0].update
+        last = self._last_update
+        return None if last is None else last[1].update
 
     @property
     def before_update(self) -> Optional["History"]:
-        """The history before the last update, None if there is none."""
-        return None if self._last is None else self._last[1]
+        """The history before the last update, None if there is none or it was released."""
+        last = self._last_update
+        return None if last is None else last[0].before
 
     @property
     def predicted(self) -> bool:
         """Whether the last update needed no search."""
-        return self._last is not None and self._last[0].predicted
+        last = self._last_update
+        return last is not None and last[1].predicted
+
+    @property
+    def _last_update(self) -> Optional[Tuple["History", AcceptedUpdate]]:
+        """The history up to the last update, and its entry."""
+        history: Optional[History] = self
+        while history is not None:
+            if isinstance(history.entry, AcceptedUpdate) and history.entry.update is not None:
+                return history, history.entry
+            history = history.before
+        return None
 
     # ---- Longer and shorter histories --------------------------------------------------------------------------------
 
