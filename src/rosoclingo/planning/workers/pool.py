@@ -140,12 +140,15 @@ class WorkerPool:
                 raise
 
     def _ask(self, request: WorkerRequest, stopped: Stop, idle: bool) -> WorkerReply:
-        standby = self._standby
-        if standby is not None and standby.has_begun(request):
-            self._standby = self._activate(standby)
-            return standby.ask(request, stopped, idle)
-        reply = self._get_active().ask(request, stopped, idle)
-        if self._keeps_standby and not idle:
+        worker, prefetched = self._standby, True
+        if worker is not None and worker.has_begun(request):
+            self._standby = self._activate(worker)
+        else:
+            worker, prefetched = self._get_active(), False
+        reply = worker.ask(request, stopped, idle)
+        if not worker.is_usable:
+            self._replace()  # now, as the standby is idle
+        elif self._keeps_standby and not (prefetched or idle):
             with suppress(WorkerLostError):
                 self._get_standby()
         return reply
