@@ -112,7 +112,12 @@ def test_answers_contain_no_actions_beyond_the_horizon(cycle):
 
 @pytest.mark.parametrize(
     ("rule", "cycle"),
-    [("{ _action_lib(go,x,2*t+(0..1)) }.", 2), ("{ _action_lib(go,x,(2147483647;soon)) } :- t = 1.", "soon")],
+    [
+        ("{ _action_lib(go,x,2*t+(0..1)) }.", 2),
+        ("{ _action_lib(go,x,(2147483647;soon)) } :- t = 1.", "soon"),
+        ("#program base. { _action_lib(go,x,2); _action_lib(go,x,7) }.", 2),
+        ("#volatile k : 3. { _action_lib(go,x,2*k+(0..1)) }.", 2),
+    ],
 )
 def test_only_actions_up_to_the_horizon_or_without_cycle_are_answers(rule, cycle):
     """Each action of a rule has its own cycle."""

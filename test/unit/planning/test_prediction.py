@@ -123,18 +123,6 @@ def test_update_is_predicted_after_a_successful_step(update, expected):
         assert solver.predicts(parse_update(f"{update} #endstep.")) is (expected and place == 2), "an action remains"
 
 
-def test_prediction_belongs_to_one_history(searches):
-    solver = solver_of(LINE + FAILS)
-    both = asked(solver, "_request(-1,1).")
-    before, update = solver.log, next_update(solver)
-    solver.restore(solver.log.withdraw(frozenset([parse_atom("_request(-1,1)")])))
-    searches.clear()
-    assert solver.update(update).outcome is SolveOutcome.SATISFIABLE
-    assert searches != []
-    solver.restore(before)
-    assert solver.update(update).answers == both.answers
-
-
 FAR = "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).\n"
 
 
@@ -207,17 +195,6 @@ def test_returns_are_predicted_that_change_no_answer(rule, returns, certain):
 def test_returns_are_predicted_for_single_plain_answers(text, options, items, returns):
     result = asked(solver_of(text + FAILS, **options), items)
     assert result.predicted == {parse_atom(f"_return(go,{place},{place})") for place in returns}
-
-
-def test_uncertain_returns_after_a_shortest_plan_are_searched(searches):
-    """They can permit a shorter plan."""
-    solver = solver_of(LINE + FAR, plan_time=None)
-    asked(solver)
-    predicted = []
-    for _ in range(2):
-        assert solver.update(next_update(solver)).shortest
-        predicted.append(solver.log.predicted)
-    assert predicted == [True, False]
 
 
 def test_improved_plan_predicts_uncertain_returns_too(searches):
