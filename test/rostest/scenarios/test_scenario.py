@@ -51,10 +51,12 @@ def wait_for(condition, pause=0.05):
 class Bag:
     """The contents of a bag: updates, actions and returns as atoms, and the end of each goal."""
 
+    TOPICS = ("/rosoclingo/updates", "/out_rosoclingo", "/in_rosoclingo", "/rosoclingo/result")
+
     def __init__(self, path):
         self.updates, self.actions, self.returns, self.ends = [], [], [], {}
         with rosbag.Bag(str(path)) as bag:
-            for topic, message, _ in bag.read_messages():
+            for topic, message, _ in bag.read_messages(self.TOPICS):
                 self.take(topic.strip("/"), message)
 
     def take(self, topic, message):
