@@ -2,8 +2,9 @@
 """Runs the short forms of the benches one after the other and prints one table of their figures: ./dev bench.
 
 With --against, the benches measure this checkout and another commit in turns, in at least three rounds. The other
-commit is built once, in a folder outside the source tree. The benches of this checkout measure both; a bench that does
-not run with the other commit is reported as not available. The ratio compares the best runs. "better" and "worse" mark
+commit is built once, in a folder outside the source tree. The benches of this checkout measure both. If one does not
+run with the other commit, that commit's own bench of this name measures it; if neither runs, it is reported as not
+available. The ratio compares the best runs of figures with equal names. "better" and "worse" mark
 a difference of more than a tenth. A "?" means that the runs of both sides overlap; repeat the bench with more rounds or
 on a quieter machine.
 
@@ -17,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import List, NamedTuple, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import figures
 
@@ -117,14 +118,26 @@ def compare(bench: str, here: Checkout, there: Optional[Checkout], rounds: int) 
         if there is None:
             continue
         report(f"{bench}: {there.name}")
-        try:
+        if theirs:
             theirs.append(there.measure(bench))
-        except BenchError as failed:
-            if theirs:
-                raise
-            report(f"{bench}: not available in {there.name}: {failed}")
-            there = None
+        else:
+            there, found = measure_first(bench, there)
+            theirs += found
     return figures.rows(bench, ours, theirs)
+
+
+def measure_first(bench: str, there: Checkout) -> Tuple[Optional[Checkout], List[Sequence[figures.Figure]]]:
+    """Run a bench with another commit, or the commit's own bench of this name; return what runs, and its figures."""
+    failures = []
+    for folder in (there.folder, there.folder.with_name("bench")):
+        if (folder / f"{bench}.py").exists():
+            try:
+                chosen = there._replace(folder=folder)
+                return chosen, [chosen.measure(bench)]
+            except BenchError as failed:
+                failures.append(f"{folder.name}/{bench}.py: {failed}")
+    report("\n".join([f"{bench}: not available in {there.name}:", *failures]))
+    return None, []
 
 
 def report(text: str) -> None:

@@ -104,6 +104,16 @@ def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
     assert said.count(f"speed: {commit[:8]}") == 1, "it was tried again"
 
 
+def test_bench_run_uses_bench_of_commit_if_own_fails_there(repository, capfd):
+    repository.bench("a value")
+    commit = repository.commit(3)
+    repository.bench("a value", NEEDS_NEW)
+    repository.write("src/new.py", "")
+    repository.write("src/value", "2")
+    assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
+    assert "not available" not in capfd.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [("raise SystemExit(3)", "exit code 3"), ("raise SystemExit", "no figures"), ("print('here', 1 / 0)", "division")],
