@@ -27,7 +27,7 @@ class Preemption(PersistentPart):
     def begin(self, actions: Tuple[Action, ...]) -> None:
         """Record that ``actions`` were dispatched; no arrival can have made them useless yet."""
         if actions and actions == self._execution.awaited:
-            self._considered, self._found = self._feeder.arrivals, frozenset()
+            self._considered = self._feeder.arrivals
 
     @property
     def found(self) -> Tuple[Action, ...]:
@@ -57,7 +57,7 @@ class Preemption(PersistentPart):
         for action in found if self._declared else ():
             self._feeder.add_fact(self._execution.present(action).cancellation)
             self._considered += 1
-        self._found |= frozenset(found)
+        self._found = frozenset((*self.found, *found))
         return found
 
     def _ask(self, planner: Planner, running: Tuple[Action, ...]) -> Tuple[Action, ...]:

@@ -43,7 +43,6 @@ class GoalHandles:
     def __init__(self) -> None:
         self._handles: Dict[str, ServerGoalHandle] = {}
         self._open: Dict[str, int] = Counter()  # by sending node
-        self._remarks: Dict[str, str] = {}  # the program's text about an accepted goal
         self.board = GoalBoard()
         self._plan: Tuple[Sequence[Action], List[str]] = ((), [])  # the latest plan, shared by all goals, and its text
 
@@ -91,8 +90,7 @@ class GoalHandles:
     def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
         """Set a new remark as the text of an accepted goal's status; actionlib has no function for this."""
         text = f"{_accepted(handle)}: {remark}" if remark else _accepted(handle)
-        if remark != self._remarks.get(key, ""):
-            self._remarks[key] = remark
+        if text != handle.get_goal_status().text:
             with handle.action_server.lock:
                 handle.status_tracker.status.text = text
                 handle.action_server.publish_status()
@@ -101,7 +99,6 @@ class GoalHandles:
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
         self._open[_node_of(handle)] -= 1
-        self._remarks.pop(key, None)
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
         self.board.look(key, handle)
         request, why = shortened(handle.get_goal().request), shortened(message, SHOWN)

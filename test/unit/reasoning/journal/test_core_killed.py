@@ -8,8 +8,10 @@ import pytest
 from core_driver import shortest
 from hypothesis import given
 from hypothesis import strategies as st
-from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play
+from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play, World
+from team_programs import TEAM
 
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, history
 from rosoclingo.reasoning.journal.resumable_core import ResumableCore
@@ -19,11 +21,21 @@ from rosoclingo.reasoning.settings import CoreSettings
 KEEPERS = ("client:", "unmet:")
 
 
-def played(script, kills=(), preempt=False):
+#: Goals do(Machine,Id) as those of the errands, any number of them at once.
+ERRANDS_AT_ONCE = TEAM.replace("job(M,I)", "do(M,I)").replace("M != broken", "M != never")
+
+
+class Team(World):
+    """A world in which several errands run at once, and go on from cycle to cycle."""
+
+    program = ReactiveProgram.from_text(ERRANDS_AT_ONCE)
+
+
+def played(script, kills=(), preempt=False, world=World):
     """Play a script with kills and return the result."""
     fate = Fate(kills)
     with tempfile.TemporaryDirectory() as name, fate.rules():
-        return Play(Path(name), fate, preempt).play(script), fate
+        return Play(Path(name), fate, preempt, world()).play(script), fate
 
 
 #: Goals that are met, rejected, cancelled and aborted, a failure, a fact, concurrent and consecutive goals.
@@ -45,13 +57,30 @@ SCRIPT = [
 ]
 
 
+#: Errands that start and end in several cycles, failures with and without others under way, a cancel, an abort.
+TEAM_SCRIPT = [
+    ("goal", "walk"),
+    ("goal", "run"),
+    ("answer", 0, False),
+    ("goal", "quick"),
+    ("goal", "walk"),
+    ("answer", 1, True),
+    ("goal", "never"),
+    ("fact", "_seen(ball)"),
+    ("cancel", 4),
+    ("answer", 2, False),
+    ("answer", 0, True),
+]
+
+
 @pytest.mark.slow
 @pytest.mark.once
-def test_core_survives_kill_at_every_instant():
-    _, fate = played(SCRIPT)
-    assert fate.writes
+@pytest.mark.parametrize(("world", "script"), [(World, SCRIPT), (Team, TEAM_SCRIPT)], ids=["errands", "long actions"])
+def test_core_survives_kill_at_every_instant(world, script):
+    play, fate = played(script, world=world)
+    assert (play.kills, bool(fate.writes)) == (0, True)
     for instant, share in fate.kills_at_every_instant():
-        assert played(SCRIPT, [(instant, share, share < 1000)])[0].kills == 1
+        assert played(script, [(instant, share, share < 1000)], world=world)[0].kills == 1
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +105,7 @@ def test_journal_state_equals_state_of_resumed_core(states):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("world", [World, Team], ids=["errands", "long actions"])
 @given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS, preempt=st.booleans())
-def test_core_survives_repeated_kills(script, kills, preempt):
-    played(script, kills, preempt)
+def test_core_survives_repeated_kills(world, script, kills, preempt):
+    played(script, kills, preempt and world is World, world)
