@@ -5,7 +5,7 @@ from typing import FrozenSet, List, NamedTuple, Tuple
 
 from clingo import Symbol
 
-from rosoclingo.reasoning.keywords import ACTION_LIB, Action, KeywordError, action_of, is_keyword
+from rosoclingo.reasoning.keywords import ACTION_LIB, Action, KeywordError, action_of, atoms_of
 
 
 class TaskPlan(NamedTuple):
@@ -39,12 +39,11 @@ def extract_plan(answer: FrozenSet[Symbol]) -> TaskPlan:
     """Return the task plan of an answer; malformed ``_action_lib`` atoms are reported as its faults."""
     actions: List[Action] = []
     faults: List[str] = []
-    for atom in answer:
-        if is_keyword(atom, ACTION_LIB):
-            try:
-                actions.append(action_of(atom))
-            except KeywordError as error:
-                faults.append(f"{error}; it is ignored")
+    for atom in atoms_of(answer, ACTION_LIB):
+        try:
+            actions.append(action_of(atom))
+        except KeywordError as error:
+            faults.append(f"{error}; it is ignored")
     return TaskPlan(tuple(sorted(actions, key=_order)), tuple(sorted(faults)))
 
 

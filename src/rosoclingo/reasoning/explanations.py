@@ -1,6 +1,5 @@
 """Explanations of the program: ``_explain/3`` for unmet goals, and ``_refuse/3`` for refused facts."""
 
-from functools import lru_cache
 from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from clingo import Symbol, SymbolType
@@ -8,7 +7,7 @@ from clingo import Symbol, SymbolType
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import requests_of
-from rosoclingo.reasoning.keywords import EXPLAIN, REFUSE, is_keyword, name_of
+from rosoclingo.reasoning.keywords import EXPLAIN, REFUSE, atoms_of, name_of
 from rosoclingo.reasoning.observations import Observation
 
 
@@ -25,7 +24,7 @@ class Explanations:
     def __init__(self, answer: FrozenSet[Symbol] = frozenset()) -> None:
         self.faults: List[str] = []
         self._texts: Dict[Symbol, Tuple[int, str]] = {}
-        for atom in sorted(atom for atom in answer if is_keyword(atom, EXPLAIN)):
+        for atom in sorted(atoms_of(answer, EXPLAIN)):
             self._enter(atom)
 
     def of(self, what: Symbol) -> Optional[str]:
@@ -91,17 +90,8 @@ def _joined(things: Sequence[T], words: Callable[[T], str]) -> str:
 
 def refusals(answer: FrozenSet[Symbol], facts: Iterable[Observation]) -> Iterator[Tuple[str, str]]:
     """Yield a message and the origin for each fact of an update that the program refuses in its answer."""
-    texts = _read(answer)
+    refused = (atom.arguments for atom in atoms_of(answer, REFUSE) if len(atom.arguments) == 3)
+    texts = {fact: text for fact, text, _ in refused}
     for fact in facts if texts else ():
         if fact.atom in texts:
-            yield (
-                f"'{fact.sent}' from '{fact.origin}' is ignored: {text_of(texts[fact.atom])}",
-                fact.origin,
-            )
-
-
-@lru_cache(maxsize=2)  # the answer stays the same while all actions succeed
-def _read(answer: FrozenSet[Symbol]) -> Dict[Symbol, Symbol]:
-    """Return the refused facts with the texts."""
-    refused = (atom.arguments for atom in answer if is_keyword(atom, REFUSE) and len(atom.arguments) == 3)
-    return {fact: text for fact, text, _ in refused}
+            yield f"'{fact.sent}' from '{fact.origin}' is ignored: {text_of(texts[fact.atom])}", fact.origin

@@ -12,7 +12,7 @@ from clingo import Symbol, SymbolType
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.explanations import text_of
 from rosoclingo.reasoning.goals import Goal, Outcome
-from rosoclingo.reasoning.keywords import STATUS, is_keyword
+from rosoclingo.reasoning.keywords import STATUS, atoms_of
 
 #: The words of ``_status``, worst first, with the outcome of the goal (None: the goal continues).
 WORDS: Dict[str, Optional[Outcome]] = {
@@ -57,9 +57,7 @@ def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], 
     """Return the words by goal and cycle, and sorted messages about malformed statuses, each with its cycle if any."""
     table: _Table = {}
     faults: List[Tuple[Optional[int], str]] = []
-    for atom in answer:
-        if not is_keyword(atom, STATUS):
-            continue
+    for atom in atoms_of(answer, STATUS):
         arguments = atom.arguments
         identifier, word, cycle = arguments if len(arguments) == 3 else (atom, atom, atom)
         number = cycle.number if cycle.type is SymbolType.Number else None

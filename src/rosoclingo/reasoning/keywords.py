@@ -3,7 +3,8 @@
 All atoms and terms are of type ``clingo.Symbol``; cycles are integers from 1.
 """
 
-from typing import Callable, NamedTuple, Optional, Tuple
+from functools import lru_cache
+from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Function, Number, String, Symbol, SymbolType
 
@@ -166,6 +167,20 @@ def return_of(atom: Symbol) -> Return:
 def is_keyword(atom: Symbol, name: str) -> bool:
     """Return whether ``atom`` has the name of a keyword, with any arity."""
     return atom.type is SymbolType.Function and atom.name == name
+
+
+def atoms_of(answer: FrozenSet[Symbol], name: str) -> Sequence[Symbol]:
+    """Return the atoms of an answer that have the name of a keyword, with any arity and in any order."""
+    return _by_name(answer).get(name, ())
+
+
+@lru_cache(maxsize=2)  # the answer stays the same while all actions succeed
+def _by_name(answer: FrozenSet[Symbol]) -> Dict[str, List[Symbol]]:
+    found: Dict[str, List[Symbol]] = {}
+    for atom in answer:
+        if atom.type is SymbolType.Function:
+            found.setdefault(atom.name, []).append(atom)
+    return found
 
 
 def identifier_of(goal: Symbol) -> Optional[Symbol]:
