@@ -161,7 +161,7 @@ class PersistentTable(MutableMapping[K, V]):
         return len(self._items)
 
     def match(self, items: Mapping[K, V]) -> None:
-        """Set the items to ``items``; new ones come last."""
+        """Remove the items whose keys ``items`` lacks, and add its further items as the last ones."""
         for key in [one for one in self._items if one not in items]:
             del self[key]
         self.update({key: value for key, value in items.items() if key not in self._items})
@@ -203,7 +203,7 @@ class PersistentPart:
 
     def row_of(self, name: str) -> str:
         """Return the name of an attribute's row."""
-        return f"{self.GROUP}:{name.strip('_')}"
+        return f"{self.GROUP}:{name.lstrip('_')}"
 
     def record(self) -> Record:
         """Return all rows."""

@@ -260,19 +260,25 @@ def test_planner_with_corrected_update_withdraws_older_facts():
 
 
 @pytest.mark.parametrize(
-    ("goals", "alone", "steps"),
-    [(0, 100, 100), (1, 100, 100), (2, 100, 110), (5, 100, 140), (3, 8, 10), (2, 11, 13), (2, 10, 11)],
+    ("steps", "arguments"),
+    [
+        # a tenth for each further goal
+        *(
+            (100, (0, 100)),
+            (100, (1, 100)),
+            (110, (2, 100)),
+            (140, (5, 100)),
+            (10, (3, 8)),
+            (13, (2, 11)),
+            (11, (2, 10)),
+        ),
+        # the present plan, and a quarter for each new goal
+        *((100, (1, 100, 300, 1)), (110, (2, 100, 0, 2)), (110, (2, 100, 20, 1)), (400, (28, 100, 302, 0))),
+        *((600, (36, 100, 302, 8)), (600, (36, 100, 299, 8))),
+    ],
 )
-def test_planner_adds_tenth_of_horizon_per_goal(goals, alone, steps):
-    assert steps_for(goals, alone) == steps
-
-
-@pytest.mark.parametrize(
-    ("goals", "left", "fresh", "steps"),
-    [(1, 300, 1, 100), (2, 0, 2, 110), (2, 20, 1, 110), (28, 302, 0, 400), (36, 302, 8, 600), (36, 299, 8, 600)],
-)
-def test_planner_continues_from_the_present_plan(goals, left, fresh, steps):
-    assert steps_for(goals, 100, left, fresh) == steps
+def test_planner_bounds_horizon_by_goals_and_plan(steps, arguments):
+    assert steps_for(*arguments) == steps
 
 
 @pytest.mark.parametrize("outcome", SolveOutcome)
