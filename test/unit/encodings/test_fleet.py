@@ -1,5 +1,6 @@
 """The fleet encoding, driven by the core: a world in plain Python executes the actions and refuses collisions."""
 
+import copy
 import re
 
 import pytest
@@ -14,6 +15,12 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
+
+from deliveries import Floor, Request  # noqa: E402
+from fleet_world import FleetWorld  # noqa: E402
+from planning_domains import RuleError  # noqa: E402
 
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 3))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
@@ -51,8 +58,8 @@ class Fleet(Driver):
         super().run()
         events = self.journal.of(ActionsDispatched)
         for action in [one for event in events[self._seen :] for one in event.actions]:
-            robot = str(action.interface.arguments[0])
-            self.world.begin(robot, action.interface.name, int(re.sub(r"\D", "", str(action.parameter))))
+            robot, verb, what = _words(action)
+            self.world.begin(robot, verb, what)
             self.under_way[robot] = action
         self._seen = len(events)
         return self
@@ -91,6 +98,29 @@ class Fleet(Driver):
         """Return the last state of a goal."""
         return self.states(str(number))[-1]
 
+    def superfluous(self):
+        """Return the planned actions without which the rest of the plan still serves all packages."""
+        planned = self.core.plan.after(self.core.cycle)
+        return [one for one in planned if self._serves([other for other in planned if other != one])]
+
+    def _serves(self, actions):
+        """Return whether these actions, cycle by cycle, serve all packages."""
+        world = copy.deepcopy(self.world)
+        try:
+            for cycle in [None, *sorted({one.cycle for one in actions})]:
+                for robot, verb, what in (_words(one) for one in actions if one.cycle == cycle):
+                    world.begin(robot, verb, what)
+                for robot in list(world.acts):
+                    world.end(robot)
+        except RuleError:
+            return False
+        return not world.open
+
+
+def _words(action):
+    """Return robot, verb and object of an action, for the world."""
+    return str(action.interface.arguments[0]), action.interface.name, int(re.sub(r"\D", "", str(action.parameter)))
+
 
 def test_fleet_robots_act_at_the_same_time():
     fleet = Fleet(RING, {"r1": 1, "r2": 4})
@@ -100,6 +130,21 @@ def test_fleet_robots_act_at_the_same_time():
     fleet.end("r1").end_all()
     assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
     assert fleet.world.at["r2"] == 5
+
+
+def test_fleet_robots_without_a_task_stand_still():
+    fleet = Fleet(RING, {"r1": 1, "r2": 3, "r3": 5})
+    fleet.ask(1, 2, 6).end_all()
+    assert len({re.search(r"r\d", str(one)).group() for one in fleet.journal.actions}) == 1
+
+
+def test_fleet_robots_do_not_wait_for_a_lost_robot():
+    """While the action of r1 neither returns nor fails, r2 drives around both ends of its connection."""
+    fleet = Fleet(RING, {"r1": 1, "r2": 4})
+    fleet.ask(1, 2, 4)
+    assert _words(fleet.under_way.pop("r1")) == ("r1", "move_base", 2)
+    fleet.facts("_lost(r1,now)").ask(2, 6, 3).end_all()
+    assert fleet.last(2) == "succeeded"
 
 
 def test_fleet_uses_the_first_robots():
@@ -209,6 +254,7 @@ def test_fleet_never_collides_and_ends_each_goal(data):
             )
         elif event in ("lost", "back", "decommission", "recommission"):
             fleet.facts(f"_{event}({robot},now)")
+        assert not fleet.superfluous()
     for robot in fleet.world.at:
         fleet.facts(f"_back({robot},now)", f"_recommission({robot},now)")
     fleet.end_all()
