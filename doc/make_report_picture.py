@@ -16,8 +16,8 @@ sys.path.insert(0, str(DOC.parent / "test" / "unit"))
 import browser  # noqa: E402
 
 PICTURE = DOC / "images" / "report.png"
-SIZE = 1180, 1000
-MOMENT = 16.0  # s: the robot is on its way to office3
+SIZE = 1180, 1160
+MOMENT = "model.actions.find(({ action }) => model.words[action].words === 'drives to office3').begun + 3"
 
 
 def main():
@@ -28,8 +28,8 @@ def main():
         sys.exit("there is no browser" if report else f"there is no report: {done.stdout[-2000:]}{done.stderr[-2000:]}")
     with browser.Browser(path) as page:
         page.size(*SIZE)
-        page.open(f"{Path(report.group(1)).as_uri()}#t={MOMENT}")
-        page.wait_for(f"player.time === {MOMENT}")
+        page.open(Path(report.group(1)).as_uri())
+        page.run(f"player.seek({MOMENT})")
         PICTURE.write_bytes(base64.b64decode(page.call("Page.captureScreenshot")["data"]))
     print(f"{PICTURE}: {PICTURE.stat().st_size // 1000} kB")
 
