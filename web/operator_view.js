@@ -86,6 +86,8 @@ class OperatorView {
     if (this.mode === "paused") return said ? `Paused after this: ${said}` : "Paused";
     if (said) return capital(said);
     if (this.mode === "stopped") return "Stopped until the next order";
+    const since = this.model.thinkingAt(this.model.seconds);
+    if (since !== null) return `Searching for a plan for ${seconds(Math.floor(this.model.seconds - since))}`;
     const open = this.model.goals.filter((goal) => goal && goal.ended === null).map((goal) => this.model.goalAt(goal, this.model.seconds));
     const reason = open.map((state) => state && state.reason).find(Boolean);
     return open.length ? `Waits${reason ? `: ${reason}` : " or plans"}` : "Idle: no open goals";

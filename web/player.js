@@ -143,7 +143,7 @@ class Player {
     this.slider.value = this.time;
     if (this.clock.textContent !== words.join("")) show(this.clock, words.map((part, place) => html("span", { class: place === 1 ? null : "less" }, part)));
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
-    say(this.whole, this.live ? (this.home ? "Look back" : "Back to the present") : "Whole run");
+    say(this.whole, this.live ? (this.home ? "Look back" : "Back to live") : "Whole run");
     this.whole.setAttribute("aria-pressed", String(whole));
     document.getElementById("controls").classList.toggle("following", this.home && this.live);
     say(document.getElementById("planhead"), whole ? "The run" : "Plan");

@@ -332,6 +332,18 @@ def test_page_has_a_slider_only_while_one_looks_back(page, served):
 
 @pytest.mark.slow
 @pytest.mark.once
+def test_page_says_that_a_plan_is_searched_for(page, served):
+    page.open(served.address + "/")
+    served.do(lambda view: (view.goal(150.0, "b", "g(b)"), view.clock(163.0)))
+    page.wait_for("document.getElementById('now').textContent === 'Searching for a plan for 13.0 s'")
+    served.do(lambda view: view.plan(164.0, 6, 7, ["_action_lib(move_base,office1,6)"], (1.0, 9.0)))
+    page.wait_for("!document.getElementById('now').textContent.includes('Searching')")
+    sizes = page.run("['.key.now', '.key.done'].map((one) => getComputedStyle(document.querySelector(one)).fontSize)")
+    assert sizes[0] == sizes[1], "the style of the large line is its own"
+
+
+@pytest.mark.slow
+@pytest.mark.once
 def test_page_shows_the_pace_of_simulated_time(page, served):
     page.open(served.address + "/")
     page.wait_for("document.querySelectorAll('#goals tbody tr').length === 1")
