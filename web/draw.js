@@ -54,12 +54,16 @@ function short(text, most) {
   return text.length > most ? `${text.slice(0, Math.max(1, most - 1))}…` : text;
 }
 
-/** Words that open to show their terms, if there are some; ``open`` has the keys of those that are open. */
-function folded(words, terms, open, key) {
-  if (!terms) return words;
-  const whole = html("details", { open: open.has(key) ? "" : null }, html("summary", {}, words), html("code", {}, terms));
+/** Words that a click opens; ``open`` has the keys of those that are open, which stay so. */
+function fold(open, key, words, ...children) {
+  const whole = html("details", { open: open.has(key) ? "" : null }, html("summary", {}, words), children);
   whole.addEventListener("toggle", () => (whole.open ? open.add(key) : open.delete(key)));
   return whole;
+}
+
+/** Words that open to show their terms, if there are some. */
+function folded(words, terms, open, key) {
+  return terms ? fold(open, key, words, html("code", {}, terms)) : words;
 }
 
 function count(number, one, many) {

@@ -38,10 +38,10 @@ class RunModel {
   /** Forget all data, before another run or a complete new message. */
   clear() {
     this.born = (this.born || 0) + 1;
-    this.about = { labels: {}, titles: {}, map: null, run: 1, statuses: {} };
+    this.about = { labels: {}, titles: {}, map: null, run: 1, pace: null, statuses: {} };
     this.seconds = 0;
     this.revision = 0;
-    this.pace = null; // seconds of the run's clock in a second, null if unknown
+    this.pace = null; // seconds of a live run's clock in a second, null if unknown
     this.paces = [];
     this.thinned = 0;
     this.terms = [];
@@ -62,6 +62,12 @@ class RunModel {
     this.poses.length = changes.first;
     for (const pose of changes.poses) this.poses.push(pose);
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
+  }
+
+  /** How fast the run's clock goes, empty if it keeps to real time. */
+  paceWords() {
+    const pace = this.pace === null ? this.about.pace : this.pace;
+    return pace === null || Math.abs(pace - 1) < 0.15 ? "" : `${pace.toFixed(1)} × real time`;
   }
 
   /** Measure the pace of the run's clock over some seconds. */

@@ -47,7 +47,7 @@ class Player {
       count(this.model.cycles.length, "cycle", "cycles"),
       found.metres === null ? null : `${found.metres.toFixed(1)} m driven`,
       this.model.timed ? `${brief(found.total)} of search for plans` : null,
-      this.pace(),
+      this.model.paceWords(),
       source,
       lacks ? `Not shown: ${lacks}.` : null,
     ];
@@ -57,12 +57,6 @@ class Player {
     box.hidden = false;
     box.className = verdict.length ? "bad" : "good";
     show(box, verdict.length ? [html("strong", {}, "Not as expected"), html("ul", {}, verdict.map((one) => html("li", {}, one)))] : html("strong", {}, "As expected"));
-  }
-
-  /** How fast the clock of a live run goes, if it does not keep to real time. */
-  pace() {
-    const { pace } = this.model;
-    return pace === null || Math.abs(pace - 1) < 0.15 ? null : `the clock runs at ${pace.toFixed(1)} × real time`;
   }
 
   controls(part) {

@@ -90,7 +90,7 @@ class PlanView {
     const { ends, metres, total, longest, waits } = figures(this.model);
     const rows = [
       ["goals", [...ends].map(([word, number]) => `${number} ${this.model.said(word)}`).join(", ") || "none"],
-      ["time", seconds(this.model.seconds)],
+      ["time", [seconds(this.model.seconds), this.model.paceWords()].filter(Boolean).join(", ")],
       waits.length ? ["goals took", spread(waits)] : null,
       ["actions", actionCounts(this.model)],
       metres === null ? null : ["driven", `${metres.toFixed(1)} m`],
@@ -118,9 +118,9 @@ class PlanView {
     const [first, last] = [from > 1 ? from : 0, from + BEFORE + NEXT < items.length - 1 ? from + BEFORE + NEXT : items.length];
     const list = (some) => html("ol", { class: "plan" }, some.map(([, item]) => item));
     return [
-      first ? this.fold("earlier", count(first, "earlier action", "earlier actions"), list(items.slice(0, first))) : null,
+      first ? fold(this.open, "earlier", count(first, "earlier action", "earlier actions"), list(items.slice(0, first))) : null,
       list(items.slice(first, last)),
-      last < items.length ? this.fold("later", count(items.length - last, "later action", "later actions"), list(items.slice(last))) : null,
+      last < items.length ? fold(this.open, "later", count(items.length - last, "later action", "later actions"), list(items.slice(last))) : null,
     ];
   }
 
@@ -134,7 +134,8 @@ class PlanView {
   details(cycle, found, time) {
     const runs = this.model.about.run > 1 ? `, start ${cycle.run} of the core` : "";
     const atoms = this.model.beliefsAt(time);
-    return this.fold(
+    return fold(
+      this.open,
       "details",
       "details",
       html("p", { class: "caption" }, `Cycle ${cycle.cycle}${runs}, since ${seconds(cycle.time)}. ${found ? planWords(found) : ""}`),
@@ -142,13 +143,6 @@ class PlanView {
       [html("h3", {}, "Update"), html("pre", {}, cycle.updates.join("\n") || "none yet")],
       atoms.length ? [html("h3", {}, "Beliefs"), html("p", { class: "atoms" }, atoms.map((atom) => [html("code", {}, atom), " "]))] : null
     );
-  }
-
-  /** What is unfolded by a click, and stays so. */
-  fold(key, words, ...children) {
-    const whole = html("details", { class: "more", open: this.open.has(key) ? "" : null }, html("summary", {}, words), children);
-    whole.addEventListener("toggle", () => (whole.open ? this.open.add(key) : this.open.delete(key)));
-    return whole;
   }
 }
 

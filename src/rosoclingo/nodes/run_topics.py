@@ -49,6 +49,7 @@ class RunTopics:
             **dict.fromkeys(PATHS, self._path),
             **self._pose.takes,
             "/rosout": self._log,
+            "record/wall_time": lambda time, message: self.events.wall(time, message.data),
         }
 
     def full(self, name: str) -> str:

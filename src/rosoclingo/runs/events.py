@@ -112,6 +112,9 @@ class RunEvents:
     def floor(self, image: Optional[Dict[str, Any]]) -> None:
         """Handle the image of the map, None for a map without cells."""
 
+    def wall(self, time: float, seconds: float) -> None:
+        """Handle the wall time at a time of the run's clock."""
+
     def clock(self, time: float) -> None:
         """Handle the passing of time without other events."""
 

@@ -80,7 +80,7 @@ class RunView(RunEvents):
     """
 
     def __init__(self, about: Optional[Mapping[str, Any]] = None, with_state: bool = False) -> None:
-        empty: Record = {"labels": {}, "titles": {}, "map": None, "run": 1}
+        empty: Record = {"labels": {}, "titles": {}, "map": None, "run": 1, "pace": None}
         self.about: Record = {**empty, **(about or {}), "statuses": SAID}
         self._revision = Revision()
         self._about_changed = 1
@@ -122,6 +122,7 @@ class RunView(RunEvents):
         self._run = ""
         self._sent_returns = SentReturns()
         self._start: Optional[float] = None
+        self._wall: Optional[Tuple[float, float]] = None
         self.seconds = 0.0
 
     def enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
@@ -352,6 +353,15 @@ class RunView(RunEvents):
     def floor(self, image: Optional[Record]) -> None:
         """Record the image of the map."""
         self.describe(map=image)
+
+    def wall(self, time: float, seconds: float) -> None:
+        """Measure the pace of the run's clock by wall time (s)."""
+        if self._start is None or not math.isfinite(seconds):
+            return
+        self._wall = self._wall or (time, seconds)
+        passed = seconds - self._wall[1]
+        if passed >= 1.0:
+            self.about["pace"] = round((time - self._wall[0]) / passed, 2)
 
     def clock(self, time: float) -> None:
         """Advance the run's clock without another event."""

@@ -184,6 +184,15 @@ def test_report_finds_robots_by_their_frames(report, write, run, messages, tmp_p
     assert found == ([] if robot is None else [(robot, [8.0, 0.0, 0.0])])
 
 
+@pytest.mark.parametrize("node", ["/record", "/red/record"])
+def test_report_shows_the_pace_of_simulated_time(report, write, run, tmp_path, node):
+    from std_msgs.msg import Float64
+
+    walls = [(2.0 + 2.0 * second, f"{node}/wall_time", Float64(100.0 + second)) for second in range(4)]
+    report(write([*run("/red/"), *walls]))
+    assert shown(tmp_path / "run.html")["about"]["pace"] == 2.0
+
+
 def test_report_prefers_the_usual_frame_of_a_robot(report, write, run, tmp_path):
     tf = [(2.0, "/tf_static", transform("map", "r1/base_footprint", 7.0))]
     tf += [

@@ -84,6 +84,7 @@ def test_report_page_begins_with_the_whole_run(opened):
     assert found["actions"] == "4 done, 1 failed"
     assert found["search for plans"] == "250 ms of the solver, at most 130 ms for a cycle"
     assert page.texts(".map .number") == page.texts(".timeline .bar.ahead") == []
+    assert found["time"] == "32.5 s"
     tops = page.run("['goals', 'map', 'log'].map((one) => document.getElementById(one).getBoundingClientRect().y)")
     assert tops == sorted(tops)
     page.press("ArrowRight")
@@ -115,7 +116,7 @@ def test_report_page_speaks_the_words_of_the_program(opened):
     assert page.run("document.querySelectorAll('main b').length") == 0
     page.click("#goals summary")
     assert GOAL in page.text("#goals tbody th")
-    page.click("#plan details.more:last-child summary")
+    page.click("#plan > details:last-child > summary")
     shown = page.text("#plan")
     assert "_action_lib(pickup,1,2)" in shown
     assert "_return(move_base,office2,1)." in shown

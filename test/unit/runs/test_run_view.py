@@ -404,6 +404,16 @@ def test_view_keeps_the_latest_scan_of_each_laser(monkeypatch):
     assert [number for number, _ in view.changes(known)["scans"]] == [1]
 
 
+def test_view_measures_the_pace_of_its_clock():
+    view = RunView()
+    view.wall(5.0, 100.0)
+    assert view.changes()["about"]["pace"] is None
+    view.goal(10.0, "a", "g(1)")
+    for time, seconds in ((10.0, 103.0), (11.0, 103.5), (30.0, math.inf), (40.0, 113.0), (41.0, math.nan)):
+        view.wall(time, seconds)
+    assert view.changes()["about"]["pace"] == 3.0
+
+
 def test_view_rewords_goals_and_actions_with_the_program():
     view = RunView()
     view.goal(10.0, "a", "g(room)")

@@ -69,10 +69,14 @@ class BagFile:
         with self._disk():
             self._bag.write(topic, raw, max(time, FIRST), raw=True, connection_header=header)
 
+    def add(self, topic: str, message: Any, time: genpy.Time) -> None:
+        """Write a message of the recorder itself."""
+        with self._disk():
+            self._bag.write(topic, message, max(time, FIRST))
+
     def note(self, text: str, time: genpy.Time) -> None:
         """Write a note about the bag into the bag."""
-        with self._disk():
-            self._bag.write(self._notes, String(text), max(time, FIRST))
+        self.add(self._notes, String(text), time)
 
     def flush(self) -> None:
         """Flush all messages, so that they survive this process."""

@@ -20,7 +20,7 @@ REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
 STAMP = 12
 
 #: Topics that several robots can share at the root.
-SHARED = ("map", "packages")
+SHARED = ("map", "packages", "record/wall_time")
 
 #: Topics whose messages begin with a header and repeat unchanged.
 REPEATED = ("rosoclingo/status", "packages", *PATHS)

@@ -13,6 +13,7 @@ from typing import Any, Deque, Iterable, List, Tuple
 import genpy
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
+from std_msgs.msg import Float64
 
 from rosoclingo.common.connections import is_delivered_to, readers
 from rosoclingo.common.diagnostics import Diagnostics, Findings
@@ -24,6 +25,7 @@ __all__ = ["RECORDED", "TOPICS", "RecorderNode", "is_recording"]
 PERIOD = 0.1  # s of wall time between two writes
 FLUSH = 1.0  # s of wall time between two flushes, the loss if the recorder is killed
 NOTES = "~notes"  # the topic of notes about the bag
+WALL_TIME = "~wall_time"  # the topic of wall time, which shows the pace of simulated time
 RETRY = 2.0  # s of wall time between a failed write and the next attempt
 LINGER = 0.5  # s of wall time for messages in transit when only the recorder is shut down
 
@@ -62,7 +64,7 @@ class RecorderNode:
     immediately. A killed recorder leaves ``FILE.active``, which lacks only the last second; the next recorder repairs
     it under another name. After a disk failure, recording resumes as soon as the disk has space. If simulated time goes
     back, the bag's time continues forward, which preserves the order of messages. The topic ``~notes`` of the bag
-    reports gaps.
+    reports gaps, and ``~wall_time`` has the wall time (s) of each second, by a clock that never goes back.
 
     Parameters
     ----------
@@ -151,6 +153,7 @@ class RecorderNode:
             self._bag.write(topic, _bytes(message), message._connection_header, moment)
         if time.monotonic() - self._flushed >= FLUSH:
             self._flushed, before = time.monotonic(), self._clock.now()
+            self._bag.add(rospy.resolve_name(WALL_TIME), Float64(self._flushed), before)
             self._bag.flush()
             self._kept_until = before
 
