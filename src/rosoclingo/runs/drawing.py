@@ -59,7 +59,9 @@ class Drawing(NamedTuple):
 
 
 class Drawings:
-    """The drawings of atoms; ``styles`` maps predicates to kind and text, ``facts`` are atoms that always hold.
+    """The drawings of atoms; ``styles`` maps predicates to kind and text, ``facts`` are facts of the program.
+
+    Facts of a predicate always hold, unless its atoms depend on the time: then they are its initial state.
 
     Attributes:
         faults: messages about invalid declarations.
@@ -73,13 +75,16 @@ class Drawings:
         faults: Sequence[str] = (),
     ) -> None:
         self._styles = dict(styles or {})
-        self._facts = [str(one) for one in facts]
+        self._facts = list(facts)
         self.faults = tuple(faults)
 
     def of(self, atoms: Sequence[str], labels: AbstractSet[str]) -> List[Drawing]:
         """Return the drawings while ``atoms`` hold, each once, without atoms that cannot be drawn."""
-        texts = [text for text in (*self._facts, *atoms) if text.partition("(")[0] in self._styles]
-        drawn = [self._drawing(atom, labels) for atom in map(atom_in, texts) if atom is not None]
+        texts = [text for text in atoms if text.partition("(")[0] in self._styles]
+        present = [atom for atom in map(atom_in, texts) if atom is not None]
+        timed = {atom.name for atom in present if NOW in atom.arguments}
+        self._facts = [fact for fact in self._facts if fact.name not in timed]
+        drawn = [self._drawing(atom, labels) for atom in (*self._facts, *present)]
         return list(dict.fromkeys(one for one in drawn if one is not None))
 
     def _drawing(self, atom: Symbol, labels: AbstractSet[str]) -> Optional[Drawing]:

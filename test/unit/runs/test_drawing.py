@@ -120,3 +120,10 @@ def test_drawing_of_the_shipped_programs(files, labels, ways, state, drawn):
     found = drawings_of(RunProgram.of("run", shipped(*files), {})).of(state, set(labels))
     assert [one.kind for one in found[:ways]] == [DrawingKind.WAY] * ways
     assert found[ways:] == drawn
+
+
+def test_drawing_of_initial_facts_ends_with_the_first_belief():
+    found = drawings(TEXT + "stands(cup,a,0). #program cumulative(t). stands(cup,b,t) :- t > 1.")
+    assert found.of([], LABELS)[1:] == [Drawing(DrawingKind.THING, ("a",), "cup 0")]
+    assert found.of(["stands(cup,b,now)"], LABELS) == [PATH, Drawing(DrawingKind.THING, ("b",), "cup")]
+    assert found.of([], LABELS) == [PATH]
