@@ -19,12 +19,13 @@ class Notices {
     show(dialog, this.title, this.content, this.buttons);
   }
 
-  /** Show a message, which a screen reader reads; one about a failure stays until it is closed. */
-  say(text, bad = false) {
-    const box = html("div", { class: bad ? "message bad" : "message" }, html("span", {}, text));
+  /** Show a message in place of the last one about the same thing; one about a failure stays until it is closed. */
+  say(text, bad = false, about = "") {
+    const box = html("div", { class: bad ? "message bad" : "message", "data-about": about }, html("span", {}, text));
+    for (const other of [...this.messages.children]) if (about && other.dataset.about === about) other.remove();
     box.append(html("button", { type: "button", "aria-label": "Close the message", onclick: () => box.remove() }, "×"));
     this.messages.append(box);
-    while (this.messages.children.length > 4) this.messages.firstElementChild.remove();
+    while (this.messages.children.length > 3) this.messages.firstElementChild.remove();
     if (!bad) window.setTimeout(() => box.remove(), 1000 * MESSAGE_TIME);
   }
 
@@ -46,7 +47,7 @@ class Notices {
       this.dialog.close();
       act();
     };
-    show(this.buttons, buttons.map(([name, act]) => html("button", { type: "button", onclick: close(act) }, name)));
+    show(this.buttons, buttons.map(([name, act]) => html("button", { type: "button", class: name, onclick: close(act) }, name)));
     if (!this.dialog.open) this.dialog.showModal();
     this.buttons.lastElementChild.focus();
   }

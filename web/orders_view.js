@@ -137,7 +137,7 @@ class OrdersView {
         this.states.set(ordered, "");
       }
       if (reported) this.facts.push({ text, words, line: this.model.log.length });
-      this.notices.say(`${ordered ? "Ordered" : "Reported"}: ${words}`);
+      this.notices.say(`${ordered ? "Ordered" : "Reported"}: ${words}`, false, ordered);
     });
   }
 
@@ -174,7 +174,7 @@ class OrdersView {
     this.states.set(goal.id, word);
     if (before === undefined || before === word || !ANNOUNCED.has(word)) return; // ``undefined``: before this page was opened
     const why = reason && (FAILURES.has(word) || word === "waiting") ? ` (${reason})` : "";
-    this.notices.say(`${capital(this.model.said(word))}: ${goal.words}${why}`, FAILURES.has(word));
+    this.notices.say(`${capital(this.model.said(word))}: ${goal.words}${why}`, FAILURES.has(word), goal.id);
   }
 
   /** Return whether the core's log reports that it ignores a fact, and show that. */

@@ -52,7 +52,7 @@ class GoalsView {
   newRow(goal) {
     const [word, waited, reason, acts] = [html("span"), html("td", { class: "number" }), html("span"), html("span", { class: "acts" })];
     const name = html("th", { scope: "row" });
-    const last = html("td", {}, reason, acts);
+    const last = html("td", {}, html("div", { class: "outcome" }, reason, acts));
     return { row: html("tr", {}, name, html("td", {}, word), waited, last), name, word, waited, reason, acts };
   }
 }

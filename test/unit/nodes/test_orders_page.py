@@ -99,7 +99,7 @@ class Desk:
 
     def mine(self, *rows):
         """Expect the goals below the form, each as words, state and reason, with its buttons."""
-        parts = "th, .state, td:last-child > span"
+        parts = "th, .state, .outcome > span"
         row = f"[...one.querySelectorAll('{parts}')].map((part) => part.innerText).join('; ')"
         found = f"[...document.querySelectorAll('#orders tbody tr')].map((one) => {row})"
         self.page.wait_for(f"{found}.join('|') === {'|'.join(rows)!r}")

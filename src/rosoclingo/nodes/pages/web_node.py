@@ -132,11 +132,12 @@ class WebNode:
 
     def _described_health(self) -> List[Tuple[str, int, str]]:
         """Return name, level and message of each component."""
-        late = time.monotonic() - SILENCE
-        return [
-            (shortened(name), level, text) if heard >= late else (shortened(name), STALE, f"no report; before: {text}")
-            for name, (level, text, heard) in sorted(self._health.items())
-        ]
+        late, found = time.monotonic() - SILENCE, []
+        for name, (level, text, heard) in sorted(self._health.items()):
+            words = self._view.sentences.replace(text)
+            stale = STALE, f"no report; before: {words}"
+            found.append((shortened(name), *((level, words) if heard >= late else stale)))
+        return found
 
     def _take(self, message: Dict[str, Any]) -> Taken:
         return self._scans.want() if "scan" in message else self._desk.take(message, self._view)
