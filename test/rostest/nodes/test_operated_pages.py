@@ -104,8 +104,11 @@ class OperatedPages(unittest.TestCase):
         self.page.wait_for(f"document.getElementById('dialog').innerText.includes({text!r})")
         self.push("Close", "#dialog")
 
-    def operate(self, order, second, words):
-        """Pause and stop the robot while it has these orders; ``words`` are those of the first one's first action."""
+    def operate(self, order, second, words, last):
+        """Pause and stop the robot while it has two orders.
+
+        ``words`` begin the sentence for the first action of the first order, ``last`` is that for the second order.
+        """
         self.hands.at_once = False
         self.send(**order)
         command = self.hands.take()
@@ -116,7 +119,7 @@ class OperatedPages(unittest.TestCase):
         self.send(**second)
         self.hands.succeed(command)
         self.now("Paused")
-        self.page.wait_for("document.querySelectorAll('#orders .state.active').length === 2")
+        self.last_order(last, "under way")
         self.assertEqual(self.hands.seen[seen:], [])
         self.page.wait_for("document.getElementById('light').textContent === 'Warning'")
         self.command("Continue")
@@ -125,7 +128,7 @@ class OperatedPages(unittest.TestCase):
         wait_until(lambda: any(one.startswith("_cancel") for one in self.hands.seen), "the cancel of the action")
         self.hands.fail(command, "preempted")
         self.now("Stopped")
-        self.page.wait_for("document.querySelectorAll('#orders .state.aborted').length >= 2")
+        self.last_order(last, "given up")
         self.page.click("a[download]")
         self.assertEqual(self.page.faults, [])
 
@@ -148,7 +151,8 @@ class OperatedPages(unittest.TestCase):
         self.send("Visit a place", place="study")
         self.last_order("Visit the study", "done")
         visit = {"form": "Visit a place"}
-        self.operate({**visit, "place": "bedroom"}, {**visit, "place": "bathroom"}, "Drives to bedroom")
+        order, second = {**visit, "place": "bedroom"}, {**visit, "place": "bathroom"}
+        self.operate(order, second, "Drives to bedroom", "Visit the bathroom")
         self.hands.at_once = True
         self.send("Visit a place", place="home")
         self.last_order("Visit the home", "done")
@@ -164,7 +168,8 @@ class OperatedPages(unittest.TestCase):
         self.reopen({**order, "package": "8", "to": "office4"}, "Bring package 8 from office1 to office4", blocked)
         lie(things, {"7": "office2", "8": "office4"})
         second = {**order, "package": "8", "to": "office3"}
-        self.operate({**order, "package": "7", "to": "office1"}, second, "Drives to")
+        last = "Bring package 8 from office4 to office3"
+        self.operate({**order, "package": "7", "to": "office1"}, second, "Drives to", last)
 
     def test_house_is_operated_by_its_page(self):
         things = rospy.Publisher("/house/packages", PackageStates, queue_size=1, latch=True)
@@ -177,7 +182,8 @@ class OperatedPages(unittest.TestCase):
         self.reopen({**order, "thing": "book", "room": "bathroom"}, "Bring the book to the bathroom", blocked)
         lie(things, {"cup": "hallway", "book": "bathroom"})
         second = {**order, "thing": "book", "room": "hallway"}
-        self.operate({**order, "thing": "cup", "room": "kitchen"}, second, "Drives to")
+        last = "Bring the book to the hallway"
+        self.operate({**order, "thing": "cup", "room": "kitchen"}, second, "Drives to", last)
 
     def deliver(self, order, words):
         """Send an order that is met."""
