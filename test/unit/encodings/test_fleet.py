@@ -9,18 +9,13 @@ from deliveries import Floor, Request
 from fleet_world import FleetWorld
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from planning_domains import RuleError
 from shipped import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "bench"))
-
-from deliveries import Floor, Request  # noqa: E402
-from fleet_world import FleetWorld  # noqa: E402
-from planning_domains import RuleError  # noqa: E402
 
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 3))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
