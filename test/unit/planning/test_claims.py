@@ -7,8 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from workloads import sized
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
-from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.oclingo import SolveOutcome, parse_update
 
 BOUND = sized(30, 60)
 
@@ -43,12 +42,11 @@ SETTINGS = pytest.mark.parametrize("options", [{}, {"plan_time": 0.0}], ids=["sh
 
 
 def solver_of(claims, **options):
-    program = ReactiveProgram.from_text(ROW + (CLAIM if claims else ""))
-    return PlanSolver(program, **options)
+    return planner_of(ROW + (CLAIM if claims else ""), **options)
 
 
 def update(solver, step, facts):
-    return solver.update(parse_update(f"#step {step} : {BOUND}. #closed {step - 1}. {facts} #endstep."))
+    return play(solver, f"#step {step} : {BOUND}. #closed {step - 1}. {facts}")
 
 
 @SETTINGS
