@@ -98,7 +98,7 @@ class CoreMachine(RuleBasedStateMachine):
             return
         self.number += 1
         self.driver.goal(f"twin{self.number}", f"goal(office1,office2,{self.goals[key][2]})")
-        assert "taken" in self.driver.message(f"twin{self.number}")
+        assert "in use" in self.driver.message(f"twin{self.number}")
 
     @rule(text=st.one_of(st.text(max_size=20), st.sampled_from(["goal(office1,office9,99)", "dance(98)", "cancel(1)"])))
     def request_that_makes_no_sense(self, text):
