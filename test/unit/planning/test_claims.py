@@ -5,6 +5,7 @@ from itertools import combinations
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from stream_play import planner_of, play
 from workloads import sized
 
 from rosoclingo.oclingo import SolveOutcome, parse_update
