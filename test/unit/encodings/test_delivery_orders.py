@@ -32,7 +32,6 @@ def improved(corridors, requests, questions):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize("corridors", sized([ROW], [ROW, TWO_RINGS]))
 def test_reorder_first_better_plan_is_far_better(corridors, monkeypatch):
     """One further question turns 116 and 124 steps into 96 and 94."""

@@ -216,7 +216,6 @@ def test_client_that_does_not_read_blocks_no_other(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_connection_serves_many_updates(echo, client):
     count = sized(1_000, 3_000)
     message = b"#volatile. #endstep.\0"
