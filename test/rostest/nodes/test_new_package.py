@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The command new: catkin builds the package, its own test passes, and a failure of that test is shown."""
+"""The command new: catkin builds the package, its scenarios pass its own test, and a wrong one fails there."""
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,18 +20,19 @@ TEST = 'source "$1/devel/setup.bash" && rostest guard scenarios.test'
 
 
 class NewPackage(unittest.TestCase):
-    def test_new_package_builds_and_passes_its_test(self):
+    def test_new_package_builds_and_tests_its_scenarios(self):
         with tempfile.TemporaryDirectory() as workspace:
             sources = Path(workspace, "src")
             sources.mkdir()
             made = self.run_until_done([executable("new"), "guard", "--folder", str(sources)])
             self.assertIn("guard/encodings/guard.lp", made)
             self.run_until_done(["bash", "-c", BUILD, "build", workspace])
-            self.run_until_done(["bash", "-c", TEST, "test", workspace])
-            scenario = sources / "guard" / "scenarios" / "closed.yaml"
-            scenario.write_text(scenario.read_text().replace("[succeeded, ", "[aborted, "))
+            scenarios = sources / "guard" / "scenarios"
+            wrong = (scenarios / "closed.yaml").read_text().replace("[succeeded, ", "[aborted, ")
+            (scenarios / "wrong.yaml").write_text(wrong)  # played last
             output = self.run_until_done(["bash", "-c", TEST, "test", workspace], fails=True)
             self.assertIn("expected ['aborted', 'rejected'", output)
+            self.assertEqual(set(re.findall(r": (\w+)\.yaml$", output, re.MULTILINE)), {"wrong"}, output)
 
     def run_until_done(self, command, fails=False):
         """Return a command's output, with the expected exit code."""
