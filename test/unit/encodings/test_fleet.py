@@ -148,6 +148,7 @@ def test_fleet_uses_the_first_robots():
     assert (fleet.last(1), fleet.world.at["r1"]) == ("succeeded", 5)
 
 
+@pytest.mark.slow
 def test_fleet_makes_way_at_a_dead_end():
     """The robot in the middle of a star has to leave it before the other one can pass."""
     fleet = Fleet(STAR, {"r1": 1, "r2": 2}, solver=shortest)
@@ -161,6 +162,7 @@ def test_fleet_passes_in_a_row_with_room_for_two():
     assert fleet.ask(1, 1, 3).end_all().last(1) == "succeeded"
 
 
+@pytest.mark.slow
 def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
     fleet = Fleet(RING, {"r1": 1, "r2": 4})
     fleet.ask(1, 1, 2).end("r1")  # on board of r1
@@ -183,6 +185,7 @@ def test_fleet_accepts_a_late_fact_about_a_robot_that_acts():
     assert fleet.world.delivered == [1]
 
 
+@pytest.mark.slow
 def test_fleet_continues_with_a_robot_that_is_back():
     fleet = Fleet(RING, {"r1": 1})
     fleet.ask(1, 1, 2).end("r1")
@@ -194,6 +197,7 @@ def test_fleet_continues_with_a_robot_that_is_back():
     assert fleet.end_all().states("again")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_fleet_robot_that_fails_is_out_of_service():
     fleet = Fleet(RING, {"r1": 1, "r2": 4}, tries=2)
     fleet.ask(1, 1, 2)
@@ -206,6 +210,7 @@ def test_fleet_robot_that_fails_is_out_of_service():
     assert "office1" in fleet.message("1")
 
 
+@pytest.mark.slow
 def test_fleet_decommissioned_robot_delivers_its_load_only():
     fleet = Fleet(RING, {"r1": 1, "r2": 4})
     fleet.ask(1, 1, 2).end("r1")
@@ -214,6 +219,7 @@ def test_fleet_decommissioned_robot_delivers_its_load_only():
     assert [str(one) for one in fleet.journal.actions if "pickup(r1)" in str(one)] == ["_action_lib(pickup(r1),1,1)"]
 
 
+@pytest.mark.slow
 def test_fleet_takes_a_detour_around_a_blocked_connection():
     fleet = Fleet(RING, {"r1": 1})
     fleet.ask(1, 1, 2).end("r1").break_off("r1", "blocked")
@@ -258,6 +264,7 @@ def test_fleet_never_collides_and_ends_each_goal(data):
     assert {number for number, end in ends.items() if end == "succeeded"} <= set(fleet.world.delivered), ends
 
 
+@pytest.mark.slow
 def test_fleet_robot_charges_in_time():
     texts = [Source.from_file(ENCODINGS / name) for name in ("fleet.lp", "fleet/battery.lp")]
     row = "".join(f"office(office{one}). " for one in range(1, 5)) + "".join(

@@ -345,6 +345,7 @@ FACTS_ABOUT_IT = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.sampled_from([-1, 0, 1]), min_size=1, max_size=7),
     st.lists(FACTS_ABOUT_IT, max_size=7),

@@ -37,6 +37,7 @@ def test_core_memory_does_not_grow_with_goals(request):
     assert objects(driver, GOALS + more, GOALS + 2 * more) - before < more, "an object or more is kept for each goal"
 
 
+@pytest.mark.slow
 def test_core_plans_of_many_answers_share_no_symbols():
     gc.collect()
     before = len(gc.get_objects())

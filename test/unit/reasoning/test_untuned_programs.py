@@ -166,6 +166,7 @@ class Run:
         self._go_on()
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("seed", sized([1], [1, 2, 3]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
 def test_untuned_first_plan_has_no_superfluous_actions(kind, seed):

@@ -109,6 +109,7 @@ def test_translate_refuses_pools_with_too_many_literals():
     assert "more than 10000 literals" in fault.message
 
 
+@pytest.mark.slow
 def test_long_sums_and_pools_are_not_nested():
     text = "p({}) :- q({}).".format("+".join(["1"] * 2000), ";".join(map(str, range(2000))))
     assert translate(text, "x.lp", Dialect.GRINGO3).text.count("q(") == 2000

@@ -72,7 +72,7 @@ def test_anew_directive_discards_earlier_updates(solver):
     ]
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 def test_facts_of_steps_over_are_ignored(solver):
     for step in range(1, 140):
         solver.update(parse_update(f"#step {step} : 5. #closed {step - 1}. #over {max(0, step - 10)}. #endstep."))

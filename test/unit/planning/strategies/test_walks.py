@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from plain_walk import Walk, program_text
 from stream_logs import copied
 from stream_play import delay_plan, stop_after
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
 from rosoclingo.planning.history import Plan, cycle_of
@@ -40,7 +41,7 @@ def play(solver, news, bound, improve):
         left = solver.log.plan.rest(walk.step)
 
 
-@settings(max_examples=settings.default.max_examples * 4 // 5)
+@settings(max_examples=sized(7, settings.default.max_examples * 4 // 5))
 @given(st.booleans(), st.sampled_from([0.0, 0.0, FOREVER]) | st.integers(0, 12), BOUNDS, NEWS)
 def test_plans_hold_in_random_streams(advice, plan_time, bound, news):
     """Plans are valid, and shortest if there is time; without time a valid last plan is kept."""
