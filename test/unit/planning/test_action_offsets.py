@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import clingo
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from stream_logs import cut
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.planning.solver import PlanSolver
@@ -98,6 +99,7 @@ PROGRAMS = st.builds(Program, st.lists(HEADS, min_size=1, max_size=2).map(tuple)
 
 
 @pytest.mark.slow
+@settings(max_examples=sized(8, settings.default.max_examples))
 @given(PROGRAMS, st.data(), st.integers(0, 3))
 def test_answers_contain_actions_of_past_and_horizon(program, data, margin):
     """Compare all answers at the lowest horizon, cycle by cycle, during compaction."""

@@ -11,6 +11,7 @@ from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, fun
 from solver_reference import Parts, ShortestReference
 from stream_logs import copied, cut, text_of, texts
 from stream_play import atoms, planner_of, play
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
@@ -106,7 +107,7 @@ def check_grounding(solver, reference):
 
 
 @pytest.mark.slow
-@settings(max_examples=settings.default.max_examples * 3)
+@settings(max_examples=sized(20, settings.default.max_examples * 3))
 @given(STREAMS, st.lists(st.none() | st.integers(0, 3), min_size=6, max_size=6))
 def test_history_readers_answer_as_writer_and_reference(stream, ways):
     """``ways`` selects how a new reader is restored before each update; None keeps the last reader."""

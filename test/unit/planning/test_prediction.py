@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from plain_walk import FAILS, LINE, next_update
 from stream_logs import copied
 from stream_play import play
+from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, fact, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Expire, Volatile
@@ -50,7 +51,7 @@ def searched(solver, log, update, demanded=()):
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=sized(20, 40))
 @given(st.sets(st.sampled_from(RULES), max_size=4), NEWS, st.sampled_from([None, 0.0, 5.0]))
 def test_predicted_answer_agrees_with_a_search(rules, news, plan_time):
     solver = solver_of(LINE + "".join(sorted(rules)), plan_time=plan_time)

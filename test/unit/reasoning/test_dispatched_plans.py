@@ -25,6 +25,8 @@ from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, unwatched
 
+pytestmark = pytest.mark.once
+
 LOOKS = 300  # calls in which an improvement checks whether to stop
 
 SOLVERS = {"shortest": shortest, "first": partial(soon, plan_time=0.0), "soon": partial(soon, plan_time=0.05)}

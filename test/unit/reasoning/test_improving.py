@@ -8,6 +8,8 @@ from core_driver import Driver, Leaving
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import GoalProgress, PlanMade
 
+pytestmark = pytest.mark.once
+
 #: A goal do(N,Id) takes the actions do(1) to do(N) in order; all except the first are deferred for no reason.
 SLOW = """
 #external _request/2. #external _return/3.

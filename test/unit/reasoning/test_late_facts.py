@@ -13,6 +13,8 @@ from rosoclingo.reasoning.events import ActionsPreempted, StateChanged, UpdateSe
 from rosoclingo.reasoning.input_feeder import MOST_TURNS
 from rosoclingo.reasoning.settings import CoreSettings
 
+pytestmark = pytest.mark.once
+
 STORM = "#external _storm/1.\n#program cumulative(t).\n:- _action_lib(walk,_,t), _storm(C), C <= t.\n"
 MUST = "#external _must/1.\n:- _must(t), not _action_lib(rest,9,t).\n"
 

@@ -9,6 +9,8 @@ from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.events import ActionsDispatched, StateChanged
 from rosoclingo.reasoning.present import Present
 
+pytestmark = pytest.mark.once
+
 LAMP = """
 #program base.
 lamp(hall). lamp(yard).

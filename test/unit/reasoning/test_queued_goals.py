@@ -16,6 +16,8 @@ from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
 
+pytestmark = pytest.mark.once
+
 MANY = min(1000, 3 * settings.default.max_examples // 2)  # goals in a long run
 
 
