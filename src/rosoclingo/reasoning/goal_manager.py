@@ -5,7 +5,6 @@ from typing import Callable, Container, Iterable, List, Optional, Sequence
 from clingo import Symbol
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.reasoning.admission import Admission
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, Problem
@@ -43,7 +42,6 @@ class GoalManager(PersistentPart):
         settings: CoreSettings,
     ) -> None:
         self._program, self._relevance = program, RelevanceAnalysis.of(program)
-        self._relevance.prepare(Signature(REQUEST, 2))
         self._feeder = feeder
         self._emit = emit
         self._cycle = cycle

@@ -76,14 +76,6 @@ class RelevanceAnalysis:
         """Return the shared analysis of a program."""
         return cls(program)
 
-    def prepare(self, signature: Signature) -> None:
-        """Analyse the rules that depend on a predicate, and on the predicates to which these rules relay its atoms."""
-        waiting = [signature]
-        while waiting:
-            one = waiting.pop()
-            if one not in self._occurrences:
-                waiting += [place.relay for place in self._occurrences_of(one) if place.relay is not None]
-
     def is_relevant(self, atom: clingo.Symbol) -> bool:
         """Return whether some rule can derive something from an atom; False is certain."""
         return self._excluding_rules(atom) is None
@@ -94,8 +86,7 @@ class RelevanceAnalysis:
         forms = self._forms(signature_of(atom), term)
         alike = [one for one in (fit_to_form(form, term) for form in forms) if one is not None]
         alike.sort(key=lambda one: likeness(str(one), str(term)), reverse=True)
-        failed = self._excluding_rules(atom) or []
-        misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
+        failed, misfits = self._excluding_rules(atom) or [], self._all_misfits(atom)
         for form in dict.fromkeys((term, *alike)):
             meant = self._corrected(clingo.Function(atom.name, [form, *atom.arguments[1:]], atom.positive))
             if meant is not None:
@@ -111,13 +102,13 @@ class RelevanceAnalysis:
 
     def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
         """Return the first argument of an atom, corrected to similar known values; None if that is irrelevant too."""
-        failed = self._excluding_rules(atom)
-        if failed is None:
-            return atom.arguments[0]
-        misfits = [misfit for place, seen in failed for misfit in self._misfits(place, seen)]
-        meant = replace_misfits(atom.arguments[0], misfits)
+        meant = replace_misfits(atom.arguments[0], self._all_misfits(atom))
         is_valid = meant is not None and self.is_relevant(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
         return meant if is_valid else None
+
+    def _all_misfits(self, atom: clingo.Symbol) -> List[Misfit]:
+        """Return the values of an atom that its rules exclude; none if the atom is relevant."""
+        return [one for place, seen in self._excluding_rules(atom) or () for one in self._misfits(place, seen)]
 
     def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
         """Return the first arguments that rules accept, ordered by the similarity of their names to ``term``."""
