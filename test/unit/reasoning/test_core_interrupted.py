@@ -285,6 +285,31 @@ def test_core_reports_failure_with_a_too_costly_fact():
     play(driver, "goal b fetch(mug,2); finish; is b succeeded")
 
 
+@pytest.mark.slow
+@settings(max_examples=settings.default.max_examples // 4)
+@example(faulty={0, 1, 2, 3, 4, 5, 6, 7}, error=DroppedError)
+@given(faulty=st.sets(st.integers(0, 7)), error=st.sampled_from([DroppedError, SolverError]))
+def test_core_drops_only_faulty_facts(faulty, error):
+    names = [f"_seen({number})" for number in range(8)]
+    wrong = [names[number] for number in sorted(faulty)]
+
+    class StrictDriver(FaultyDriver):
+        def fault(self, update):
+            return error("by the test") if any(one in str(update) for one in wrong) else None
+
+    driver = StrictDriver(program=PROGRAM)
+    play(driver, "goal a fetch(cup,1)")
+    arm = Arm(driver)
+    arm.answer(True, *names)
+    arm.finish()
+    arm.check()
+    assert arm.heads.issuperset({*names} - {*wrong})
+    lost = [text.split()[0] for text in driver.problems if "accepts no update with it" in text]
+    assert sorted(lost) == wrong
+    assert len(driver.failed) <= (10 * len(wrong) + 16 if error is DroppedError else 2 * len(names))
+    play(driver, "goal b fetch(mug,2); finish; is a succeeded; is b succeeded")
+
+
 def test_core_leaves_out_refused_return_with_its_action():
     driver = play(
         FaultyDriver(program=PROGRAM),
