@@ -18,10 +18,10 @@ from long_run import BATCH, PROGRAM, office_goal
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.journal.database import Header, file_of, read
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 FAILURES = 0.05
@@ -48,7 +48,7 @@ class Run:
 
     def __init__(self, program, journal=None, record=None):
         self.keeper = Keeper(lambda event: None, journal, time.monotonic)
-        self.core = ResumableCore(
+        self.core = Core(
             program, lambda: PlanSolver(program, plan_time=1.0), self.keeper, CoreSettings(), record=record
         )
         self.keeper.attach(self.core, record)

@@ -6,10 +6,10 @@ from contextlib import closing
 
 from core_driver import soon
 
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram
 
@@ -29,7 +29,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
     description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
     journal = Journal(path, Header("run", program.fingerprint, "", description))
     keeper = Keeper(published.append, journal, lambda: 0.0, (lambda: clock[0]) if timed else None)
-    core = ResumableCore(program, lambda: soon(program), keeper, settings or CoreSettings())
+    core = Core(program, lambda: soon(program), keeper, settings or CoreSettings())
     keeper.attach(core)
     core.start()
     keeper.send()

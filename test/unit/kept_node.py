@@ -3,10 +3,10 @@
 from core_driver import ERRANDS, shortest
 
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
@@ -22,7 +22,7 @@ class Node:
         self.keeper = Keeper(self._tell, self.folder, lambda: 0.0)
         record = None if kept is None else kept.state
         settings = CoreSettings(horizon_limit=horizon_limit, search_timeout=0.0)
-        self.core = ResumableCore(program, lambda: shortest(program), self.keeper, settings, record=record)
+        self.core = Core(program, lambda: shortest(program), self.keeper, settings, record=record)
         self.keeper.attach(self.core, record)
         self.core.start()
         self.keeper.send()

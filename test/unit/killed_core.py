@@ -11,13 +11,13 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
 from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, Header
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
@@ -192,7 +192,7 @@ class Node:
         self.keeper = Keeper(self._tell, folder, lambda: 0.0)
         limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
         program = other_minded(world.program, fate.instants) if world.any_plan else world.program
-        self.core = ResumableCore(program, lambda: shortest(program), self.keeper, limits, record=record)
+        self.core = Core(program, lambda: shortest(program), self.keeper, limits, record=record)
         self.keeper.attach(self.core, record)
         for action in self.core.awaited:
             world.command(action)

@@ -28,6 +28,8 @@ from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Preparations
 from rosoclingo.reasoning.present import Present
+from rosoclingo.reasoning.recorded_history import RecordedHistory
+from rosoclingo.reasoning.records import PersistentPart, Record, fields, record_of
 from rosoclingo.reasoning.recovery import Recovery, forget_history, recover, settle
 from rosoclingo.reasoning.repair import repair
 from rosoclingo.reasoning.returns import DONE, ExecutionMonitor
@@ -43,7 +45,7 @@ from rosoclingo.reasoning.stream_planner import (
 )
 
 
-class Core:
+class Core(PersistentPart):
     """The cycle: solve, dispatch the actions planned for now, await their returns, feed them back, and solve again.
 
     The caller passes on arrivals by ``add_goal``, ``cancel_goal`` and ``receive``. It calls ``poll`` as time passes,
@@ -57,7 +59,25 @@ class Core:
     ``watch`` can end any search, and ``watch_recovery`` the search for goals to abort and for the reasons.
     ``watch_joining`` ends the wait for a plan with new goals while the current plan continues; None waits until the
     plan is found.
+
+    A core resumes from the ``record`` of the :meth:`state` of a core with the same program, between any two of its
+    steps. The state and the arrivals determine the behaviour, except for searches that time out and for the choice
+    among equally good answers.
     """
+
+    GROUP = "core"
+    FIELDS = fields(
+        _started=bool,
+        _step=int,
+        _waits=int,
+        _improvable=bool,
+        _lookahead=int,
+        _plan=Optional[TaskPlan],
+        _last_plan=TaskPlan,
+        _last_cycle=int,
+        _mode=Mode,
+        _withheld=bool,
+    )
 
     def __init__(
         self,
@@ -68,6 +88,7 @@ class Core:
         watch: SearchWatch = unwatched,
         watch_recovery: SearchWatch = unwatched,
         watch_joining: Optional[SearchWatch] = None,
+        record: Optional[Record] = None,
     ) -> None:
         self._emit, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
         self._problem = self._announce.problem
@@ -90,6 +111,9 @@ class Core:
         self._improvable = False  # whether a shorter plan can exist
         self._mode = Mode.RUNNING
         self._withheld = False  # whether actions of this cycle were not dispatched because of the mode
+        self._recorded, self._started = RecordedHistory(), False
+        if record is not None:
+            self._resume(record)
 
     @property
     def cycle(self) -> int:
@@ -121,6 +145,25 @@ class Core:
         """The running actions."""
         return self._execution.awaited
 
+    @property
+    def preempted(self) -> Tuple[Action, ...]:
+        """The running actions that the plan no longer needs."""
+        return self._preemption.found
+
+    @property
+    def shown(self) -> Tuple[Action, ...]:
+        """The actions to report: the last executed ones, even after compaction, and the rest of the plan."""
+        return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
+
+    @property
+    def horizon(self) -> int:
+        """The last grounded step."""
+        return self._planner.log.horizon
+
+    def goal(self, key: str) -> Optional[Goal]:
+        """Return the live goal with a client's handle, None if there is none."""
+        return self._goals.by_key(key)
+
     def add_goal(self, key: str, text: str) -> None:
         """Add the goal ``text`` under the client's handle ``key``, or reject it with a reason."""
         self._goals.add(key, text)
@@ -142,7 +185,10 @@ class Core:
         self._feeder.tick(now)
 
     def start(self) -> None:
-        """Solve once before any update; an empty plan leaves the core idle in cycle 1."""
+        """Solve once before any update; an empty plan leaves the core idle in cycle 1. A resumed core continues."""
+        if self._started:
+            return
+        self._started = True
         try:
             result = self._planner.solve()
         except DisturbedError:
@@ -155,7 +201,7 @@ class Core:
             self._plan = extract_plan(result.answers[0])
         else:
             self._problem(f"the program has no answer before any request: {self._planner.why_none(result)}")
-        self._announce.plan(result, self._shown())
+        self._announce.plan(result, self.shown)
 
     def advance(self, now: float) -> bool:
         """Start the next cycle if there is a reason to; return False if the core waits for an arrival."""
@@ -178,7 +224,7 @@ class Core:
         result = self._planner.improve(stopped) if self._improvable else None
         if result is not None:
             self._follow(result)
-            self._announce.plan(result, self._shown())
+            self._announce.plan(result, self.shown)
             self._report_progress()
         self._improvable = self._improvable and (result is not None or stopped())
         return self._improvable
@@ -207,7 +253,7 @@ class Core:
             self._report_progress()
 
     def _report_progress(self) -> None:
-        self._announce.progress(self._step, self._goals.fed, self._shown(), self._mode is Mode.PAUSED)
+        self._announce.progress(self._step, self._goals.fed, self.shown, self._mode is Mode.PAUSED)
 
     def shut_down(self, why: str) -> None:
         """Cancel the running actions and abort every goal.
@@ -367,7 +413,7 @@ class Core:
     def _judged(self, state: State, result: SolveResult) -> State:
         situation = SITUATION_AFTER[result.outcome]
         if situation is not Situation.PLAN:
-            self._announce.plan(result, self._shown())
+            self._announce.plan(result, self.shown)
         return state._replace(situation=situation, result=result, why=self._planner.why_none(result))
 
     def _settle_failures(self, state: State) -> State:
@@ -381,7 +427,7 @@ class Core:
                 self._goals.abort(one.goal, one.text(Explanations(), ""))
             return self._judged(state, result)
         self._plan = extract_plan(result.answers[0]) if result.answers else None
-        self._announce.plan(result, self._shown())
+        self._announce.plan(result, self.shown)
         return self._adopt(state._replace(why=""), settled.recovery)
 
     def _dispatch(self, state: State) -> Optional[State]:
@@ -404,7 +450,7 @@ class Core:
             self._end(self._preemption.end(left_out))
         if actions:
             self._emit(ActionsDispatched(self._step, actions))
-        shown = self._shown()
+        shown = self.shown
         self._announce.plan(result, shown)
         statuses = GoalStatuses(result.answers[0], self._step)
         reading = Reading(statuses, plan, since, self._step, result.horizon, self._has_status_rules)
@@ -510,9 +556,39 @@ class Core:
         self.queue.interrupted |= state.situation is Situation.DISTURBED
         return state.settled
 
-    def _shown(self) -> Tuple[Action, ...]:
-        """The actions to report: the last executed ones, even after compaction, and the rest of the plan."""
-        return self._execution.executed[-DONE:] + self.plan.remaining(self.cycle)
+    # -- persisted state
+
+    @property
+    def parts(self) -> Tuple[PersistentPart, ...]:
+        """The parts with a persisted state; valid between two steps."""
+        self._recorded.follow(self._planner.log)
+        goals, execution = self._goals, self._execution
+        parts = goals, goals.queue, self._feeder, execution, execution.durations
+        return (self._recorded, self, *parts, self.interfaces, self._preemption, self._announce)
+
+    def state(self) -> Record:
+        """Return the rows of all parts."""
+        return record_of(self.parts)
+
+    @property
+    def _lookahead(self) -> int:
+        return self._planner.lookahead
+
+    @_lookahead.setter
+    def _lookahead(self, steps: int) -> None:
+        self._planner.lookahead = steps
+
+    def _resume(self, record: Record) -> None:
+        for part in self.parts:
+            part.restore(record)
+        self._feeder.find_goals(self._goals.by_key)
+        self._planner = self._planner.with_log(self._recorded.history)
+
+    def report_beliefs(self) -> None:
+        """Report the restored beliefs of a resumed core, before any search."""
+        self._announce.present()
+
+    # -- the table
 
     #: The steps to try in each situation, in this order. The last row of each situation always applies.
     responses: ClassVar[Tuple[Response, ...]] = (

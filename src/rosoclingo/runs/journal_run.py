@@ -15,8 +15,8 @@ from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
 from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, history
 from rosoclingo.reasoning.journal.keeper import ClientGoal
-from rosoclingo.reasoning.journal.recorded_history import RecordedHistory
 from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES, Action
+from rosoclingo.reasoning.recorded_history import RecordedHistory
 from rosoclingo.reasoning.records import Record, codec, group
 from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.events import RunEvents

@@ -13,8 +13,8 @@ from team_programs import TEAM
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning import solver
 from rosoclingo.reasoning import stream_planner
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, UpdateSent
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import ACTION_LIB, RETURN, RUNNING
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -37,7 +37,7 @@ class Workshop:
 
     def _start(self, record):
         settings = CoreSettings(horizon_limit=12, action_timeout=TIMEOUT, search_timeout=0.0)
-        return ResumableCore(PROGRAM, lambda: shortest(PROGRAM), self.hear, settings, record=record)
+        return Core(PROGRAM, lambda: shortest(PROGRAM), self.hear, settings, record=record)
 
     def hear(self, event):
         """Check an event of the core."""

@@ -13,9 +13,9 @@ from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, History, Pl
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goals import GoalState
-from rosoclingo.reasoning.journal.recorded_history import RecordedHistory
 from rosoclingo.reasoning.keywords import Action, Return, action_of
 from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.recorded_history import RecordedHistory
 from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, codec, fields, group
 from rosoclingo.reasoning.returns import Dispatch
 

@@ -8,9 +8,9 @@ from rosoclingo.checking.verifying.shared_solver import SharedSolver
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import Event, UpdateSent
 from rosoclingo.reasoning.hypotheses import Way
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.records import PersistentPart, Record
 from rosoclingo.reasoning.recovery import Recovery
 from rosoclingo.reasoning.settings import CoreSettings
@@ -40,17 +40,17 @@ class CoreSnapshot(NamedTuple):
 
 
 _STOPS = {
-    ResumableCore._lose_patience: DefectKind.PUT_OFF,
-    ResumableCore._repair: DefectKind.NO_ANSWER,
-    ResumableCore._forget_history: DefectKind.NO_ANSWER,
-    ResumableCore._cancel_all: DefectKind.NO_ANSWER,
+    Core._lose_patience: DefectKind.PUT_OFF,
+    Core._repair: DefectKind.NO_ANSWER,
+    Core._forget_history: DefectKind.NO_ANSWER,
+    Core._cancel_all: DefectKind.NO_ANSWER,
 }
 """The responses that withhold facts or drop all goals, and the defects that they indicate."""
 
 
 def _strict(row: Response) -> Response:
     """Return a row of the core's table that leaves failures to the program, and raises BrokenError for a defect."""
-    if row.step is ResumableCore._settle_failures:
+    if row.step is Core._settle_failures:
         return row._replace(step=lambda core, state: core.leave_failures(state))
     if row.step not in _STOPS:
         return row
@@ -63,7 +63,7 @@ def _strict(row: Response) -> Response:
     return row._replace(step=stop)
 
 
-class TrialCore(ResumableCore):
+class TrialCore(Core):
     """A core that raises BrokenError where the usual one withholds facts, resets its history or loses patience.
 
     Attributes:
@@ -152,4 +152,4 @@ class TrialCore(ResumableCore):
         return super()._adopt(state, found)
 
     #: The core's table, in which the responses that withhold facts or drop all goals raise BrokenError.
-    responses = tuple(map(_strict, ResumableCore.responses))
+    responses = tuple(map(_strict, Core.responses))

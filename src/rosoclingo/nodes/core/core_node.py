@@ -24,6 +24,7 @@ from rosoclingo.nodes.core.unmet_goals import UnmetGoals
 from rosoclingo.oclingo import DroppedError
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.core_state import Health, Level, Report
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
@@ -42,7 +43,6 @@ from rosoclingo.reasoning.events import (
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import return_of
 from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import Halt
@@ -166,7 +166,7 @@ class CoreNode:
         self._solvers = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         found = find_journal(self._parameters, program)
         self._keeper = Keeper(self._let_out, found.journal, time.monotonic, rospy.get_time, found.fault)
-        self._core = ResumableCore(
+        self._core = Core(
             program,
             lambda: ProcessSolver(self._solvers),
             self._keeper,

@@ -11,8 +11,8 @@ from rosoclingo.msg import InterfaceIO
 from rosoclingo.nodes.core.bounded_queue import BoundedQueue
 from rosoclingo.nodes.core.gathering import Gathering
 from rosoclingo.nodes.core.topics import CoreTopics
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.interface_register import InterfaceRegister
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.keywords import shortened
 
 #: Limit in seconds of wall time that the worker spends on facts before other work.
@@ -49,7 +49,7 @@ class FactIntake:
 
     """
 
-    def __init__(self, core: ResumableCore, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
+    def __init__(self, core: Core, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
         self._core, self._register, self._worker, self._actions = core, register, worker, actions
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
         self._announcements: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)

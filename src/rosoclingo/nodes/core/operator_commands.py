@@ -7,8 +7,8 @@ import rospy
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 from rosoclingo.common.worker import Worker
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import Mode
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 
 #: The reason of goals that are aborted by ``~stop``.
 STOPPED = "is aborted: an operator has stopped the core"
@@ -21,7 +21,7 @@ class OperatorCommands:
     journal has the command.
     """
 
-    def __init__(self, core: ResumableCore, worker: Worker, done: Callable[[], None]) -> None:
+    def __init__(self, core: Core, worker: Worker, done: Callable[[], None]) -> None:
         self._core, self._worker, self._done = core, worker, done
         self._waiting: Deque[Callable[[], None]] = deque()
         self._services = [

@@ -3,10 +3,10 @@
 from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.reasoning.aborted_goals import AbortedGoals
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalUnmet, Observer
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, Record, record_of
 
 
@@ -60,7 +60,7 @@ class Keeper(PersistentPart):
         is the reason why a requested journal is missing, empty for none.
         """
         self._emit, self._journal, self._now, self._time, self._fault = emit, journal, now, time, fault
-        self._core: Optional[ResumableCore] = None
+        self._core: Optional[Core] = None
         self._recorder = ChangeRecorder()
         self._events: List[Event] = []
         self.clients: PersistentTable[str, ClientGoal] = PersistentTable("client", str, ClientGoal)
@@ -70,7 +70,7 @@ class Keeper(PersistentPart):
         """Collect an event, as the observer of the core."""
         self._events.append(event)
 
-    def attach(self, core: ResumableCore, record: Optional[Record] = None) -> None:
+    def attach(self, core: Core, record: Optional[Record] = None) -> None:
         """Record the state of this core from now on; ``record`` is the one from which the core was resumed, if any."""
         self._core = core
         if record is not None:

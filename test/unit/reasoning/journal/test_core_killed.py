@@ -12,9 +12,9 @@ from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play, World
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, history
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 #: Rows of the journal that belong to the keeper rather than the core.
@@ -100,7 +100,7 @@ def test_journal_state_equals_state_of_resumed_core(states):
     assert len(states) > 20
     for state in states:
         own = {name: value for name, value in state.items() if not name.startswith(KEEPERS)}
-        core = ResumableCore(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
+        core = Core(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
         assert core.state() == own
 
 

@@ -12,13 +12,13 @@ from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, ReturnAccepted
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.settings import CoreSettings
 
 
@@ -236,7 +236,7 @@ def kept(journal, now=lambda: 0.0):
     """Return a core that has not begun, its keeper, and the released messages."""
     published = []
     keeper = Keeper(published.append, journal, now)
-    core = ResumableCore(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
+    core = Core(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
     return core, keeper, published
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from stream_logs import text_of
 
 from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
-from rosoclingo.reasoning.journal.resumable_core import ResumableCore
 from rosoclingo.reasoning.records import ChangeRecorder
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -45,7 +45,7 @@ class Play:
         self.core = self._new()
 
     def _new(self, record=None):
-        return ResumableCore(self.program, self._make, self._take, self._settings, record=record)
+        return Core(self.program, self._make, self._take, self._settings, record=record)
 
     def _take(self, event):
         """Collect the core's messages; a resumed core publishes its beliefs again."""
@@ -153,7 +153,7 @@ def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, c
 def test_resumed_core_answers_queries_of_its_node():
     program, disk, events = ReactiveProgram.from_text(ERRANDS), Disk(), []
     settings = dataclasses.replace(SETTINGS, preempt=True)
-    first = ResumableCore(program, lambda: shortest(program), events.append, settings)
+    first = Core(program, lambda: shortest(program), events.append, settings)
     first.start()
     for key, text in (("a", "do(walk,1)"), ("b", "do(run,2)")):
         first.add_goal(key, text)
@@ -162,7 +162,7 @@ def test_resumed_core_answers_queries_of_its_node():
     first.cancel_goal("a" if action.interface_name == "walk" else "b")
     assert not first.advance(0.0)
     disk.write(first.state())
-    core = ResumableCore(program, lambda: shortest(program), events.append, settings, record=disk.read())
+    core = Core(program, lambda: shortest(program), events.append, settings, record=disk.read())
     assert core.preempted == first.preempted == (action,)
     assert {*first.awaited} <= {*core.shown} == {*first.shown}
     assert core.horizon == first.horizon >= 1
@@ -172,7 +172,7 @@ def test_resumed_core_answers_queries_of_its_node():
     assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
     assert core.live_goals == []
     disk.write(core.state())
-    next_one = ResumableCore(program, lambda: shortest(program), events.append, settings, record=disk.read())
+    next_one = Core(program, lambda: shortest(program), events.append, settings, record=disk.read())
     for one in next_one.awaited:
         next_one.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
     assert next_one.advance(0.0)
@@ -185,7 +185,7 @@ def test_resumed_core_answers_queries_of_its_node():
 def test_resumed_core_publishes_beliefs_before_solving():
     program = ReactiveProgram.from_text(ERRANDS + 'at(1,t) :- t=1. #show at/2. at(2,0). #show "a,b". #show 7.')
     events, again, disk = [], [], Disk()
-    first = ResumableCore(program, lambda: shortest(program), events.append, SETTINGS)
+    first = Core(program, lambda: shortest(program), events.append, SETTINGS)
     first.report_beliefs()
     assert not events
     first.start()
@@ -193,14 +193,14 @@ def test_resumed_core_publishes_beliefs_before_solving():
     believed = events[-1]
     assert isinstance(believed, StateChanged)
     assert believed.atoms
-    next_one = ResumableCore(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
+    next_one = Core(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
     next_one.report_beliefs()
     assert again == [believed]
 
 
 def test_core_record_contains_only_new_beliefs():
     program = ReactiveProgram.from_text(ERRANDS + "#show done/2.")
-    core = ResumableCore(program, lambda: shortest(program), lambda event: None, SETTINGS)
+    core = Core(program, lambda: shortest(program), lambda event: None, SETTINGS)
     core.start()
     recorder, written = ChangeRecorder(), []
     recorder.changes(core.parts)

@@ -1,4 +1,4 @@
-"""The history of the solver as rows of the journal."""
+"""The history of the solver as rows of the persisted state."""
 
 from typing import Dict, List
 
