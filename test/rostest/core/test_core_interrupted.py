@@ -13,6 +13,7 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from rosoclingo.msg import TaskPlan
+from std_srvs.srv import SetBool, Trigger
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -124,6 +125,18 @@ class CoreInterrupted(unittest.TestCase):
                 self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
                 self.assertLessEqual(len(children("/cancelled/rosoclingo")), 2, "more than one in reserve")
             self.serves("cancelled", "do(walk,3)", updates)
+
+    def test_operator_commands_end_a_search(self):
+        with core("operated", search_timeout=0, horizon_limit=2):
+            updates = Updates("operated/rosoclingo")
+            rospy.wait_for_service("operated/rosoclingo/stop", PATIENCE)
+            with kept_busy("/operated/rosoclingo"):
+                goal = Client("operated/rosoclingo").send("do(pigeons,1)")
+            pause = rospy.ServiceProxy("operated/rosoclingo/pause", SetBool)
+            self.assertEqual([pause(True).success, pause(False).success], [True, True])
+            self.assertTrue(rospy.ServiceProxy("operated/rosoclingo/stop", Trigger)().success)
+            self.assertIn("an operator has stopped the core", goal.ends_as(GoalStatus.ABORTED))
+            self.serves("operated", "do(walk,2)", updates)
 
     def test_endless_search_goal_waits_and_is_cancelled(self):
         with core("alone", search_timeout=1.0, horizon_limit=4):

@@ -482,3 +482,14 @@ def test_path_keeps_its_corners():
     assert simplify([]) == []
     assert simplify([(1.0, 1.0)]) == [(1.0, 1.0)]
     assert simplify([(1.0, 1.0)] * 5) == [(1.0, 1.0)] * 2
+
+
+def test_view_logs_when_an_operator_pauses_and_stops():
+    view = RunView()
+    view.goal(100.0, "a", "g(1)")
+    for time, mode in enumerate(("running", "paused", "paused", "running", "stopped"), 101):
+        view.mode(float(time), mode)
+    view.finish()
+    texts = [one["text"] for _, one in view.changes()["log"] if one["kind"] == "mode"]
+    assert texts == ["paused: no action begins", "continued", "stopped: the next goal continues"]
+    assert (view.mode_word, view.successor().mode_word) == ("stopped", "stopped")
