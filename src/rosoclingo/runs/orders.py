@@ -31,6 +31,8 @@ LABELS, PACKAGES, PLACE_OF = "labels", "packages", "place of "
 
 _NAME = re.compile(r"\{(\w+)\}")
 
+_UNTITLED: Mapping[str, str] = {}
+
 
 class OrderError(ValueError):
     """An invalid order; the text has the reason."""
@@ -53,14 +55,16 @@ class OrderForm(NamedTuple):
     choices: Tuple[Choice, ...]
     is_fact: bool = False
 
-    def describe(self, labels: Sequence[str], packages: Mapping[str, str]) -> Dict[str, Any]:
+    def describe(
+        self, labels: Sequence[str], packages: Mapping[str, str], titles: Mapping[str, str] = _UNTITLED
+    ) -> Dict[str, Any]:
         """Return the form for a page: its title, and its fields with their options.
 
         ``packages`` maps each package to its label, empty without one. ``apart`` lists the fields whose choice or place
-        has to differ from that of a field.
+        has to differ from that of a field. ``titles`` are the names of labels for people.
         """
         fields = [
-            {"name": one.name, "options": [[term, _described(term, one, packages)] for term in terms], **apart}
+            {"name": one.name, "options": [[term, _described(term, one, packages, titles)] for term in terms], **apart}
             for one, terms, apart in (
                 (one, _options(one, labels, packages), self._apart(one, packages)) for one in self.choices
             )
@@ -95,9 +99,10 @@ class OrderForm(NamedTuple):
         self._check_places(found)
         return _NAME.sub(lambda match: found[match.group(1)], self.term)
 
-    def words(self, chosen: Mapping[str, Any]) -> str:
+    def words(self, chosen: Mapping[str, Any], titles: Mapping[str, str] = _UNTITLED) -> str:
         """Return the title and the chosen options."""
-        options = ", ".join(str(chosen[one.name]) for one in self.choices if one.kind != PLACE_OF)
+        terms = (str(chosen[one.name]) for one in self.choices if one.kind != PLACE_OF)
+        options = ", ".join(titles.get(term, term) for term in terms)
         return f"{self.title}: {options}" if options else self.title
 
     def _check_places(self, found: Mapping[str, str]) -> None:
@@ -181,8 +186,10 @@ def _options(choice: Choice, labels: Sequence[str], packages: Mapping[str, str])
     return choice.terms
 
 
-def _described(term: str, choice: Choice, packages: Mapping[str, str]) -> str:
-    return f"{term} (at {packages[term]})" if choice.kind == PACKAGES else term
+def _described(term: str, choice: Choice, packages: Mapping[str, str], titles: Mapping[str, str]) -> str:
+    if choice.kind == PACKAGES:
+        return f"{term} (at {titles.get(packages[term], packages[term])})"
+    return titles.get(term, term)
 
 
 def _is_term(text: str) -> bool:

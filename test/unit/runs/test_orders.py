@@ -141,6 +141,9 @@ def test_orders_can_be_facts():
     chosen = {"a": "office1", "b": "office2"}
     assert found.fill(chosen, LABELS, {}) == "_opened(office1,office2,now)"
     assert found.words(chosen) == "Open: office1, office2"
+    assert found.words(chosen, {"office2": "the lab"}) == "Open: office1, the lab"
+    titled = found.describe(LABELS, {}, {"office2": "the lab"})["fields"][0]["options"]
+    assert titled == [["office1", "office1"], ["office2", "the lab"]]
     with pytest.raises(OrderError, match="another place"):
         found.fill({"a": "office1", "b": "office1"}, LABELS, {})
 

@@ -44,7 +44,7 @@ class OrderDesk:
 
     def describe(self, view: RunView) -> Sequence[Dict[str, Any]]:
         """Return the forms for a page."""
-        return [form.describe(*_world(view)) for form in self._forms]
+        return [form.describe(*_world(view), view.sentences.titles) for form in self._forms]
 
     def take(self, message: Mapping[str, Any], view: RunView) -> Taken:
         """Process a request of a page.
@@ -75,10 +75,10 @@ class OrderDesk:
         if type(number) is not int or not 0 <= number < len(self._forms) or not isinstance(chosen, dict):
             raise OrderError("there is no such order")
         form = self._forms[number]
-        text = form.fill(chosen, *_world(view))
+        text, words = form.fill(chosen, *_world(view)), form.words(chosen, view.sentences.titles)
         if form.is_fact:
             self._core.report(text)
-            return {"reported": text, "text": text, "words": form.words(chosen)}
+            return {"reported": text, "text": text, "words": words}
         still = [one for one in self._keys if not view.has_ended(one)]  # the view can lack a goal that was just sent
         if len(still) >= MOST_OPEN:
             raise OrderError("too many orders are open: wait until some have ended")
@@ -86,7 +86,7 @@ class OrderDesk:
             del self._keys[one]
         found = self._core.send(text)
         self._keys[found] = key
-        return {"ordered": found, "text": text, "words": form.words(chosen)}
+        return {"ordered": found, "text": text, "words": words}
 
     def _withdraw(self, found: Any, key: str) -> Answer:
         known = self._keys.get(found) if isinstance(found, str) else None
