@@ -52,6 +52,7 @@ WAITING = (
     "master_restarted",
     "office",
     "office_killed",
+    "operator",
     "recorder",
     "request_lost",
     "scenario_player",
