@@ -145,7 +145,14 @@ class WorkerPool:
             self._standby = self._activate(worker)
         else:
             worker, prefetched = self._get_active(), False
-        reply = worker.ask(request, stopped, idle)
+
+        def attended() -> bool:
+            """Return whether to stop; let the standby worker begin its next command."""
+            if self._standby is not None:
+                self._standby.is_busy()
+            return stopped()
+
+        reply = worker.ask(request, attended, idle)
         if not worker.is_usable:
             self._replace()  # now, as the standby is idle
         elif self._keeps_standby and not (prefetched or idle):

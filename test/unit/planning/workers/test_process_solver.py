@@ -14,6 +14,7 @@ from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
+from rosoclingo.planning.workers.worker import SolverWorker
 
 PROGRAM = ReactiveProgram.from_text(RESTING)
 ASK = parse_update("#step 1 : 50. _request(5,1). #endstep.")
@@ -127,6 +128,16 @@ def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
     finally:
         os.kill(pool.standby_pid, signal.SIGCONT)
     assert solver.has_prefetched(FAILED, lambda: False)
+
+
+def test_pool_attends_to_the_standby_while_the_worker_is_busy(pool, solver, monkeypatch):
+    """Otherwise the standby would not begin to prefetch when it has ended another command."""
+    seen, is_busy, looks = [], SolverWorker.is_busy, iter(range(100))
+    monkeypatch.setattr(SolverWorker, "is_busy", lambda worker: seen.append(worker.pid) or is_busy(worker))
+    os.kill(pool.pid, signal.SIGSTOP)
+    pool.start(lambda: next(looks) == 9)
+    os.kill(pool.pid, signal.SIGCONT)
+    assert seen == [pool.standby_pid] * 10
 
 
 @pytest.mark.slow
