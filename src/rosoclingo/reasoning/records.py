@@ -5,6 +5,7 @@ A row has the name ``GROUP:KEY``. Its group is a part of the core, or a table of
 
 import math
 from enum import Enum
+from functools import lru_cache
 from typing import (
     Any,
     Callable,
@@ -57,7 +58,12 @@ def text_of(symbol: Symbol) -> str:
 
 
 def symbol_of(text: str) -> Symbol:
-    """Return the symbol of :func:`text_of`."""
+    """Return the symbol of :func:`text_of`; those of short texts are cached."""
+    return _parse(text) if len(text) <= SHORT else symbol_list(text)[0]
+
+
+@lru_cache(maxsize=CACHED)
+def _parse(text: str) -> Symbol:
     return symbol_list(text)[0]
 
 
@@ -83,6 +89,7 @@ _CODECS: Dict[Any, Codec] = {
 }
 
 
+@lru_cache(maxsize=None)
 def codec(hint: Any) -> Codec:
     """Return the codec of a type, or ``hint`` itself if it is a codec.
 
