@@ -128,6 +128,9 @@ class PlannedActions:
     def __getitem__(self, number: int) -> Record:
         return self._table[number]
 
+    def __contains__(self, text: str) -> bool:
+        return text in self._numbers
+
     def reword(self, sentences: Sentences) -> None:
         """Replace the sentences of all actions."""
         self._sentences = sentences

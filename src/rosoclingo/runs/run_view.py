@@ -9,7 +9,17 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, 
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, StreamUpdate, parse_term, parse_update
-from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, REQUEST, STATUS, is_keyword, name_of, shortened
+from rosoclingo.reasoning.keywords import (
+    ACTION_LIB,
+    CANCEL_ACTION,
+    REQUEST,
+    STATUS,
+    Action,
+    Return,
+    is_keyword,
+    name_of,
+    shortened,
+)
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, GoalReport, RunEvents, reason_of, reason_suffix
@@ -278,12 +288,8 @@ class RunView(RunEvents):
                 words = f"{shortened(self.sentences.fact(text), SHOWN)} from {shortened(origin)}"
                 self._log.add(now, "fact", words, details=f"{shortened(text, SHOWN)} from {shortened(origin)}")
             else:
-                record = self._actions.returned(now, answer)
-                words = f"{name_of(answer.interface)} {name_of(answer.value)}"
-                if record is not None:
-                    end = name_of(answer.value) if record["failed"] or record["preempted"] else "done"
-                    words = f"{self._planned_actions[record['action']]['words']}: {end}"
-                self._log.add(now, "return", shortened(words, SHOWN), gives=str(answer.atom), details=text)
+                words = shortened(self._return_words(answer, self._actions.returned(now, answer)), SHOWN)
+                self._log.add(now, "return", words, gives=str(answer.atom), details=text)
 
     def packages(self, time: float, packages: Iterable[Tuple[str, str]]) -> None:
         """Record the places of all packages: labels, the names of robots, or empty for the only robot."""
@@ -526,6 +532,16 @@ class RunView(RunEvents):
         goal["states"].append([now, word, reason, details])
         goal["ended"] = now if word in ENDED else None
         return True
+
+    def _return_words(self, answer: Return, record: Optional[Record]) -> str:
+        """Return the words for a return; without a ``record``, it arrived before its action, or has none."""
+        value = name_of(answer.value)
+        if record is not None:
+            end = value if record["failed"] or record["preempted"] else "done"
+            return f"{self._planned_actions[record['action']]['words']}: {end}"
+        action = Action(answer.interface, answer.value, answer.cycle)  # the action that has succeeded, if it is planned
+        done = str(action.atom) in self._planned_actions
+        return f"{self.sentences.of(action)}: done" if done else f"{self.sentences.kind(action)}: {value}"
 
     def _goal_words(self, text: str) -> str:
         return shortened(self.sentences.goal(text), SHOWN)

@@ -256,6 +256,14 @@ def test_account_describes_actions_in_words_of_program(account, lines):
     assert [line.split(None, 5)[-1] for line in lines[-3:]] == ["goes to x", "wave y", "goes to x"]
 
 
+def test_account_describes_returns_before_their_actions(account, lines):
+    account.sentences = Sentences({"go": "goes to {}"})
+    account.plan(0.0, 1, 9, ["_action_lib(go(r1),x,1)"])
+    account.returned(0.0, "go", ["_return(go(r1),x,1)", "_return(go(r1),stuck,1)", "_return(wave,y,1)"])
+    account.finish()
+    assert [line.split(None, 5)[-1] for line in lines[1:]] == ["r1 goes to x: done", "goes to …: stuck", "wave …: y"]
+
+
 def test_account_summary_of_many_actions_names_latest(account):
     account.dispatched(0.0, [f"_action_lib(go,{number},{number})" for number in range(1, 101)])
     last = account.summary.lines()[-1]
