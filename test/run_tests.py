@@ -70,6 +70,7 @@ ONE_PROCESS = ("--numprocesses=0", "--assert=plain")
 NOT_SLOW = ("-m", "not slow")
 GIVING_WAY = ("nice", "-n", "5")  # rostests have time limits; weighs a third of them on a busy machine
 PYTEST_REPORT = "unit.xml"
+MODULES = ("test", "test/unit", "bench")  # folders of modules that tests import, as in pyproject.toml
 ON_PYTHON38 = " on Python 3.8"
 NO_PYTHON38 = 3  # the exit code of ./dev exec-python38 without a Python 3.8
 
@@ -156,7 +157,7 @@ class Tests:
         # the same path to the sources as in the build, so that compiled code is reused
         sources = self.work / ("python38" if suffix else "") / "ws" / "src" / "rosoclingo" / "src"
         command = [*GIVING_WAY, "python3", "-m", "pytest", "-q", f"--junitxml={reports / PYTEST_REPORT}"]
-        folders = (sources, ROOT / "test", ROOT / "test" / "unit")  # pytest splits the option as a shell does
+        folders = [sources, *(ROOT / one for one in MODULES)]  # pytest splits the option as a shell does
         command += ["-o", "pythonpath=" + " ".join(shlex.quote(str(one)) for one in folders), *arguments]
         return self._run(name, name, command, UNIT_LIMIT, environment, reports)
 

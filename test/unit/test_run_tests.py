@@ -2,6 +2,7 @@
 
 import ipaddress
 import itertools
+import json
 import threading
 
 import pytest
@@ -96,6 +97,11 @@ def test_run_tests_without_python38_runs_the_rest(whole, capsys):
 def test_run_tests_names_only_existing_files():
     named = {*run_tests.WAITING, *run_tests.ON_BOTH, *run_tests.QUICK_ROSTESTS}
     assert named <= {path.stem for path in run_tests.ROSTESTS}
+
+
+def test_run_tests_imports_modules_as_pytest_alone_does():
+    settings = (run_tests.ROOT / "pyproject.toml").read_text()
+    assert f"pythonpath = {json.dumps(['src', *run_tests.MODULES])}\n" in settings
 
 
 def test_run_tests_accepts_a_folder_with_a_blank(monkeypatch, tmp_path):
