@@ -77,6 +77,7 @@ class Clients:
 
     def tick(self, now):
         self.goals.tick(float(now))
+        self.feeder.tick(float(now))
 
     def stay(self, *goals):
         """Bar these goals, or all, from deferral."""
@@ -107,6 +108,10 @@ class Clients:
         queue = self.goals.queue
         assert queue.patience == int(factor)
         assert unhurried is None or queue.unhurried == (unhurried == "unhurried")
+
+    def pauses(self, answer):
+        """Expect the feeder to pause although goals wait to be fed: ``yes`` or ``no``."""
+        assert self.feeder.pending == (answer == "no")
 
     def in_vain(self, *goals):
         """Expect these goals to give way to another."""

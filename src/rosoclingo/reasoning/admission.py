@@ -43,7 +43,6 @@ class Admission(PersistentPart):
     The program has at most ``at_once`` goals at a time. A search can take ``seconds``. 0 for no limit.
 
     Attributes:
-        now: the time in seconds.
         stuck: the number of searches in a row without a plan in time and without a goal to defer.
         interrupted: whether an arrival has interrupted the last search.
 
@@ -58,7 +57,7 @@ class Admission(PersistentPart):
         self._live, self._limit, self._most, self._wanted = live, overtaking_limit, at_once, SHARE * seconds
         self._room = self._first = FIRST if seconds else None
         self._growth = FASTER
-        self.now, self.stuck, self.interrupted = 0.0, 0, False
+        self.stuck, self.interrupted = 0, False
 
     @property
     def size(self) -> Optional[int]:
@@ -87,7 +86,7 @@ class Admission(PersistentPart):
     def first(self) -> Optional[Goal]:
         """The goal that has priority because it has been overtaken too often, None for none."""
         due = (goal for goal in self._live() if 0 < self._limit <= goal.overtaken >= goal.together)
-        return next((goal for goal in due if not goal.cancelling and goal.rests_until <= self.now), None)
+        return next((goal for goal in due if not goal.cancelling), None)
 
     @property
     def tried(self) -> Optional[Goal]:
@@ -121,10 +120,10 @@ class Admission(PersistentPart):
 
     @property
     def _ready(self) -> List[Goal]:
-        """The queued goals, oldest first, that do not rest and are not newer than a goal with priority."""
+        """The queued goals, oldest first, that are not newer than a goal with priority."""
         live, first = self._live(), self.first
         older = live if first is None else live[: live.index(first) + 1]
-        return [goal for goal in older if goal.waits and goal.rests_until <= self.now]
+        return [goal for goal in older if goal.waits]
 
     @property
     def _movable(self) -> List[Goal]:

@@ -16,12 +16,6 @@ from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record
 from rosoclingo.reasoning.relevance import RelevanceAnalysis
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Seconds that a goal rests after the solver has dropped it alone. The rest doubles each further time.
-REST = 10.0
-
-#: Maximum number of times that the rest doubles.
-MOST_DOUBLINGS = 6
-
 
 class GoalManager(PersistentPart):
     """The goals of all clients. ``emit`` receives an event for each change, ``cycle`` returns the logical time.
@@ -47,6 +41,7 @@ class GoalManager(PersistentPart):
         self._cycle = cycle
         # the live goals by their handles, oldest first
         self._goals: PersistentTable[str, Goal] = PersistentTable("goal", str, Goal, mutable=True)
+        self._now = 0.0
         self.queue = Admission(
             lambda: self.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
         )
@@ -78,6 +73,7 @@ class GoalManager(PersistentPart):
             self._emit(GoalChanged(self._cycle(), key, *rejected, str(error)))
             return
         self._goals[key], goal.waits, goal.observer = goal, True, self._changed
+        self._feeder.arrivals += 1
         self._admit()
         if goal.waits:
             before = self.queue.first or self.queue.tried
@@ -113,10 +109,8 @@ class GoalManager(PersistentPart):
             goal.end(Outcome.CANCELED, f"{goal} was cancelled before it was planned for")
 
     def tick(self, now: float) -> None:
-        """Advance the time, and admit goals that have rested; if time jumps back, rests begin again."""
-        self.queue.now = now
-        for goal in self.live:
-            goal.rests_until = min(goal.rests_until, now + _rest(goal))
+        """Advance the time, and admit goals if there is room."""
+        self._now = now
         self._admit()
 
     def drop(self, goals: Sequence[Goal], why: str) -> None:
@@ -187,7 +181,11 @@ class GoalManager(PersistentPart):
         self._feeder.add_withdrawals(known)
 
     def update_accepted(self, goals: Sequence[Goal], heads: Container[Optional[Symbol]]) -> None:
-        """Defer the goals whose requests are not among the heads of the accepted update: the solver dropped them."""
+        """Defer the goals whose requests are not among the heads of the accepted update: the solver dropped them.
+
+        A goal that was dropped alone is tried again after the other queued goals. If there are none, the next update
+        waits for an arrival, at most for ``PAUSE`` seconds since the last tick.
+        """
         left = [goal for goal in goals if goal.live and not any(one in heads for one in requests_of([goal]))]
         if not left:
             return
@@ -195,9 +193,10 @@ class GoalManager(PersistentPart):
         if len(left) + others > 1:
             self.queue.limit(others + len(left) // 2)
         else:
-            left[0].tries += 1
-            left[0].rests_until = float("inf")  # the search has taken time: the rest begins at the next tick
+            left[0].tries, left[0].overtaken = left[0].tries + 1, 0
         self._wait(left, "the solver did not accept it in time")
+        if self.live == left:
+            self._feeder.wait(self._now)
 
     def _wait(self, goals: Sequence[Goal], why: str) -> None:
         for goal in goals:
@@ -236,8 +235,3 @@ class GoalManager(PersistentPart):
     def _admit(self) -> None:
         """Feed the goals that are admitted now."""
         self.join(self.queue.admit())
-
-
-def _rest(goal: Goal) -> float:
-    """Return the seconds for which a goal rests."""
-    return float(REST * 2 ** min(max(goal.tries - 1, 0), MOST_DOUBLINGS))

@@ -106,7 +106,6 @@ class Goal:
         overtaken: the number of newer goals that have ended before it.
         together: the maximum number of goals in a plan with it.
         tries: the number of searches for it alone that found no plan in time.
-        rests_until: the time before which it is not fed, in seconds.
         waits: whether it is queued.
         in_hand: whether it could not be deferred.
         identifier: the last argument of the term.
@@ -126,7 +125,6 @@ class Goal:
     overtaken: int = 0
     together: int = 0
     tries: int = 0
-    rests_until: float = float("-inf")
     waits: bool = False
     in_hand: bool = False
 

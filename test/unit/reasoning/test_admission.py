@@ -86,8 +86,12 @@ DROPPED = {
         feed; add 5; tells 5 at most 2 goals are planned for at a time"""),
     "with another goal it waits for room": (1, {}, "add 2; leave_out; has 1; lacks 2; end 1; has 2"),
     "with another goal half of them come again": (1, {}, "add 2-4; leave_out; has 1 2"),
-    "others come while one rests, which does not overtake it": (0, {"overtaking_limit": 1}, """
-        add 1; leave_out; add 2 3; has 2 3; end 2; add 4; has 3 4; tick 5; tick 15; has 1 3 4"""),
+    "alone it comes again after the others": (0, {"at_once": 1, "overtaking_limit": 1}, """
+        add 1-3; leave_out; has 2; pauses no; leave_out; has 3; end 3; has 1; patience 2; leave_out; has 2; end 2; has 1
+        patience 4; pauses no"""),
+    "alone without others it comes again after a pause": (0, {}, """
+        tick 100; add 1; leave_out; has 1; patience 2; pauses yes; tick 109; pauses yes; tick 110; pauses no
+        leave_out; pauses yes; add 2; pauses no; has 1; lacks 2"""),
 }  # fmt: skip
 
 
@@ -123,22 +127,6 @@ def test_admission_prefers_older_goals_to_the_nearest():
     clients = perform(crowd(3, overtaking_limit=1), "put_off 1; end 3")
     clients.goal(1).overtaken, clients.goal(2).overtaken = 0, 2
     perform(clients, "tick 1; add 4; tells 4 go(2) has priority; plan; has 1 2")
-
-
-def test_admission_delays_unacceptable_goal_longer_each_time():
-    clients, now, rests = Clients().add(1), 100.0, []
-    clients.tick(now)
-    for _ in range(9):
-        clients.leave_out()
-        now, rest = now + 1000.0, 0  # the search used its time, so this is not a pause
-        clients.tick(now)
-        assert not clients.served
-        while not clients.served:
-            rest += 5
-            clients.tick(now + rest)
-        now += rest
-        rests.append(rest)
-    assert rests == [10, 20, 40, 80, 160, 320, 640, 640, 640]
 
 
 def test_admission_does_not_skip_accepted_or_ended_goals():

@@ -118,7 +118,7 @@ def test_goal_with_deep_nesting_is_rejected_harmlessly():
 
 def test_goal_keeps_its_documented_fields():
     encode, decode = codec(Goal)
-    one = Goal("key", parse_term("goal(a,b,1)"), GoalState.PREEMPTING, 4, True, True, 2, 5, 3, 12.5, True, True)
+    one = Goal("key", parse_term("goal(a,b,1)"), GoalState.PREEMPTING, 4, True, True, 2, 5, 3, True, True)
     record = json.loads(json.dumps(encode(one), allow_nan=False))
     assert record["term"] == "goal(a,b,1)"
     assert vars(decode(record)) == {**vars(one), "observer": ANY}
