@@ -35,13 +35,14 @@ from deliveries import CAPACITY, floor_named, random_requests
 from figures import Option, main
 from fleet_world import DRIVE, HANDLE, FleetWorld
 
-from rosoclingo.nodes.core.loading import CoreParameters
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
 
 GAP = 15.0  # seconds between two requests of a stream
+PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
+GOALS = 4  # number of goals for each robot that the core plans for at a time, as in fleet.launch
 IMPROVE_TIME = 0.2  # seconds of processor time to improve the plan between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
@@ -80,7 +81,7 @@ class FleetCore(PooledCore):
     """
 
     def __init__(self, program, world):
-        super().__init__(program, CoreParameters.plan_time, CoreSettings())
+        super().__init__(program, PLAN_TIME, CoreSettings(goals_at_once=GOALS * len(world.at)))
         self.world, self.now, self.idle, self.first = world, 0.0, 0.0, None
         self._ends, self._rests = [], {}
 

@@ -307,6 +307,27 @@ def test_launch_hosts_has_only_the_core_here():
     assert {one.name for one in config.nodes if one.machine_name == "robot"} >= {"move_base", "move_base_interface"}
 
 
+@pytest.mark.parametrize(("given", "robots"), [({}, 3), ({"robots": "5"}, 5)])
+def test_launch_fleet_has_navigation_for_each_robot(given, robots):
+    config = load("fleet.launch", **given)
+    names = [f"r{number}" for number in range(1, robots + 1)]
+    assert sorted(one.namespace for one in config.nodes if one.type == "move_base") == [f"/{name}/" for name in names]
+    assert parameters(config, "/interfaces/values/")["R"] == names
+    assert parameters(config, "/rosoclingo/")["goals_at_once"] == 4 * robots
+
+
+def test_launch_household_gives_each_robot_poses_of_its_own():
+    config = load("household.launch")
+    assert [one.namespace for one in config.nodes if one.type == "interface"] == ["/r1/", "/r2/"]
+    own = [parameters(config, f"/{robot}/interfaces/labels/") for robot in ("r1", "r2")]
+    shared = parameters(config, "/rosoclingo/labels/")
+    assert own[0].keys() == own[1].keys() == shared.keys()
+    for name, (x, y) in shared.items():  # both count as being at the label, which is the middle of the room
+        assert [poses[name] for poses in own] == [[pytest.approx(x + side), y] for side in (-0.4, 0.4)]
+    files = parameters(config, "/rosoclingo/program_files")[""]
+    assert [Path(one).name for one in files] == ["household.lp", "home.lp"]
+
+
 def test_launch_both_configurations_describe_same_robot():
     own, real = (
         yaml.safe_load((ROOT / "config" / name).read_text()) for name in ("navigation.yaml", "real_move_base.yaml")

@@ -52,6 +52,15 @@ def test_household_both_let_go_if_one_fails():
     assert driver.finish().states("table")[-1] == "succeeded"
 
 
+def test_household_robot_between_rooms_drives_back_before_it_releases_the_table():
+    """Nothing can be put down in a doorway."""
+    driver = until_both_hold(household().goal("table", "bring(kitchen,table)"))
+    ends(driver, "r1")
+    ends(driver, "r2", "blocked")
+    assert under_way(driver)["r2"] == ("move_base", "living_room")
+    assert driver.finish().states("table")[-1] == "succeeded"
+
+
 def test_household_gives_up_after_repeated_failures():
     driver = household().goal("table", "bring(kitchen,table)")
     for _ in range(60):
