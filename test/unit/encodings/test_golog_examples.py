@@ -72,6 +72,7 @@ def test_golog_coffee_reaches_all_who_want_some():
     assert " ".join(driver.rest()) in (" ".join(served), " ".join(reversed(served)))
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("name", "request_", "found"),
     [

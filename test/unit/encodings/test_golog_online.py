@@ -213,11 +213,13 @@ SLOW_SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.mostly_slow
 @scripts(SCENES, SLOW_SCENES)
 def test_golog_scene_follows_the_script(row):
     run(program(), row)
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", ["search1", "search2", "search3"])
 def test_golog_waiting_search_within_others_blocks_them_all(name):
     driver = run(program(), f"goal g run({name},1); does act,a,1; succeed; does; facts _set(f,now)")

@@ -280,6 +280,7 @@ def test_new_goal_joins_next_update_if_prefetched():
     run.finish()
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(("delay", "cycles"), [(1, [3]), (2, [3, 6]), (3, [3, 6]), (4, [3, 6, 13])])
 def test_new_goal_joins_later_without_a_search(delay, cycles):
     """The cycle in which it joins is twice as far away each time."""
@@ -298,6 +299,7 @@ def test_new_goal_joins_when_the_plan_ends():
     run.finish()
 
 
+@pytest.mark.slow
 def test_new_goals_wait_while_others_are_about_to_join():
     run = JoiningRun(delay=2).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
     run.go_on(4)
@@ -307,6 +309,7 @@ def test_new_goals_wait_while_others_are_about_to_join():
     run.finish()
 
 
+@pytest.mark.slow
 def test_next_cycle_for_joining_is_nearer_after_success():
     run = JoiningRun(delay=3).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
     run.until("4")
@@ -319,6 +322,7 @@ def test_next_cycle_for_joining_is_nearer_after_success():
     run.finish()
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("limits", [{"watch_joining": None}, {"solver": shortest}], ids=["no limit", "no standby"])
 def test_new_goals_join_next_update_without_wait_limit(limits):
     """There is no limit of the wait with shortest plans, or without a standby worker."""
@@ -328,6 +332,7 @@ def test_new_goals_join_next_update_without_wait_limit(limits):
     run.finish()
 
 
+@pytest.mark.slow
 def test_queued_goals_join_while_the_robot_acts(monkeypatch):
     monkeypatch.setattr(admission, "FIRST", 2)
     run = JoiningRun(delay=0, search_timeout=600.0).ask((1, 4), (4, 1), (1, 3), (3, 1), (2, 3))
@@ -359,6 +364,7 @@ def test_fact_is_in_next_update_without_new_goals():
     run.finish()
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("delay", [0, 1, 2, NEVER])
 def test_cancel_does_not_stop_the_robot(delay):
     run = JoiningRun(delay).ask((1, 4), (4, 1))
