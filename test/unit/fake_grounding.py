@@ -58,6 +58,9 @@ class FakeGrounding:
             self.grow_to(horizon)
         return self
 
+    def piece(self):
+        return 64
+
     def grow_to(self, horizon):
         assert self.horizon < horizon <= self.most
         self.asked.append(f">{horizon}")

@@ -108,7 +108,7 @@ def check_answer(solver, result):
     snapshot = fresh.snapshot
     assert snapshot.step == result.step
     assert snapshot.min_horizon <= result.horizon
-    grounding = Grounding(solver.program, snapshot, max(result.horizon, snapshot.horizon))
+    grounding = Grounding(solver.program, snapshot, max(result.horizon, solver.reached))
     found = Plan.from_result(result)
     given = found.fixing(grounding.actions(solver.program.first_step, grounding.horizon))
     reply = grounding.ask(Question(result.horizon, result.horizon, given), lambda: False)

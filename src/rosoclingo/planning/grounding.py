@@ -5,6 +5,7 @@ A grounding never changes, except that its horizon grows. It can be dropped and 
 
 from typing import (
     Any,
+    Callable,
     Collection,
     FrozenSet,
     Iterable,
@@ -21,7 +22,7 @@ import clingo
 from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import BEYOND, STEPS, no_plan_from, steps_claimed
+from rosoclingo.oclingo.program.action_rules import BEYOND, RUNNING, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -45,7 +46,10 @@ Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
 """Program parts with their arguments."""
 
 PIECE = 64
-"""Number of steps that are grounded in one call of clingo."""
+"""Greatest number of steps that are grounded in one call of clingo."""
+
+PIECE_ATOMS = 50_000
+"""Number of atoms to ground in one call of clingo, which no stop can interrupt."""
 
 CLOSED_PIECE = 16
 """Number of steps with closed cycles that are grounded in one call of clingo."""
@@ -58,6 +62,9 @@ FIRST = range(1, 2)
 
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """Name and parameters of the program part with the facts of compacted steps."""
+
+RUNNING_ACTIONS = "#external _running(A,P,t) : _action_lib(A,P,t)."
+"""Externals for the actions that can go on, so that updates about them need no regrounding."""
 
 HIDDEN = (Signature(GUARD, 2), BEYOND)
 """Predicates of auxiliary atoms, which answers leave out."""
@@ -126,6 +133,7 @@ class Grounding:
         self._dropped, self._compacted = dropped, frozenset(atom for _, atom in self.past.shown)
         self._return_rules = return_rules(program) if predicts else None
         self._hidden: Set[clingo.Symbol] = set()
+        self._asserted: FrozenSet[clingo.Symbol] = frozenset()
         self._control = clingo.Control(program.arguments(), logger=self.messages.log)
         self._session = BackendSession(self._control)
         self._externals = ExternalIndex(self._control, program)
@@ -144,6 +152,8 @@ class Grounding:
             self.program.load_into(self._control)
             for rule in self._return_rules.texts if self._return_rules is not None else ():
                 self._control.add(*rule)
+            if self._return_rules is not None and RUNNING in self.program.open_signatures:
+                self._control.add("cumulative", ["t"], RUNNING_ACTIONS)
         return ClaspSearch(self._control, self.program)
 
     def _build(self, horizon: int) -> None:
@@ -151,10 +161,12 @@ class Grounding:
         snapshot = self.snapshot
         self._open_facts = self._declare_open()
         self._ground([("base", [])], BASE, noted=FIRST)
+        base_atoms = len(self._control.symbolic_atoms)
         self._externals.end_base()
         self._add_past(self.past.facts)
         self._ground_closed(horizon)
-        for last in pieces(self.horizon + 1, horizon, PIECE, snapshot.keep_from):
+        self._step_atoms = base_atoms  # an estimate, until an open step is grounded
+        for last in pieces(self.horizon + 1, horizon, self.piece, snapshot.keep_from):
             self._ground_to(last)
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
@@ -200,9 +212,10 @@ class Grounding:
         """Ground the steps up to ``last`` in one call, which is much faster than a call for each step."""
         if self._dropped():
             raise DroppedError("stopped while regrounding the program; the request was discarded")
-        steps = range(self.horizon + 1, last + 1)
+        steps, atoms = range(self.horizon + 1, last + 1), len(self._control.symbolic_atoms)
         self.horizon = last
         self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
+        self._step_atoms = (len(self._control.symbolic_atoms) - atoms) // len(steps)
         for window in (one for one in self.program.windows if one > 0):
             for step in steps:
                 guard = self._control.symbolic_atoms[self.program.guard(window, step)]
@@ -221,7 +234,7 @@ class Grounding:
         snapshot, first = self.snapshot, self.horizon + 1
         committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment}
         end = min(horizon, snapshot.closed_until(first))
-        for last in pieces(first, end, CLOSED_PIECE, snapshot.keep_from):
+        for last in pieces(first, end, lambda: CLOSED_PIECE, snapshot.keep_from):
             steps = range(self.horizon + 1, last + 1)
             self._ground_to(last)
             for cycle in steps:
@@ -350,6 +363,10 @@ class Grounding:
 
     # ---- Growing -----------------------------------------------------------------------------------------------------
 
+    def piece(self) -> int:
+        """Return the number of steps to ground in the next call of clingo, if they are as large as the last one."""
+        return min(PIECE, max(1, PIECE_ATOMS // max(1, self._step_atoms)))
+
     def grow_to(self, last: int) -> None:
         """Ground the steps up to ``last``, and add deferred statements; raises like the constructor."""
         self._ground_to(last)
@@ -382,6 +399,9 @@ class Grounding:
         blameable += kept.values()
         horizon = self._ends.range(question.first, question.last)
         self._session.close()
+        for fact in question.asserted ^ self._asserted:
+            self._control.assign_external(fact, fact in question.asserted)
+        self._asserted = question.asserted
         assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first ones in cores
         blames = bool(blameable) and not question.brief
         limits = SearchLimits(question.models, question.conflicts, question.best, question.advised)
@@ -465,10 +485,10 @@ class Grounding:
         return predict(self._actions.among(self.shown or ()), rules, can_arrive, is_true)
 
 
-def pieces(first: int, end: int, size: int, keep_from: int = 0) -> Iterator[int]:
+def pieces(first: int, end: int, size: Callable[[], int], keep_from: int = 0) -> Iterator[int]:
     """Yield the last step of each piece of ``first`` to ``end``; one piece ends before ``keep_from``."""
     while first <= end:
-        last = min(first + size - 1, end)
+        last = min(first + size() - 1, end)
         if first < keep_from <= last:
             last = keep_from - 1
         yield last

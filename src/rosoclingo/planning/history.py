@@ -5,6 +5,7 @@ journal and replay read the same list.
 """
 
 from dataclasses import dataclass
+from hashlib import blake2b
 from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import clingo
@@ -101,7 +102,7 @@ class AcceptedUpdate:
 
     Attributes:
         update: the update, None for a search without one.
-        horizon: the last grounded step after the search.
+        horizon: the horizon of the answer; without an answer, the last grounded step.
         predicted: whether the update needed no search, because the previous answer stays valid.
 
     """
@@ -120,7 +121,7 @@ class AdoptedPlan:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The snapshot of all earlier entries as a plain value for JSON; it replaces these entries."""
+    """The snapshot of all earlier entries, with their key, as a plain value for JSON; it replaces these entries."""
 
     message: Message
 
@@ -136,18 +137,19 @@ class History:
         before: the history without the last entry; None for the empty history, or if it was released.
         length: the number of updates since the last checkpoint.
         step: k, the step of the last update.
-        horizon: N, the last grounded step.
+        horizon: N, the horizon at which the next search begins.
         keep_from: the first step that is not over.
         plan: the plan in force, None for none.
 
     """
 
-    __slots__ = ("_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
+    __slots__ = ("_key", "_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
         """Append ``entry`` to the history ``before``; without arguments the history is empty."""
         self.before, self.entry = before, entry
         self._snapshot: Optional[Snapshot] = None
+        self._key: Optional[str] = None
         self.length: int = 0 if before is None else before.length + isinstance(entry, AcceptedUpdate)
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
@@ -199,9 +201,21 @@ class History:
         return entries[::-1]
 
     @property
-    def key(self) -> Tuple[Entry, ...]:
-        """The entries that determine the snapshot: all except adopted plans. Equal keys stand for equal snapshots."""
-        return tuple(one for one in self.entries if not isinstance(one, AdoptedPlan))
+    def key(self) -> str:
+        """A hash of all updates since the start; it identifies the stream in all processes."""
+        path, history = [], self  # type: List[History], Optional[History]
+        while history is not None and history._key is None:
+            path.append(history)
+            history = history.before
+        key = "" if history is None or history._key is None else history._key
+        for one in reversed(path):
+            if isinstance(one.entry, AcceptedUpdate):
+                text = f"{key} {one.entry.horizon} {one.entry.update}"
+                key = blake2b(text.encode(), digest_size=16).hexdigest()
+            elif isinstance(one.entry, Checkpoint):
+                key = one.entry.message["key"]
+            one._key = key
+        return key
 
     def _path(self) -> List["History"]:
         """Return the histories from the last checkpoint to this one."""
@@ -260,7 +274,7 @@ class History:
 
     def checkpoint(self, snapshot: Snapshot) -> "History":
         """Return the history with a checkpoint of its ``snapshot`` or an equivalent one; the plan stays in force."""
-        history = self.with_entries(Checkpoint(snapshot_to_message(snapshot)))
+        history = self.with_entries(Checkpoint({**snapshot_to_message(snapshot), "key": self.key}))
         history._snapshot = snapshot
         return history if self.plan is None else history.with_entries(AdoptedPlan(self.plan))
 

@@ -31,6 +31,7 @@ class Question(NamedTuple):
         last: the greatest horizon; the program is ground up to it.
         given: assumed truth values of atoms.
         lacking: at least one of these atoms has to be false.
+        asserted: open externals that hold, in addition to the facts of the snapshot.
         kept: these atoms have to be true.
         disabled: the assumable facts that do not hold; all other facts hold.
         believes: trust the program if it claims that there is no plan.
@@ -52,6 +53,7 @@ class Question(NamedTuple):
     last: int
     given: Assumptions = ()
     lacking: Sequence[clingo.Symbol] = ()
+    asserted: FrozenSet[clingo.Symbol] = frozenset()
     kept: Sequence[clingo.Symbol] = ()
     disabled: FrozenSet[clingo.Symbol] = frozenset()
     believes: bool = True

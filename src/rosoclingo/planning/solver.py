@@ -10,6 +10,7 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 import clingo
 
 from rosoclingo.oclingo.errors import DroppedError
+from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import reports_only_success
 from rosoclingo.oclingo.progression.updates import StreamUpdate
@@ -17,7 +18,7 @@ from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past, recent_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Plan
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
@@ -31,6 +32,12 @@ from rosoclingo.planning.strategy_runner import StrategyRunner
 
 BLOCK = 8
 """Number of steps to ground at once if further steps leave answers valid."""
+
+MANY_STEPS = 64
+"""Number of past steps that are compacted after a search; fewer are compacted while the robot acts."""
+
+FOLLOWING = 32
+"""Greatest number of steps for which a grounding is used after its search; closed cycles are smaller in a new one."""
 
 LONG = 10
 """Number of updates after which a checkpoint follows a search."""
@@ -89,7 +96,7 @@ class PlanSolver(PlanningSolver):
         self._searched: Optional[_Cached] = None  # the last search; its key is that of the history
         self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts
         self._improvement: Optional[Improvement] = None
-        self._checked_until = 0  # earlier steps were checked for compaction
+        self._checked_until = 0  # earlier steps cannot be compacted
         self._remarks = set(program.warnings)  # clingo's remarks, each of which is reported once
 
     @property
@@ -101,9 +108,13 @@ class PlanSolver(PlanningSolver):
 
     def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         """Accept ``update``, if there is one, and search for answers; raises like :meth:`update`."""
-        before, start, began = self.snapshot, time.perf_counter(), time.process_time()
+        start, began = time.perf_counter(), time.process_time()
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        runner = self._runner(before.with_update(update, self.program), stopped)
+        if self._steps_to_check >= 4 * MANY_STEPS:  # otherwise, the search would ground all of them
+            self.checkpoint(stopped)
+        before = self.snapshot
+        after = before.with_update(update, self.program)
+        runner = self._following(after) or self._runner(after, stopped)
         self._searched, self._under_way = None, lambda: runner.horizon
         strategy: Strategy[SearchResult]
         if self._plan_time is None:
@@ -119,10 +130,10 @@ class PlanSolver(PlanningSolver):
         spent["needed"] = (found.answered or time.process_time()) - began
         warnings = () if update is None else update.warnings
         result = self._result(runner, found, warnings, spent)
-        self.log = self.log.with_entries(AcceptedUpdate(update, runner.horizon))
+        self.log = self.log.with_entries(AcceptedUpdate(update, result.horizon if result.answers else runner.horizon))
         self._searched = _Cached(self.log.key, runner)
         self._adopt(result)
-        self._append_checkpoint(always=False)
+        self._append_checkpoint(None if runner.follows else runner.grounding, always=False)
         return result
 
     def _result(
@@ -160,9 +171,19 @@ class PlanSolver(PlanningSolver):
         idles = may_idle(self.program, halt) if self._idles is None else self._idles
         return StrategyRunner(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit)
 
+    def _following(self, snapshot: Snapshot) -> Optional[StrategyRunner]:
+        """Return a runner that uses the grounding of the last search; None if it has to be regrounded.
+
+        Only programs with running actions have many updates for which that helps.
+        """
+        runner = None if self._searched is None else self._searched.runner
+        if RUNNING not in self.program.open_signatures or runner is None:
+            return None
+        return runner.following(snapshot) if snapshot.step <= runner.grounding.snapshot.step + FOLLOWING else None
+
     def _warnings(self, runner: StrategyRunner) -> Iterator[str]:
         """Yield warnings about the last update, and new remarks of clingo."""
-        yield from runner.grounding.warnings
+        yield from () if runner.follows else runner.grounding.warnings
         messages = runner.grounding.messages
         for one in messages.new_remarks(self.program.parameter_at) if messages.received else ():
             if str(one) not in self._remarks:
@@ -219,14 +240,15 @@ class PlanSolver(PlanningSolver):
             entry = log.entry
             if isinstance(entry, AcceptedUpdate) and entry.predicted and entry.update is not None:
                 returns |= {head for head in entry.update.heads if head is not None}
-            elif not isinstance(entry, AdoptedPlan):
+            elif not isinstance(entry, (AdoptedPlan, Checkpoint)):
                 searched = None
             if log.before is None:
                 searched = None
             else:
                 log = log.before
         if searched is None:
-            searched, returns = _Cached(self.log.key, self._runner(self.snapshot, halt)), set()
+            runner, returns = self._runner(self.snapshot, halt), set()
+            searched, self._under_way = _Cached(self.log.key, runner), lambda: runner.horizon
         self._searched = searched
         return searched.runner, frozenset(returns)
 
@@ -274,20 +296,21 @@ class PlanSolver(PlanningSolver):
 
     def checkpoint(self, stopped: Stop = never) -> None:
         """Append a checkpoint to the history; compact past steps if there are enough."""
-        if stopped():
-            return
-        plan = self.log.plan
-        if self._steps_to_check >= LEAST_STEPS and self.log.predicted and plan is not None:
-            self._solve_again(plan)
-        self._append_checkpoint(always=True)
+        if not stopped():
+            plan, enough = self.log.plan, self._steps_to_check >= LEAST_STEPS
+            self._append_checkpoint(self._past(plan) if enough and plan is not None else None, always=True)
 
-    def _solve_again(self, plan: Plan) -> None:
-        """Ground the whole history and solve it for the predicted answer, which has exactly the actions of ``plan``."""
-        runner = self._runner(self.snapshot, never)
-        horizon = max(plan.horizon, self.snapshot.min_horizon)
-        actions = runner.actions(self.program.first_step, runner.horizon)
-        runner.grounding.ask(Question(horizon, horizon, plan.fixing(actions)), never)
-        self._searched = _Cached(self.log.key, runner)
+    def _past(self, plan: Plan) -> Grounding:
+        """Return a grounding of the past and present steps, with an answer for the actions of ``plan``.
+
+        The horizon of the answer lies so far beyond these steps that none of their volatile rules hold.
+        """
+        step = self.step
+        grounding = Grounding(self.program, replace(self.snapshot, horizon=step), step, dropped=self._dropped)
+        horizon = step + max(self.program.windows)
+        actions = plan.fixing(grounding.actions(self.program.first_step, step))
+        grounding.ask(Question(horizon, horizon, actions, believes=False), never)
+        return grounding
 
     @property
     def _steps_to_check(self) -> int:
@@ -296,16 +319,14 @@ class PlanSolver(PlanningSolver):
         first = self.program.first_step if snapshot.past is None else snapshot.past.first
         return end_of_past(self.program, snapshot) - max(first, self._checked_until)
 
-    def _append_checkpoint(self, always: bool) -> None:
-        """Append a checkpoint to the history if it is long or steps can be compacted, or ``always``."""
-        snapshot, searched, compact = self.snapshot, self._searched, None
-        if searched is not None and searched.key != self.log.key:
-            searched = None
-        if searched is not None and self._steps_to_check >= LEAST_STEPS:
-            self._checked_until = end_of_past(self.program, snapshot)
-            compact = compacted(searched.runner.grounding, snapshot)
-        if compact is None and not always and not self.log.is_longer(self._log_limit, snapshot):
-            return
-        self._replace_log(self.log.checkpoint(compact or snapshot))
-        if searched is not None:
-            self._searched = searched._replace(key=self.log.key)
+    def _append_checkpoint(self, grounding: Optional[Grounding], always: bool) -> None:
+        """Append a checkpoint to the history if it is long or steps can be compacted, or ``always``.
+
+        ``grounding`` is a grounding of the history with an answer.
+        """
+        snapshot, compact = self.snapshot, None
+        if grounding is not None and self._steps_to_check >= (LEAST_STEPS if always else MANY_STEPS):
+            compact = compacted(grounding, snapshot)
+            self._checked_until = 0 if compact is not None else end_of_past(self.program, snapshot)
+        if compact is not None or always or self.log.is_longer(self._log_limit, snapshot):
+            self._replace_log(self.log.checkpoint(compact or snapshot))

@@ -1,13 +1,16 @@
 """Runs strategies: sends their questions to a grounding, and polls for a stop."""
 
 import time
-from typing import Callable, List, Optional, TypeVar
+from copy import copy
+from typing import Callable, FrozenSet, List, Optional, TypeVar
 
 import clingo
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.grounding import PIECE, Grounding, pieces
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy
+from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
+from rosoclingo.planning.grounding import Grounding, pieces
+from rosoclingo.planning.question import UNKNOWN, Assumptions, Question, Reply, Stop, StoppedError, Strategy, never
 from rosoclingo.planning.snapshot import Snapshot
 
 T = TypeVar("T")
@@ -22,8 +25,6 @@ class StrategyRunner:
     Attributes:
         program: the reactive logic program.
         snapshot: the snapshot of the history.
-        step: the step of the last update.
-        min_horizon: the least possible horizon of an answer.
         block: the number of steps to ground at once; 1 if further steps can invalidate an answer.
         grounding: the grounding.
         seconds: wall time spent in clingo's search so far.
@@ -36,11 +37,12 @@ class StrategyRunner:
     ) -> None:
         """Ground the program up to the horizon of ``snapshot``; steps after ``limit`` are never grounded."""
         self.program, self.snapshot, self.block = program, snapshot, block
-        self.step, self.min_horizon = snapshot.step, snapshot.min_horizon
         self._build, self._limit = build, limit
         self.grounding = build(snapshot, snapshot.horizon)
         self.seconds = 0.0
-        self.is_stopped: Stop = lambda: False
+        self.is_stopped: Stop = never
+        self._asserted: FrozenSet[clingo.Symbol] = frozenset()
+        self._executed: Assumptions = ()
 
     def run(self, strategy: Strategy[T], stopped: Stop) -> T:
         """Return the result of ``strategy``; raises :class:`StoppedError` if a stop ends it without a result."""
@@ -58,7 +60,52 @@ class StrategyRunner:
             result: T = end.value
             return result
 
+    def following(self, snapshot: Snapshot) -> "Optional[StrategyRunner]":
+        """Return a runner for a later ``snapshot`` with the same grounding; None if it has to be regrounded.
+
+        The later updates can close cycles, commit to actions, and assert facts for which the grounding has externals.
+        All questions assume these.
+        """
+        base, grounding = self.grounding.snapshot, self.grounding
+        new = snapshot.items[len(base.items) :]
+        statements = [one.statement for one in new if isinstance(one, TimedStatement) and one.lifetime == FOREVER]
+        facts = frozenset(one.head for one in statements if one.head is not None and not one.body)
+        cycles = snapshot.closed.keys() - base.closed.keys()
+        executed = frozenset(one for cycle in cycles for one in snapshot.closed[cycle])
+        actions = [one for cycle in sorted(cycles) for one in grounding.actions(cycle, cycle)]
+        if (
+            not grounding.grows
+            or self.program.forgets
+            or snapshot.warnings
+            or (snapshot.past, snapshot.items[: len(base.items)]) != (base.past, base.items)
+            or len(statements) < len(new)
+            or not all(one.body[0].atom in executed if one.is_commitment else one.head in facts for one in statements)
+            or not executed.issubset(actions)
+            or not all(map(grounding.definitions.is_undefined, facts))
+        ):
+            return None
+        runner = copy(self)
+        runner.snapshot, runner.seconds, runner.is_stopped = snapshot, 0.0, never
+        runner._asserted, runner._executed = facts, [(action, action in executed) for action in actions]
+        runner.ground(snapshot.horizon)
+        return runner
+
+    @property
+    def follows(self) -> bool:
+        """Whether the grounding was built from an earlier snapshot."""
+        return self.snapshot.number != self.grounding.snapshot.number
+
     # ---- For strategies ----------------------------------------------------------------------------------------------
+
+    @property
+    def step(self) -> int:
+        """The step of the last update."""
+        return self.snapshot.step
+
+    @property
+    def min_horizon(self) -> int:
+        """The least possible horizon of an answer."""
+        return self.snapshot.min_horizon
 
     @property
     def horizon(self) -> int:
@@ -80,7 +127,8 @@ class StrategyRunner:
 
     def ground(self, horizon: int) -> None:
         """Extend the grounding in pieces up to ``horizon``, or build a new one; raises StoppedError."""
-        for last in pieces(self.horizon + 1, horizon, PIECE if self.grounding.grows else horizon):
+        size = self.grounding.piece if self.grounding.grows else lambda: horizon
+        for last in pieces(self.horizon + 1, horizon, size):
             if self.is_stopped():
                 raise StoppedError
             if self.grounding.grows:
@@ -100,6 +148,7 @@ class StrategyRunner:
         if stopped():
             raise StoppedError
         start = time.perf_counter()
+        question = question._replace(asserted=self._asserted, given=[*self._executed, *question.given])
         reply = self.grounding.ask(question, stopped)
         self.seconds += time.perf_counter() - start
         if reply.satisfiable is None and stopped():

@@ -157,7 +157,7 @@ class Core(PersistentPart):
 
     @property
     def horizon(self) -> int:
-        """The last grounded step."""
+        """The horizon of the last answer."""
         return self._planner.log.horizon
 
     def goal(self, key: str) -> Optional[Goal]:
@@ -218,10 +218,12 @@ class Core(PersistentPart):
         Running actions stay in the plan. The call returns with each better plan, and soon after ``stopped``, which is
         polled every few milliseconds, returns True.
         """
-        if not self.awaited or self._feeder.pending or self._ahead.join is not None:
+        if not self.awaited or self._feeder.pending:
             return False
         self._planner.compact(stopped)
-        result = self._planner.improve(stopped) if self._improvable else None
+        if self._ahead.join is not None:
+            return False
+        result = self._planner.improve(stopped) if self._improvable and not stopped() else None
         if result is not None:
             self._follow(result)
             self._announce.plan(result, self.shown)

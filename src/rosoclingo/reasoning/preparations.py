@@ -2,8 +2,9 @@
 
 The robot does not stop for a search while the current plan continues. New goals and cancellations join in the next
 update if a plan with them is found soon. Otherwise the current plan continues without them, and the standby worker
-plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late. A
-cancellation whose plan came too late has more time at its next cycle, so that the robot stops soon on a slow machine.
+plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late; if
+too little of the current plan is left, fewer goals join instead. A cancellation whose plan came too late has more time
+at its next cycle, so that the robot stops soon on a slow machine.
 
 Without new requests, the standby worker prefetches the answer to a failure.
 """
@@ -22,13 +23,20 @@ LATE_PATIENCE = 3
 """Factor of the time that a plan with a cancellation has, once such a plan came too late."""
 
 
+ALL = 1_000_000
+"""Number of goals that join at a time, as long as plans with them come in time."""
+
+SHORT = 4
+"""Greatest number of steps of a short plan, relative to the cycles in which no plan was found."""
+
+
 class Join(NamedTuple):
     """Requests (goals and cancellations) that join in a later cycle.
 
     Attributes:
         planner: the planner whose updates are predicted.
         requests: the goals and the identifiers of cancelled goals.
-        first_open: the first cycle for which facts can still be fed, fixed until the requests join.
+        since: the cycle of the oldest request that matters, fixed until the requests join.
         lookahead: the lookahead of all updates until then.
         updates: the predicted updates, the last one without the requests.
         whole: the last update with the requests.
@@ -37,7 +45,7 @@ class Join(NamedTuple):
 
     planner: Planner
     requests: Tuple[Request, ...]
-    first_open: int
+    since: int
     lookahead: int
     updates: Tuple[StreamUpdate, ...]
     whole: StreamUpdate
@@ -78,6 +86,7 @@ class Preparations:
         self._watch = watch
         self.join: Optional[Join] = None
         self._cycles = 1  # the distance to the cycle in which requests join
+        self._most = ALL  # the number of goals that join at a time
         self._prepared: Tuple[object, ...] = ()  # the situation for which the answer is prefetched
 
     def prepare(self, planner: Planner, plan: TaskPlan, step: int) -> None:
@@ -98,7 +107,7 @@ class Preparations:
             return
         first_open, lookahead = self._outlook(planner, plan, step)
         likely = execution.likely_end(succeeds=feeder.pending)
-        if self._begin_join(planner, plan, step, first_open, lookahead):
+        if self._begin_join(planner, plan, step, lookahead):
             return
         if likely is not None:
             ending, answer = likely
@@ -124,49 +133,59 @@ class Preparations:
         if join is not None and (self._is_broken(join, planner) or rest.update != join.updates[step - join.first]):
             self.join = None
         if self.join is None and goes_on and rest.update == predicted:
-            self._begin_join(planner, plan, step, first_open, planner.lookahead)
+            self._begin_join(planner, plan, step, planner.lookahead)
         if self.join is None:
-            self._cycles = self._cycles if plan.steps_after(step - 1) else 1
+            if not plan.steps_after(step - 1):
+                self._cycles, self._most = 1, ALL
             return rest if goes_on and self._is_late(planner, batch, rest) else batch
         if step == self.join.cycle:
-            if not goes_on or self._has_plan(self.join, planner):
-                return self._complete(self.join)
-            self._cycles, self.join = 2 * len(self.join.updates), None
-            self._begin_join(planner, plan, step, first_open, planner.lookahead)
+            in_time = goes_on and self._has_plan(self.join, planner)
+            if in_time or not goes_on:
+                return self._complete(self.join, in_time)
+            self._postpone(self.join, plan.steps_after(step - 1))
+            self._begin_join(planner, plan, step, planner.lookahead)
         return rest
 
     def _outlook(self, planner: Planner, plan: TaskPlan, step: int) -> Tuple[int, int]:
         """Return the cycle before which facts are too late for the update of ``step``, and its lookahead."""
         if self.join is not None:
-            return self.join.first_open, self.join.lookahead
+            return planner.first_open(step, self.join.since), self.join.lookahead
         goals, fed = len(self._goals.queue.served), self._goals.fed
         steps = steps_for(goals, self._limit, plan.steps_after(step - 1), goals - len(fed))
-        oldest = min((goal.request_cycle or step for goal in fed), default=step)
-        return planner.first_open(step, oldest - 1), steps
+        return planner.first_open(step, self._since(step)), steps
+
+    def _since(self, step: int) -> int:
+        """Return the cycle before the oldest request that the program has."""
+        return min((goal.request_cycle or step for goal in self._goals.fed), default=step) - 1
 
     @property
     def _requests(self) -> Tuple[Request, ...]:
         """The requests that can join; goals without room come last."""
-        return (*self._feeder.requests, *self._goals.queue.joinable)
+        return self._limited((*self._feeder.requests, *self._goals.queue.joinable))
+
+    def _limited(self, requests: Tuple[Request, ...]) -> Tuple[Request, ...]:
+        """Return ``requests`` without those goals that are too many for one plan."""
+        late = goals_of(requests)[self._most :]
+        return tuple(one for one in requests if one not in late)
 
     def _predicted(self, plan: TaskPlan, step: int, first_open: int, requests: Iterable[Request] = ()) -> StreamUpdate:
         """Return the update of ``step`` after the success of all actions, with ``requests``."""
         return self._feeder.predicted(step, plan.at(step - 1), requests, first_open)
 
-    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, first_open: int, lookahead: int) -> bool:
+    def _begin_join(self, planner: Planner, plan: TaskPlan, step: int, lookahead: int) -> bool:
         """Start a search for a plan with the new requests; return whether there are any and it has begun."""
-        requests, left = self._requests, plan.steps_after(step - 1)
-        disturbed = self._feeder.has_unexpected(self._predicted(plan, step, first_open).heads)
+        requests, left, since = self._requests, plan.steps_after(step - 1), self._since(step)
+        disturbed = self._feeder.has_unexpected(self._predicted(plan, step, 0).heads)
         if self._watch is None or not requests or disturbed:
             return False
         goals = len({*self._goals.queue.served, *goals_of(requests)})
         steps = max(lookahead, steps_for(goals, self._limit, left, goals - len(self._goals.fed)))
         last = step - 1 + min(self._cycles, left + 1)
-        updates = [self._predicted(plan, one, first_open) for one in range(step, last + 1)]
-        whole = self._predicted(plan, last, first_open, requests)
+        updates = [self._predicted(plan, one, planner.first_open(one, since)) for one in range(step, last + 1)]
+        whole = self._predicted(plan, last, planner.first_open(last, since), requests)
         if not planner.prepare([*updates[:-1], whole], steps):
             return False
-        planner.lookahead, self.join = steps, Join(planner, requests, first_open, steps, tuple(updates), whole)
+        planner.lookahead, self.join = steps, Join(planner, requests, since, steps, tuple(updates), whole)
         if last > step:
             self._goals.report_wait(goals_of(requests), f"it joins the plan in cycle {last}")
         return True
@@ -176,11 +195,26 @@ class Preparations:
         late = self._cycles > 1 and not all(isinstance(one, Goal) for one in join.requests)
         return any(planner.has_prepared(join.whole, self._watch) for _ in range(LATE_PATIENCE if late else 1))
 
-    def _complete(self, join: Join) -> Batch:
-        """Return the update in which requests join."""
+    def _complete(self, join: Join, in_time: bool) -> Batch:
+        """Return the update in which requests join; ``in_time``: their plan was found while another one continued."""
         self.join, self._cycles = None, max(1, 3 * self._cycles // 4)
+        self._most = min(ALL, 2 * self._most) if in_time else self._most
         self._goals.join(goal for goal in goals_of(join.requests) if goal.waits)
-        return self._feeder.next_update(join.cycle, join.first_open, join.requests)
+        first_open = join.planner.first_open(join.cycle, join.since)
+        return self._feeder.next_update(join.cycle, first_open, join.requests)
+
+    def _postpone(self, join: Join, left: int) -> None:
+        """Plan for a later cycle or for fewer goals, because a plan came too late; ``left`` steps of a plan remain.
+
+        Once the current plan ends, the robot waits for the next one: this should serve as many goals as there is room.
+        """
+        cycles, goals = len(join.updates), len(goals_of(join.requests))
+        fewer = max(goals // 2, self._goals.queue.size or 0)
+        if 0 < fewer < goals and SHORT * cycles > left:
+            self._most = fewer
+        else:
+            cycles *= 2
+        self._cycles, self.join = cycles, None
 
     def _is_late(self, planner: Planner, batch: Batch, rest: Batch) -> bool:
         """Return whether ``batch`` has more requests than ``rest``, and no answer was found soon."""
@@ -190,7 +224,7 @@ class Preparations:
     def _is_broken(self, join: Join, planner: Planner) -> bool:
         """Return whether a search for requests is obsolete: some were dropped, or others cannot wait for it."""
         waiting = (*self._feeder.requests, *self._goals.queue.waiting)
-        new = [one for one in self._feeder.requests if one not in join.requests]
+        new = [one for one in self._limited(self._feeder.requests) if one not in join.requests]
         soon = len(join.updates) == 1 or not all(isinstance(one, Goal) for one in new)
         return planner is not join.planner or not set(join.requests).issubset(waiting) or (bool(new) and soon)
 

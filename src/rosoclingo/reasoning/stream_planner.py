@@ -249,10 +249,8 @@ class Planner:
         before, last = self._before, self.last_update
         if before is None:
             return self.with_log(self.log.withdraw(without))
-        horizon = max(before.horizon, last.step or before.step)
-        return self.with_log(
-            before.withdraw(without).with_entries(AcceptedUpdate(last.without_facts(without), horizon))
-        )
+        entry = AcceptedUpdate(last.without_facts(without), last.step or before.step)
+        return self.with_log(before.withdraw(without).with_entries(entry))
 
     def with_log(self, log: History) -> "Planner":
         """Return another planner with the history ``log``."""

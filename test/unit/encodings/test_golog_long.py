@@ -31,6 +31,7 @@ ROUNDS = sized(11, 15)
 def at_once(monkeypatch):
     """Compact steps as early as possible; steps that an open goal has seen, after 5 cycles."""
     monkeypatch.setattr(plan_solver, "LEAST_STEPS", 1)
+    monkeypatch.setattr(plan_solver, "MANY_STEPS", 1)
     monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
 
 

@@ -11,6 +11,7 @@ def compacts_at_once(monkeypatch):
     """Compact as much as possible after each update, and ground step by step."""
     monkeypatch.setattr(compaction, "LEAST_STEPS", 1)
     monkeypatch.setattr(solver, "LEAST_STEPS", 1)
+    monkeypatch.setattr(solver, "MANY_STEPS", 1)
     monkeypatch.setattr(grounding, "PIECE", 1)
     monkeypatch.setattr(grounding, "CLOSED_PIECE", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)

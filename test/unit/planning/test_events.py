@@ -210,4 +210,5 @@ def test_improved_plans_are_answers_of_the_whole_history(name, seed, least_steps
     """After any predicted updates, checkpoints, compactions and withdrawals since the last search."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(solver_module, "LEAST_STEPS", least_steps)
+        patch.setattr(solver_module, "MANY_STEPS", least_steps)
         play(Trip(name, Random(seed), 0.0), events)

@@ -38,7 +38,7 @@ PROGRAM = ReactiveProgram.from_text("#cumulative t. #external e(t). { a(t) }. #v
     ],
 )
 def test_pieces_end_where_compaction_can_start(keep_from, end, ends):
-    assert list(pieces(1, end, 4, keep_from)) == ends
+    assert list(pieces(1, end, lambda: 4, keep_from)) == ends
 
 
 def test_dropped_grounding_ends_between_two_pieces():

@@ -238,8 +238,15 @@ def test_history_keeps_the_last_two_checkpoints():
         one = one.before
     assert kept == [THREE, second, TWO, first]
     assert log.entries == [second, THREE]
-    assert log.key == History().with_entries(second, THREE).key != History().with_entries(first, THREE).key
-    assert History().with_entries(ONE, second).key == History().with_entries(second).key
+
+
+def test_history_key_does_not_depend_on_checkpoints():
+    log, plan = History().with_entries(ONE, TWO, THREE), Plan(frozenset(), 1)
+    first = History().with_entries(ONE).checkpoint(Snapshot()).with_entries(TWO)
+    second = first.checkpoint(Snapshot(step=2)).adopt(plan).with_entries(THREE)
+    assert log.key == second.key == copied(second).key == History().with_entries(*second.entries).key
+    others = [History(), first, first.with_entries(ONE), History().with_entries(TWO, ONE, THREE)]
+    assert log.key not in [one.key for one in others]
 
 
 @pytest.mark.parametrize(("size", "longer"), [(0, True), (299, True), (300, False)])

@@ -43,7 +43,7 @@ def test_steps_are_ground_in_blocks_if_answers_idle(rule, horizon, searches):
         solver = PlanSolver(program)
         searches.clear()
         play(solver, "#step 1 : 20. go.")
-        assert solver.horizon == horizon
+        assert solver.reached == horizon
         numbers.append(len(searches))
     assert numbers[0] > numbers[1]
 

@@ -30,6 +30,7 @@ TIMEOUT = 50.0
 FORGETFUL = (
     (stream_planner, "RECENT", 2),
     (solver, "LEAST_STEPS", 2),
+    (solver, "MANY_STEPS", 2),
     (compaction, "SHOWN_STEPS", 1),
 )
 

@@ -158,6 +158,7 @@ def test_random_long_actions_give_predicted_updates(events):
 @given(st.lists(EVENTS, min_size=10, max_size=30))
 def test_random_long_actions_go_on_over_compacted_steps(events):
     with ExitStack() as stack:
-        for module, name, value in ((stream_planner, "RECENT", 1), (solver, "LEAST_STEPS", 2)):
+        constants = (stream_planner, "RECENT", 1), (solver, "LEAST_STEPS", 2), (solver, "MANY_STEPS", 2)
+        for module, name, value in constants:
             stack.enter_context(patch.object(module, name, value))
         Workshop().play(events)

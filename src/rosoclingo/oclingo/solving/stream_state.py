@@ -84,7 +84,7 @@ class StreamState:
 
     Attributes:
         step: k, the step of the last update.
-        horizon: N, the last searched step.
+        horizon: N, the horizon at which the next search begins.
         bound: B, the greatest horizon to search, None for no bound.
         min_horizon: the lowest horizon of the next search: the greatest step of all updates; N in the incremental
             solver.
@@ -206,7 +206,8 @@ class StreamState:
         )
 
     def with_horizon(self: State, horizon: int, program: ReactiveProgram) -> State:
-        """Return the state after a search up to ``horizon``."""
+        """Return the state in which the next search begins at ``horizon``; steps are forgotten only once."""
+        horizon = max(horizon, self.horizon) if program.forgets else horizon
         forgotten = _forgotten(program, self.horizon + 1, horizon, self.items)
         return replace(self, horizon=horizon, items=(*self.items, *forgotten))
 

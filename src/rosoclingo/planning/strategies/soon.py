@@ -106,10 +106,9 @@ class TimeLimitedSearch:
         if self._plan is None:
             return
         step, running = self._runner.step, self._runner.snapshot.running
-        rest, delayed = self._plan.rest(step), self._plan.rest(step - 1).delayed()
-        if running:
-            delayed = self._plan.delayed_by(running, step)
-        for plan in (rest, delayed):
+        rest = self._plan.rest(step)
+        plans = [self._plan.delayed_by(running, step)] if running else [rest, self._plan.rest(step - 1).delayed()]
+        for plan in plans:
             reply = yield from self._ask_exactly(plan)
             if reply.satisfiable:
                 if plan is rest or running:  # it is improved while it runs
@@ -119,7 +118,7 @@ class TimeLimitedSearch:
                 else:
                     yield from self._adopt(reply)
                 return
-        self._rests = [plan for plan in (rest, delayed) if plan.actions]
+        self._rests = [] if running else [plan for plan in plans if plan.actions]
 
     def _ask_exactly(self, plan: Plan) -> _Asks[Reply]:
         """Ask whether exactly the actions of ``plan`` are a plan."""
@@ -127,7 +126,8 @@ class TimeLimitedSearch:
         if last > self._end:
             if not self._idles or last > self._runner.last(last):
                 return UNKNOWN
-            self._end = last
+            more = self._runner.block if self._runner.snapshot.running else 0  # the next update delays the plan again
+            self._end = max(last, self._runner.last(last + more))
         self._runner.ground(self._end)
         actions = self._runner.actions(self._runner.step, last + 1)
         if not plan.actions.issubset(actions):

@@ -175,6 +175,10 @@ class WorkerPool:
         """Return whether the standby worker has the answer to ``request``; wait for it until ``stopped``."""
         return self._standby is not None and self._standby.has_answer(request, stopped)
 
+    def has_begun(self, request: WorkerRequest) -> bool:
+        """Return whether the active worker has begun ``request``."""
+        return self._active is not None and self._active.has_begun(request)
+
     # ---- Workers -----------------------------------------------------------------------------------------------------
 
     def _get_active(self) -> SolverWorker:

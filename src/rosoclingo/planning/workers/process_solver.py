@@ -24,6 +24,7 @@ class ProcessSolver(PlanningSolver):
         """Create a solver with an empty history that uses the workers of ``pool``; does not block."""
         super().__init__()
         self._pool, self._under_way = pool, lambda: pool.reached
+        self._checkpoint: Optional[WorkerRequest] = None  # the last request for a checkpoint
 
     def prefetch(self, update: StreamUpdate, before: Sequence[StreamUpdate] = ()) -> bool:
         """Prefetch the answer to ``update``; return whether the standby worker does so. Does not block.
@@ -48,8 +49,19 @@ class ProcessSolver(PlanningSolver):
         return None if reply.value is None else self._adopt_reply(reply)
 
     def checkpoint(self, stopped: Stop = never) -> None:
-        """Append a checkpoint that the worker computes. A stop does not wait for the worker."""
-        self._replace_log(self._pool.ask(self._request("checkpoint"), stopped, idle=True).log or self.log)
+        """Insert a checkpoint that the worker computes.
+
+        A stop does not wait for the worker. If the worker has no other command meanwhile, a later call inserts the
+        checkpoint before the updates that were accepted since then.
+        """
+        request, later = self._checkpoint, None
+        if request is not None and self._pool.has_begun(request):
+            later = self.log.entries_after(request.log)
+        if request is None or later is None:
+            request, later = self._request("checkpoint"), []
+        self._checkpoint = request
+        log = self._pool.ask(request, stopped, idle=True).log
+        self._replace_log(self.log if log is None else log.with_entries(*later))
 
     def inquire(
         self,

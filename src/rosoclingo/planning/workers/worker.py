@@ -40,7 +40,12 @@ class WorkerRequest(NamedTuple):
     log: History = History()
 
     def has_answer_of(self, other: "WorkerRequest", same_plan: bool) -> bool:
-        """Return whether both are searches with the same answer; if ``same_plan``, also with the same plan in force."""
+        """Return whether both are searches with the same answer, or checkpoints of the same history.
+
+        If ``same_plan``, searches also need the same plan in force.
+        """
+        if self.name == other.name == "checkpoint":
+            return self.log is other.log
         if not self.name == other.name == "search" or self.arguments[0] != other.arguments[0]:
             return False
         return self.log.key == other.log.key and (not same_plan or self.log.plan == other.log.plan)
@@ -111,8 +116,9 @@ class SolverWorker(WorkerProcess):
         """Return the last reply to ``request``, with the history after it; begin the request if necessary.
 
         A stop interrupts the command, but not before the program is loaded. A command that improves its first answer
-        is interrupted at once. An ``idle`` command is optional work: a stop abandons it, and the reply is empty. Raises
-        WorkerLostError if the worker ignores a stop, and SolverError if it refuses the command.
+        is interrupted at once. An ``idle`` command is optional work: a stop abandons it, and the reply is empty; a
+        checkpoint goes on until the next command, and a later call can return its reply. Raises WorkerLostError if the
+        worker ignores a stop, and SolverError if it refuses the command.
         """
         if not self.has_begun(request):
             self.begin(request)
@@ -124,7 +130,8 @@ class SolverWorker(WorkerProcess):
                 if self._reply is None and not (stopped() and (idle or self._loading_time is not None)):
                     continue
                 if idle:
-                    self.abandon()
+                    if request.name != "checkpoint":
+                        self.abandon()
                     return WorkerReply()
                 interrupted = time.monotonic()
                 self._interrupt(interrupted + GRACE)

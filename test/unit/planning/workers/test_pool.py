@@ -24,7 +24,7 @@ from rosoclingo.oclingo import (
     parse_update,
 )
 from rosoclingo.planning.compaction import SHOWN_STEPS
-from rosoclingo.planning.history import Checkpoint
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
@@ -301,6 +301,26 @@ def update_of(cycle, done):
     past = f"#closed {cycle - 1}. #over {max(0, cycle - 10)}. " if cycle > 1 else ""
     request = f"_request({cycle % 5 - 2},{cycle + 1})." if cycle % 7 == 0 else ""
     return f"{cycle}. {past}" + "".join(f":- not {atom}. " for atom in done) + request
+
+
+@pytest.mark.slow
+def test_checkpoint_goes_on_after_a_stop_and_precedes_later_updates():
+    with pool_of(LINE, **PLANS) as pool:
+        solver, done = ProcessSolver(pool), []
+        for cycle in range(1, 4):
+            result = fed(solver, update_of(cycle, done))
+            done = [one for one in result.answers[0] if one.name == "_action_lib" and one.arguments[2].number == cycle]
+        before = solver.log
+        os.kill(pool.pid, signal.SIGSTOP)
+        solver.checkpoint(lambda: True)
+        assert solver.log is before, "the stop did not wait for the worker"
+        os.kill(pool.pid, signal.SIGCONT)
+        later = AcceptedUpdate(parse_update("#step 4. #endstep."), before.horizon)
+        solver.restore(before.with_entries(later))
+        key = solver.log.key
+        solver.checkpoint()
+        first, *_, last = solver.log.entries
+        assert (isinstance(first, Checkpoint), first.message["step"], last, solver.log.key) == (True, 3, later, key)
 
 
 @pytest.mark.slow
