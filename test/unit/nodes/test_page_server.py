@@ -340,7 +340,9 @@ def test_page_says_that_a_plan_is_searched_for(page, served):
     page.wait_for("!document.getElementById('now').textContent.includes('Searching')")
     for width in (390, 1280):
         page.size(width, 900)
-        sizes = page.run("['.key.now', '.key.done'].map((one) => getComputedStyle(document.querySelector(one)).fontSize)")
+        sizes = page.run(
+            "['.key.now', '.key.done'].map((one) => getComputedStyle(document.querySelector(one)).fontSize)"
+        )
         assert sizes[0] == sizes[1], "the style of the large line is its own"
 
 
