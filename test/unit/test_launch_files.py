@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from rosoclingo.common.labels import LabelTable
 from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.new_package import new_package
 from rosoclingo.runs.orders import read_orders
@@ -319,11 +320,11 @@ def test_launch_fleet_has_navigation_for_each_robot(given, robots):
 def test_launch_household_gives_each_robot_poses_of_its_own():
     config = load("household.launch")
     assert [one.namespace for one in config.nodes if one.type == "interface"] == ["/r1/", "/r2/"]
-    own = [parameters(config, f"/{robot}/interfaces/labels/") for robot in ("r1", "r2")]
-    shared = parameters(config, "/rosoclingo/labels/")
-    assert own[0].keys() == own[1].keys() == shared.keys()
-    for name, (x, y) in shared.items():  # both count as being at the label, which is the middle of the room
-        assert [poses[name] for poses in own] == [[pytest.approx(x + side), y] for side in (-0.4, 0.4)]
+    shared = LabelTable.read(Reader(yaml.safe_load((ROOT / "config" / "house_labels.yaml").read_text())))
+    for robot, side in (("r1", -0.4), ("r2", 0.4)):
+        found = parameters(config, f"/{robot}/interfaces/labels/")
+        # both count as being at the label, which is the middle of the room
+        assert found == {one.name: [pytest.approx(one.x + side), one.y] for one in shared}
     files = parameters(config, "/rosoclingo/program_files")[""]
     assert [Path(one).name for one in files] == ["household.lp", "home.lp"]
 
