@@ -45,7 +45,7 @@ LEAST_CONFLICTS = 1000
 """Limit of conflicts for a question about the least horizon that is not refuted."""
 
 KEPT = 0.1
-"""Fraction of the time limit for shorter plans if the last plan is still valid; the robot should not wait for them."""
+"""Fraction of the time limit for shorter plans if the last plan is still valid or actions go on: no robot should wait."""
 
 
 class TimeLimitedSearch:
@@ -108,10 +108,11 @@ class TimeLimitedSearch:
         step, running = self._runner.step, self._runner.snapshot.running
         rest = self._plan.rest(step)
         plans = [self._plan.delayed_by(running, step)] if running else [rest, self._plan.rest(step - 1).delayed()]
+        self._seconds *= KEPT if running else 1.0  # plans are improved while actions run
         for plan in plans:
             reply = yield from self._ask_exactly(plan)
             if reply.satisfiable:
-                if plan is rest or running:  # it is improved while it runs
+                if plan is rest:
                     self._seconds *= 0.0 if self._succeeds and not plan.shortest else KEPT
                 if plan is rest and self._succeeds:
                     self._best = reply
