@@ -45,7 +45,7 @@ LEAST_CONFLICTS = 1000
 """Limit of conflicts for a question about the least horizon that is not refuted."""
 
 KEPT = 0.1
-"""Fraction of the time limit for shorter plans if the last plan is still valid or actions go on: no robot should wait."""
+"""Fraction of the time limit for shorter plans if the last plan is still valid, or if actions go on: no robot waits."""
 
 
 class TimeLimitedSearch:
