@@ -65,7 +65,8 @@ class WorkerMain:
             command = self._connection.recv()
             if isinstance(command, WorkerCommand):  # late interrupts are ignored
                 reply = self._execute(command)
-                has_grown = command.name != "ping" and self._has_grown()
+                grounds = command.name not in ("ping", "improve", "checkpoint") and command.arguments[:1] != (None,)
+                has_grown = grounds and self._has_grown()  # the first memory is that of a search for an update
                 self._connection.send(reply._replace(has_grown=has_grown))
 
     def _has_grown(self) -> bool:
