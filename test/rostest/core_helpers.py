@@ -108,6 +108,11 @@ class SentGoal:
         if handle.get_comm_state() == CommState.DONE:
             self._done.set()
 
+    @property
+    def has_ended(self):
+        """Whether the client knows its end."""
+        return self._done.is_set()
+
     def wait(self, patience=PATIENCE):
         """Return status and result at the end, which comes within some seconds of wall time."""
         assert self._done.wait(patience), f"the goal has not ended: {self.states}"

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Three robots, thirty goals, random cancels: one robot is lost for a while, one for good, and each goal ends truly.
+
+ROSOCLINGO_SEED chooses other goals and durations, ROSOCLINGO_GOALS their number.
+"""
+
+import os
+import random
+import signal
+import sys
+import threading
+import unittest
+from collections import Counter
+from contextlib import ExitStack
+from pathlib import Path
+
+import rospy
+import rostest
+from actionlib.action_server import ActionServer
+from actionlib_msgs.msg import GoalStatus
+from move_base_msgs.msg import MoveBaseAction
+from rosoclingo.msg import DeliverAction, PickupAction
+
+HERE = Path(__file__).resolve()
+sys.path[:0] = [str(HERE.parents[1]), str(HERE.parents[3] / "bench")]
+
+from core_helpers import Client, Updates  # noqa: E402
+from deliveries import Floor, Request  # noqa: E402
+from fleet_world import FleetWorld  # noqa: E402
+from interface_helpers import PATIENCE, Process, executable, init_node, wait_for_diagnosis, wait_until  # noqa: E402
+from planning_domains import RuleError  # noqa: E402
+
+SEED, GOALS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("GOALS", "30")))
+OFFICES, COLUMNS = 12, 4
+ROWS = [(one, one + 1) for one in range(1, OFFICES) if one % COLUMNS]
+GRID = Floor("grid", OFFICES, frozenset([*ROWS, *((one, one + COLUMNS) for one in range(1, OFFICES - COLUMNS + 1))]))
+STARTS = {"r1": 1, "r2": 4, "r3": 10}
+KINDS = {"move_base": MoveBaseAction, "pickup": PickupAction, "deliver": DeliverAction}
+
+#: Greatest number of goals that are open at the same time.
+MOST_OPEN = 6
+
+
+class Robots:
+    """The action servers of all robots: each action takes a random time, and a model watches them.
+
+    Attributes:
+        world: the model.
+        faults: the actions that the model has refused.
+        begun: how often each action on a package has begun.
+
+    """
+
+    def __init__(self, source):
+        self.world, self.faults, self.begun = FleetWorld(GRID, STARTS), [], Counter()
+        self._source, self._lock, self._dead = source, threading.RLock(), set()
+        self._servers = [self._serve(robot, verb) for robot in STARTS for verb in KINDS]
+
+    def _serve(self, robot, verb):
+        def begin(handle):
+            self._begin(robot, verb, handle)
+
+        def complete_nevertheless(_handle):
+            pass
+
+        server = ActionServer(f"/{robot}/{verb}", KINDS[verb], begin, complete_nevertheless, auto_start=False)
+        server.start()
+        return server
+
+    def _begin(self, robot, verb, handle):
+        goal = handle.get_goal()
+        what = round(goal.target_pose.pose.position.x) if verb == "move_base" else int(goal.package)
+        with self._lock:
+            handle.set_accepted()
+            try:
+                self.world.begin(robot, verb, what)
+            except RuleError as error:
+                self.faults.append(str(error))
+                handle.set_aborted()
+                return
+            self.begun[verb, what] += verb != "move_base"
+            timer = threading.Timer(self._source.uniform(0.02, 0.2), self._end, [robot, handle])
+            timer.daemon = True
+            timer.start()
+
+    def _end(self, robot, handle):
+        with self._lock:
+            if robot not in self._dead:
+                self.world.end(robot)
+                handle.set_succeeded()
+
+    def ask(self, request):
+        """Put a package on the floor."""
+        with self._lock:
+            self.world.ask([request])
+
+    def kill(self, robot):
+        """Let a robot stand still for ever."""
+        with self._lock:
+            self._dead.add(robot)
+
+    def loaded(self):
+        """Return the robots that act with a load."""
+        with self._lock:
+            return [robot for robot in self.world.acts if self.world.load[robot]]
+
+    def places(self, robot):
+        """Return the offices that a robot holds."""
+        with self._lock:
+            return {office for office in range(1, OFFICES + 1) if robot in self.world.holders(office)}
+
+
+class FleetTest(unittest.TestCase):
+    def setUp(self):
+        self.source = random.Random(SEED)
+        self.robots, self.client, self.updates = Robots(random.Random(SEED + 1)), Client(), Updates()
+        self.goals, self.cancelled, self.barred, self.lost = {}, set(), set(), set()
+        self.stack = ExitStack()
+        self.addCleanup(self.stack.close)
+        self.interfaces = {robot: self.stack.enter_context(self.interface(robot)) for robot in STARTS}
+        known = [f"{verb}({robot})" for robot in STARTS for verb in KINDS]
+        wait_for_diagnosis(
+            "rosoclingo: core", lambda one: all(name in str(one.values) for name in known), "the interfaces"
+        )
+
+    def interface(self, robot):
+        """Return the process with the interfaces of a robot."""
+        for name in ("labels", "interfaces"):
+            rospy.set_param(f"/interfaces_{robot}/{name}", rospy.get_param(f"~{name}"))
+        rospy.set_param(f"/interfaces_{robot}/values", {"R": [robot]})
+        return Process(executable("interface"), f"__name:=interfaces_{robot}", "_memory:=''")
+
+    def test_fleet_survives_the_loss_of_robots(self):
+        for number in range(1, GOALS + 1):
+            self.send(number)
+            if number == GOALS // 3:
+                robot = self.lose()
+                self.interfaces[robot].signal(signal.SIGCONT)
+                self.updates.wait_for(f"_back({robot},")
+            if number == 2 * GOALS // 3:
+                robot = self.lose(self.robots.kill)
+                self.updates.wait_for(f"({robot}),lost,")
+            wait_until(lambda: len(self.open()) < MOST_OPEN, "goals to end")
+        for number, (goal, request) in self.goals.items():
+            self.check(number, request, *goal.wait(PATIENCE))
+        self.assertEqual(self.robots.faults, [])
+        self.assertEqual({what: count for what, count in self.robots.begun.items() if count > 1}, {})
+        self.assertGreater(len(self.robots.world.delivered), GOALS // 3)
+
+    def open(self):
+        """Return the goals that have not ended."""
+        return [number for number, (goal, _) in self.goals.items() if not goal.has_ended]
+
+    def send(self, number):
+        """Send a goal, and perhaps cancel one that is open."""
+        request = Request(number, *self.source.sample(range(1, OFFICES + 1), 2))
+        self.robots.ask(request)
+        self.goals[number] = self.client.send(request.goal), request
+        if self.source.random() < 0.2:
+            other = self.source.choice(self.open() or [number])
+            self.cancelled.add(other)
+            self.robots.world.allow_return(other)
+            self.goals[other][0].cancel()
+
+    def lose(self, kill=lambda robot: None):
+        """Suspend the interfaces of a robot that acts with a load, wait until the core has lost it, and return it."""
+        found = []
+        wait_until(lambda: found.extend(self.robots.loaded()) or found, "a robot to act with a load")
+        robot, known = found[0], len(self.updates.texts)
+        kill(robot)
+        self.interfaces[robot].signal(signal.SIGSTOP)
+        self.barred |= self.robots.places(robot)
+        wait_until(lambda: any(f"_lost({robot}," in text for text in self.updates.texts[known:]), "the loss")
+        self.barred |= self.robots.places(robot)
+        self.lost.add(robot)
+        return robot
+
+    def check(self, number, request, status, result):
+        """Check that a goal has ended truly."""
+        text, world = f"{request}: {result.message}", self.robots.world
+        carrier = next((robot for robot, load in world.load.items() if number in load), None)
+        if status == GoalStatus.SUCCEEDED:
+            self.assertIn(number, world.delivered, text)
+        elif status == GoalStatus.ABORTED and "is on robot" in result.message:
+            self.assertTrue(f"robot {carrier}, which is out of service" in text or number in world.delivered, text)
+        elif status == GoalStatus.ABORTED:
+            self.assertIn("no robot in service can fetch it", text)
+            self.assertTrue(self.barred & {request.start, request.end}, text)
+        else:
+            self.assertIn(number, self.cancelled, text)
+            self.assertIn(carrier, {None, *self.lost}, text)
+
+
+if __name__ == "__main__":
+    init_node("fleet_test")
+    rostest.rosrun("rosoclingo", "fleet", FleetTest, sys.argv)
