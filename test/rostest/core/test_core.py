@@ -303,18 +303,18 @@ class Core(unittest.TestCase):
         with CommandProcess("watch", "--state") as watch:
             lines = watch.lines_until("action   walks")
             self.assertTrue(all(f"cycle {cycle} " in line for line in lines), lines)
-            self.assertTrue(lines[0].endswith(f"plan     walk {number}"), lines)
+            self.assertTrue(lines[0].endswith(f"plan     walks {number}"), lines)
             self.assertNotIn(before.text, "".join(lines))
             if goal.text not in "".join(lines):
                 watch.lines_until(goal.text)  # its request or its status, whichever message arrived first
             self.hands.succeed(command)
-            watch.lines_until(f"goal     {goal.text}: succeeded")
+            watch.lines_until(f"goal     {goal.text}: done")
             watch.interrupt()
             code, rest = watch.rest()
         self.assertEqual(code, 0)
-        self.assertIn(f"{goal.text}: succeeded", rest)
-        begin = rest.index(f"{goal.text}: succeeded")  # after the output that preceded the interrupt
-        self.assertEqual((rest[begin - 1], rest[begin + 1]), ("", f"actions: walk {number}"))
+        self.assertIn(f"{goal.text}: done", rest)
+        begin = rest.index(f"{goal.text}: done")  # after the output that preceded the interrupt
+        self.assertEqual((rest[begin - 1], rest[begin + 1]), ("", f"actions: walks {number}"))
 
     def test_many_goals_of_many_clients(self):
         self.hands.at_once = True
