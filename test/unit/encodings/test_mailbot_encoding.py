@@ -345,6 +345,7 @@ def test_mailbot_memory_of_a_long_run_is_bounded():
     while driver.core.cycle < cycles:
         number += 1
         driver.goal(str(number), f"goal(office{number % 4 + 1},office{number % 3 + 1},{number})").finish()
+    solver.checkpoint()
     past = solver.snapshot.past
     assert past.first > window
     times = [atom.arguments[-1].number for atom in past.facts if atom.name in ("waiting", "_aim", "_crossed")]

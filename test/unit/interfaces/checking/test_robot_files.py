@@ -29,7 +29,8 @@ def texts(name):
         labels, interfaces = ((TEMPLATE / f"{one}.yaml").read_text() for one in ("labels", "interfaces"))
     else:
         world = "house" if name == "house" else "office"
-        files["orders.yaml"] = (CONFIG / f"{world}_orders.yaml").read_text()
+        if name != "paper":  # its program takes no facts from people
+            files["orders.yaml"] = (CONFIG / f"{world}_orders.yaml").read_text()
         labels = (CONFIG / f"{world}_labels.yaml").read_text()
         interfaces = (CONFIG / "interfaces.yaml").read_text()
     return {**files, "labels.yaml": labels, "interfaces.yaml": interfaces}
