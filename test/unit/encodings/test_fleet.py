@@ -220,6 +220,19 @@ def test_fleet_decommissioned_robot_delivers_its_load_only():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("reason", [None, "lost"])
+def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason):
+    """Nobody else can reach the package while the lost robot stands at its place."""
+    fleet = Fleet(RING, {"r1": 1, "r2": 4})
+    fleet.ask(1, 4, 6).facts("_lost(r2,now)").ask(2, 1, 2)
+    assert (fleet.last(1), fleet.journal.problems) == ("active", [])
+    fleet.end("r1").end("r1")
+    fleet.end("r2") if reason is None else fleet.break_off("r2", reason)
+    fleet.end_all()
+    assert (fleet.last(1), fleet.last(2)) == ("aborted", "succeeded")
+
+
+@pytest.mark.slow
 def test_fleet_takes_a_detour_around_a_blocked_connection():
     fleet = Fleet(RING, {"r1": 1})
     fleet.ask(1, 1, 2).end("r1").break_off("r1", "blocked")
