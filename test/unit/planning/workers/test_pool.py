@@ -208,7 +208,7 @@ def test_grown_worker_is_replaced_between_two_searches(growth, workers):
 @pytest.mark.slow
 def test_worker_that_has_grown_by_half_is_replaced():
     many = "#show.\n#external big/1.\n#cumulative t.\nn(X) :- big(B), X = 1..B, t = 1.\n"
-    with pool_of(many, **PLANS, fork=True) as pool:
+    with pool_of(many, **PLANS) as pool:
         solver, pids = ProcessSolver(pool), []
         for text in ("1.", "1.", "1. big(1000000).", "2."):
             fed(solver, text)
