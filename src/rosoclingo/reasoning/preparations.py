@@ -206,7 +206,8 @@ class Preparations:
     def _postpone(self, join: Join, left: int) -> None:
         """Plan for a later cycle or for fewer goals, because a plan came too late; ``left`` steps of a plan remain.
 
-        Once the current plan ends, the robot waits for the next one: this should serve as many goals as there is room.
+        The number of goals does not fall below the room in the program: the robot waits for the plan after the current
+        one, so that plan should serve many goals.
         """
         cycles, goals = len(join.updates), len(goals_of(join.requests))
         fewer = max(goals // 2, self._goals.queue.size or 0)

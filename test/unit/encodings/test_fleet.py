@@ -233,6 +233,21 @@ def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("reason", [None, "failed"])
+@pytest.mark.parametrize("back_first", [False, True])
+def test_fleet_robot_that_was_lost_while_it_picked_up_delivers(reason, back_first):
+    fleet = Fleet(RING, {"r1": 1, "r2": 4})
+    fleet.ask(1, 4, 6).facts("_lost(r2,now)")
+    for event in ("back", "end") if back_first else ("end", "back"):
+        if event == "back":
+            fleet.facts("_back(r2,now)")
+        else:
+            fleet.end("r2") if reason is None else fleet.break_off("r2", reason)
+    fleet.end_all()
+    assert fleet.last(1) == ("succeeded" if back_first else "aborted")
+
+
+@pytest.mark.slow
 def test_fleet_takes_a_detour_around_a_blocked_connection():
     fleet = Fleet(RING, {"r1": 1})
     fleet.ask(1, 1, 2).end("r1").break_off("r1", "blocked")
