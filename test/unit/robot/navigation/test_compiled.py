@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 from occupied_grids import GRIDS, clearance_of, distance
 
@@ -12,9 +12,6 @@ from rosoclingo.robot.navigation.compiled.clearance import (
     square_distance,
     update_clearance,
 )
-from rosoclingo.robot.simulation.compiled.shapes import CLEAR, body_hits, cast_rays
-
-NOTHING = np.empty((0, 4)), np.empty((0, 3))
 
 
 @given(GRIDS, st.floats(1.0, 30.0))
@@ -40,62 +37,6 @@ def test_compiled_window_updates_the_clearance(occupied, data):
     low_c, high_c = max(0, column - 5), min(occupied.shape[1], column + 6)
     update_clearance(occupied, reach, low_r, high_r, low_c, high_c, clearance)
     assert np.array_equal(clearance, clearance_of(occupied, reach))
-
-
-@given(GRIDS, st.floats(-3.0, 23.0), st.floats(-3.0, 23.0), st.floats(-7.0, 7.0), st.floats(0.5, 40.0))
-def test_compiled_rays_end_at_first_occupied_step(occupied, x, y, angle, reach):
-    out = np.empty(1)
-    cast_rays(occupied, *NOTHING, x, y, np.array([angle]), reach, out)
-    assert 0.0 <= out[0] <= reach
-    places = np.arange(0.0, reach, 0.003)
-    columns = np.floor(x + places * math.cos(angle)).astype(int)
-    rows = np.floor(y + places * math.sin(angle)).astype(int)
-    inside = (rows >= 0) & (rows < occupied.shape[0]) & (columns >= 0) & (columns < occupied.shape[1])
-    hit = np.zeros(len(places), dtype=bool)
-    hit[inside] = occupied[rows[inside], columns[inside]] > 0
-    first = places[hit.argmax()] if hit.any() else reach
-    # Small steps can skip a corner that the ray cuts by less than a step.
-    assert out[0] <= first + 1e-6
-    end_x, end_y = x + (out[0] + 1e-6) * math.cos(angle), y + (out[0] + 1e-6) * math.sin(angle)
-    assert abs(out[0] - first) < 0.005 or distance(occupied, end_x, end_y) < 1e-4
-
-
-@given(
-    st.lists(st.tuples(*[st.integers(-9, 9)] * 4), max_size=4),
-    st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(0.1, 3)), max_size=3),
-    st.floats(-3.2, 3.2),
-)
-def test_compiled_rays_end_at_doors_and_discs(segments, discs, angle):
-    out = np.empty(1)
-    things = np.array(segments, dtype=float).reshape(-1, 4), np.array(discs).reshape(-1, 3)
-    cast_rays(np.zeros((1, 1), dtype=np.uint8), *things, 0.0, 0.0, np.array([angle]), 12.0, out)
-    dx, dy = math.cos(angle), math.sin(angle)
-    best = 12.0
-    for x, y, radius in discs:
-        roots = np.roots([1.0, -2.0 * (x * dx + y * dy), x * x + y * y - radius * radius])
-        assume(abs(abs(x * dy - y * dx) - radius) > 1e-3)  # rounding decides about a ray that touches the disc
-        real = [root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0]
-        if math.hypot(x, y) <= radius:
-            best = 0.0
-        elif real:
-            best = min(best, *real)
-    for x0, y0, x1, y1 in segments:
-        matrix = np.array([[dx, x0 - x1], [dy, y0 - y1]])
-        slant = abs(dx * (y0 - y1) - dy * (x0 - x1))
-        assume(slant == 0.0 or slant > 1e-6)  # the same applies to a ray that runs almost along a door
-        if slant:
-            t, u = np.linalg.solve(matrix, [x0, y0])
-            assume(min(abs(t), abs(u), abs(1.0 - u)) > 1e-6)  # or a ray that ends at the door, or at its end
-            if t >= 0 and 0 <= u <= 1:
-                best = min(best, t)
-    assert abs(out[0] - best) < 1e-3
-
-
-@given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.2, 4.0))
-def test_compiled_disc_hits_objects_within_its_radius(occupied, x, y, radius):
-    away = distance(occupied, x, y)
-    if abs(away - radius) > 1e-9:
-        assert (body_hits(occupied, *NOTHING, np.empty((0, 2)), radius, x, y, 0.0) != CLEAR) == (away < radius)
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))

@@ -39,10 +39,6 @@ def numbers(body, key):
     return [float(v) for v in re.search(rf"^\s*{key} \[([^]]*)\]", body, re.MULTILINE).group(1).split()]
 
 
-def test_stage_world_exists_for_the_office():
-    assert ROOT / "worlds" / "office_world.yaml" in PAIRS
-
-
 @pytest.mark.parametrize("source", PAIRS, ids=lambda path: path.name)
 def test_stage_world_files_are_up_to_date(source, tmp_path):
     target = ROOT / "worlds" / source.name.replace("_world.yaml", ".world")
