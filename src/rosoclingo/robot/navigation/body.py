@@ -5,7 +5,6 @@ from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import nearby_obstacles
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 from rosoclingo.robot.navigation.compiled.rollout import best_arc, best_command, can_turn
 from rosoclingo.robot.navigation.costmap import Costmap
@@ -61,7 +60,7 @@ class BodyState:
         self._scale = 1.0 / costmap.resolution
         self._discs = body.discs(costmap.resolution)
         self._cells = np.array([*costmap.to_cells(pose.x, pose.y), pose.yaw])
-        self._near = nearby_obstacles(costmap.clearance, costmap.occupied, self._discs, *self._cells)
+        self._near = (costmap.clearance, costmap.occupied)
 
     def bearing(self, point: Point) -> float:
         """Return the angle (rad) between the robot's heading and the direction to a point."""

@@ -143,15 +143,23 @@ class Costmap:
         """Drop marks further than ``beyond`` m (in x or y) from a point. Return whether there were any."""
         row, column = self.grid.cell(x, y)
         span = round(beyond / self.resolution)
-        kept = np.zeros_like(self.marks)
-        near = (slice(max(0, row - span), max(0, row + span)), slice(max(0, column - span), max(0, column + span)))
-        if span > 0:
-            kept[near] = self.marks[near]
-        dropped = np.argwhere(self.marks != kept)
-        self.marks[:] = kept
-        self._counts *= kept
-        self._changed(_window_of(dropped))
-        return len(dropped) > 0
+        dropped = self.marks > 0
+        dropped[max(0, row - span) : max(0, row + span), max(0, column - span) : max(0, column + span)] = False
+        return self._drop(dropped)
+
+    def forget_under(self, x: float, y: float) -> None:
+        """Drop marks whose middle is within the robot's radius of its position (m)."""
+        cx, cy, radius = *self.to_cells(x, y), self.limits.robot_radius / self.resolution
+        rows, columns = (slice(max(0, math.floor(c - radius)), max(0, math.ceil(c + radius))) for c in (cy, cx))
+        if self.marks[rows, columns].any():
+            dropped = self.marks > 0
+            i, j = np.indices(self.grid.shape, sparse=True)
+            self._drop(dropped & (np.hypot(i + 0.5 - cy, j + 0.5 - cx) < radius))
+
+    def _drop(self, dropped: np.ndarray) -> bool:
+        self.marks[dropped] = self._counts[dropped] = 0
+        self._changed(_window_of(np.argwhere(dropped)))
+        return bool(dropped.any())
 
     def bar(self, x: float, y: float) -> None:
         """Close the area around a point (m) at which a path turned out to be blocked."""

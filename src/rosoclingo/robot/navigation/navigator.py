@@ -114,6 +114,7 @@ class Navigator:
             self.on_log(f"Time went back by {self._now - now:.1f} s: timeouts restart")
             self._start(now)
         self._now, self._blind_since = now, None
+        self.costmap.forget_under(pose.x, pose.y)
         tick = self._handlers[self.state](now, pose, velocity, period)
         if tick.result is not None:
             self._go(NavigatorState.IDLE)

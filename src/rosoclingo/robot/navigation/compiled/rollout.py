@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.footprints import NearbyObstacles, body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
@@ -22,7 +22,7 @@ def _arc(v, w, time):
 
 
 @jit
-def _spare_after(near, body, pose, v, w, horizon, steps, least, enough):
+def _spare_after(clearance, occupied, body, pose, v, w, horizon, steps, least, enough):
     """Return the minimum clearance of the body along an arc of ``horizon`` s. Stops once it is below ``least``."""
     dt = horizon / steps
     x, y, yaw = pose[0], pose[1], pose[2]
@@ -32,27 +32,26 @@ def _spare_after(near, body, pose, v, w, horizon, steps, least, enough):
         x += chord * math.cos(yaw + half)
         y += chord * math.sin(yaw + half)
         yaw += w * dt
-        found = min(found, body_clearance(near, body, x, y, yaw, enough))
+        found = min(found, body_clearance(clearance, occupied, body, x, y, yaw, enough))
         if found < least:
             break
     return found
 
 
 @jit
-def can_turn(clearance, occupied, touched, body, pose, angle, close):
+def can_turn(clearance, occupied, body, pose, angle, close):
     """Return whether a body keeps a clearance of ``close`` while it turns by ``angle`` rad.
 
-    If its present clearance is smaller, it must keep that. The first three arguments, here and below, are the fields of
-    :class:`NearbyObstacles`.
+    If its present clearance is smaller, it must keep that. ``clearance`` and ``occupied``, here and below: see
+    :func:`~rosoclingo.robot.navigation.compiled.footprints.body_clearance`.
     """
-    near = NearbyObstacles(clearance, occupied, touched)
-    least = min(close, body_clearance(near, body, pose[0], pose[1], pose[2], close) - 1e-3)
+    least = min(close, body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], close) - 1e-3)
     steps = int(abs(angle) / 0.05) + 1
-    return _spare_after(near, body, pose, 0.0, angle, 1.0, steps, least, max(0.0, least)) >= least
+    return _spare_after(clearance, occupied, body, pose, 0.0, angle, 1.0, steps, least, max(0.0, least)) >= least
 
 
 @jit
-def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns, carrot, comfort, horizon, resolution):
+def best_command(clearance, occupied, body, pose, speeds, needs, turns, carrot, comfort, horizon, resolution):
     """Return (index of speed, index of turn) of the best safe command, -1 if none is safe.
 
     ``pose``: x, y (cells), yaw (rad). ``speeds``: cells/s. ``turns``: rad/s. ``carrot``: the target x, y (cells).
@@ -61,8 +60,7 @@ def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns,
     ``needs`` (cells) is the clearance that each speed requires during the horizon. If it is negative and its absolute
     value is not available now, the clearance must not decrease.
     """
-    near = NearbyObstacles(clearance, occupied, touched)
-    now = body_clearance(near, body, pose[0], pose[1], pose[2], comfort)
+    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], comfort)
     best, best_i, best_j = np.inf, -1, -1
     for i in range(speeds.shape[0]):
         least = needs[i] if needs[i] > 0.0 else min(-needs[i], now - 1e-6)
@@ -78,7 +76,9 @@ def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns,
             score = resolution * away + ANGLE * angle * min(1.0, 0.5 * away)
             if score >= best:
                 continue
-            spare = _spare_after(near, body, pose, speeds[i], turns[j], horizon, np.int64(STEPS), least, comfort)
+            spare = _spare_after(
+                clearance, occupied, body, pose, speeds[i], turns[j], horizon, np.int64(STEPS), least, comfort
+            )
             score += NEARNESS * resolution * max(0.0, comfort - spare)
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
@@ -86,17 +86,16 @@ def best_command(clearance, occupied, touched, body, pose, speeds, needs, turns,
 
 
 @jit
-def best_arc(clearance, occupied, touched, body, pose, curvatures, longest, room, least):
+def best_arc(clearance, occupied, body, pose, curvatures, longest, room, least):
     """Return (index of curvature, signed length) of the shortest arc to a pose with clearance ``room``.
 
     ``pose``: x, y (cells), yaw. ``curvatures``: 1/cell. ``longest``: cells. Along the arc the body keeps the clearance
     ``least`` (cells), or its present clearance if that is smaller. If no arc reaches ``room``, the result is the arc to
     the largest clearance; its length is 0.0 if no arc improves the clearance.
     """
-    near = NearbyObstacles(clearance, occupied, touched)
-    now = body_clearance(near, body, pose[0], pose[1], pose[2], 2.0)
+    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], 2.0)
     least = min(least, now - 1e-3)
-    shortest, most = np.inf, point_clearance(near.clearance, pose[0], pose[1]) + GAIN * room
+    shortest, most = np.inf, point_clearance(clearance, pose[0], pose[1]) + GAIN * room
     best_i, best_length, more_i, more_length = 0, 0.0, 0, 0.0
     for i in range(curvatures.shape[0]):
         for sign in (1.0, -1.0):
@@ -106,10 +105,10 @@ def best_arc(clearance, occupied, touched, body, pose, curvatures, longest, room
                 half, chord = _arc(sign * step, sign * curvatures[i] * step, 1.0)
                 x, y = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
                 yaw, done = yaw + 2.0 * half, done + step
-                spare = body_clearance(near, body, x, y, yaw, 2.0)
+                spare = body_clearance(clearance, occupied, body, x, y, yaw, 2.0)
                 if spare < least:
                     break
-                clear = point_clearance(near.clearance, x, y)
+                clear = point_clearance(clearance, x, y)
                 if clear >= room:
                     if done < shortest:
                         shortest, best_i, best_length = done, i, sign * done
