@@ -13,8 +13,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from acting_core import ENCODINGS
 from figures import Figure, Option, main
-from long_run import BATCH, PROGRAM, office_goal
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.solver import PlanSolver
@@ -25,6 +25,14 @@ from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.settings import CoreSettings
 
 FAILURES = 0.05
+BATCH = 2  # goals sent at once
+PROGRAM = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
+
+
+def office_goal(source, number):
+    """Return a random goal for the row of four offices."""
+    start, end = source.sample(range(1, 5), 2)
+    return f"goal(office{start},office{end},{number})"
 
 
 class TimedJournal(Journal):
