@@ -78,9 +78,9 @@ class PooledCore:
             raise SystemExit(f"goals are feasible, but ended without success: {failed}")
 
     def watch_joining(self):
-        """Stop planning for new goals after a moment, as in the node; they are admitted later."""
-        begin = time.monotonic()
-        return lambda: Halt("the goals are admitted later") if time.monotonic() - begin >= JOINING else None
+        """Stop planning for new goals as in the node, but after a moment of processor time; they are admitted later."""
+        begin = self.process.cpu_time
+        return lambda: Halt("the goals are admitted later") if self.process.cpu_time - begin >= JOINING else None
 
     def watch(self):
         """Return the stop function of a search without a time limit."""
@@ -98,7 +98,6 @@ class Robot(PooledCore):
         executed: the number of executed steps.
         longest: the longest processor time of the solver, in seconds, until the next action is sent.
         still: the longest wall time, in seconds, between a return and the next action of a plan in force.
-        queued: the largest number of queued goals while an action was running.
 
     """
 
@@ -107,7 +106,7 @@ class Robot(PooledCore):
         super().__init__(task.program, plan_time, CoreSettings(search_timeout=search_timeout))
         self.task, self.world = task, task.world_type(task)
         self._timeout, self._limit, self._admitted, self._now, self._returned = search_timeout, limit, set(), 0.0, None
-        self.executed, self.longest, self.still, self.queued, self.improving = 0, 0.0, 0.0, 0, 0.0
+        self.executed, self.longest, self.still, self.improving = 0, 0.0, 0.0, 0.0
 
     def ask(self, numbers=None):
         """Send goals of the task, by default all."""
@@ -124,7 +123,6 @@ class Robot(PooledCore):
         begin = self.process.cpu_time
         self.advance(self._now)
         self.longest = max(self.longest, self.process.cpu_time - begin)
-        self.queued = max(self.queued, self.waiting)
         return self.steps()
 
     @property
@@ -158,14 +156,14 @@ class Robot(PooledCore):
         return len(plan)
 
     def improve(self, seconds):
-        """Improve the plan while an action runs; yield the used seconds and the steps of each better plan."""
+        """Improve the plan while an action runs; yield the steps of each better plan."""
         begin = self.process.cpu_time
 
         def over():
             return self.process.cpu_time - begin >= seconds
 
         while self.core.improve(over) and not over():  # a stopped search does not show whether it is exhausted
-            yield self.process.cpu_time - begin, self.steps()
+            yield self.steps()
         self.improving += self.process.cpu_time - begin
 
     def act(self, seconds):

@@ -23,20 +23,33 @@ Run it in the built workspace: ./dev exec python3 bench/domains.py
 """
 
 import time
+from contextlib import suppress
 
 import comparison
-import fast_downward
 import incmode
+import peers
+from acting_core import Robot, TooLongError
 from figures import Option, main
 from planning_domains import DOMAINS, check
 
+from rosoclingo.nodes.core.loading import CoreParameters
 from rosoclingo.reasoning.settings import CoreSettings
 
 SIZES = ["small", "middle", "large"]
-UNITS = {"first [s]": "s of processor", "out [s]": "s of processor"}
-UNITS.update(dict.fromkeys(("first", "out", "improved", "executed"), "steps"))
-COLUMNS = ["first [s]", "first", "out [s]", "out", "improved", "executed", "incmode [s]", "incmode"]
-COLUMNS += ["lama-first [s]", "lama-first", "lama", "best", "first/lama", "steps/best"]
+COLUMNS = {"first [s]": "s of processor", "first": "steps", "out [s]": "s of processor", "out": "steps"}
+COLUMNS.update(dict.fromkeys(("improved", "executed"), "steps"), **dict.fromkeys(("incmode [s]", "incmode")))
+COLUMNS.update(dict.fromkeys(("lama-first [s]", "lama-first", "lama", "best", "first/lama", "steps/best")))
+
+
+def improved_plans(task, limit, seconds):
+    """Return seconds and steps of the plan with the default of ~plan_time, and the steps after further improvement."""
+    with suppress(TooLongError), Robot(task, CoreParameters.plan_time, limit=limit) as robot:
+        begin = robot.process.cpu_time
+        robot.ask()
+        steps = robot.plan()
+        spent = robot.process.cpu_time - begin
+        return {"out [s]": spent, "out": steps, "improved": [steps, *robot.improve(seconds)][-1]}
+    return {}
 
 
 def incremental_mode(task, limit):
@@ -50,18 +63,26 @@ def incremental_mode(task, limit):
     return {"incmode [s]": seconds, "incmode": len(plan)}
 
 
+def fast_downward(task, limit, seconds):
+    """Return seconds and steps of Fast Downward's first plan within ``limit``, and its best steps in ``seconds``."""
+    cells = {}
+    for name, end in (("lama-first", limit), ("lama", seconds)):
+        spent, steps = peers.fast_downward(task, name, end)
+        if steps is not None:
+            cells.update({f"{name} [s]": spent, name: steps})
+    return cells
+
+
 def measure_row(domain, size, options):
     """Return the cells of a row: column -> figure."""
     task, cells = DOMAINS[domain].make(*DOMAINS[domain].sizes[size], seed=options.seed), {}
-    cells["first [s]"], cells["first"] = comparison.first_plan(task, options.limit) or (None, None)
-    plans = comparison.improved_plans(task, options.limit, options.seconds)
-    if plans:
-        cells.update({"out [s]": plans[0][0], "out": plans[0][1], "improved": plans[-1][1]})
+    cells["first [s]"], cells["first"], _ = comparison.first_plan(task, limit=options.limit) or (None, None, None)
+    cells.update(improved_plans(task, options.limit, options.seconds))
     run = comparison.execute(task, options.action_time, CoreSettings.search_timeout, options.limit)
     cells["executed"] = run.get("executed")
     cells.update(incremental_mode(task, options.limit))
-    if task.robots == 1 and fast_downward.driver():
-        cells.update(comparison.fast_downward_plans(task, options.limit, options.lama_seconds))
+    if task.robots == 1 and peers.folder_of(peers.FAST_DOWNWARD):
+        cells.update(fast_downward(task, options.limit, options.lama_seconds))
     steps = [cells.get(name) for name in ("first", "out", "improved", "executed", "incmode", "lama-first", "lama")]
     cells["best"] = min((one for one in steps if one is not None), default=None)
     for ratio, ours, other in (("first/lama", "first [s]", "lama-first [s]"), ("steps/best", "executed", "best")):
@@ -71,9 +92,7 @@ def measure_row(domain, size, options):
 
 def measure(options):
     """Print the table row by row; yield its figures."""
-    if not fast_downward.driver():
-        print(fast_downward.HOW)
-    table = comparison.Table("domain, size", COLUMNS, UNITS)
+    table = comparison.Table("domain, size", COLUMNS)
     for domain in options.domains:
         for size in options.sizes:
             yield from table.row(f"{domain}, {size}", measure_row(domain, size, options))
@@ -87,5 +106,6 @@ if __name__ == "__main__":
         domains=Option([*DOMAINS], "domains to measure", ["blocks", "elevator", "keys", "crates"], [*DOMAINS]),
         sizes=Option(SIZES, "sizes of tasks", ["small"], SIZES),
         seconds=Option(5.0, "seconds to improve the first plan", 0.5),
+        lama_seconds=Option(10.0, "time limit of seq-sat-lama-2011", 1.0),
         **comparison.OPTIONS,
     )

@@ -11,7 +11,7 @@ ignores collisions.
 Columns of the table:
   floor     number of offices in a row, or loops; then the numbers of robots and of requests
   how       once: all requests are known at the start; stream: one more every 15 s
-  first     wall time in seconds until the first action
+  first     seconds of processor time until the first action
   makespan  simulated seconds until the last delivery, and the same without _running, in the paper's cycle (paper)
   drive     seconds of driving, of all robots
   or        the makespan of OR-Tools' plan, for requests that are known at the start
@@ -23,15 +23,11 @@ Run it in the built workspace: ./dev exec python3 bench/fleet.py
 """
 
 import heapq
-import json
-import subprocess
-import time
-from pathlib import Path
 
 import comparison
-import routing
+import peers
 from acting_core import ENCODINGS, PooledCore
-from deliveries import CAPACITY, floor_named, random_requests
+from deliveries import floor_named, random_requests
 from figures import Option, main
 from fleet_world import DRIVE, HANDLE, FleetWorld
 
@@ -76,7 +72,7 @@ class FleetCore(PooledCore):
     Attributes:
         now: the simulated time in seconds.
         idle: the longest time that a robot rested while a package waited.
-        first: the wall time at which the first action was sent.
+        first: the processor time in seconds at which the first action was sent.
 
     """
 
@@ -95,7 +91,7 @@ class FleetCore(PooledCore):
         """Begin the actions that the core sends, and check that no goal fails."""
         super().note(event)
         if isinstance(event, ActionsDispatched):
-            self.first = self.first or time.perf_counter()
+            self.first = self.first or self.used
             for action in event.actions:
                 verb, robot = action.interface.name, str(action.interface.arguments[0])
                 duration = self.world.begin(robot, verb, int(str(action.parameter).replace("office", "")))
@@ -134,22 +130,13 @@ class FleetCore(PooledCore):
 
 
 def routed(floor, robots, requests):
-    """Return the makespan in seconds of OR-Tools' plan for several vehicles; raises RoutingError."""
-    places = [*starts(floor, robots).values(), *(one.start for one in requests), *(one.end for one in requests)]
-    distances = {place: floor.distances_from(place) for place in set(places)}
-    handled = [0] * robots + [HANDLE] * 2 * len(requests)
-    problem = {
-        "times": [[DRIVE * distances[a][b] + time_ for b in places] for a, time_ in zip(places, handled)],
-        "robots": robots,
-        "requests": len(requests),
-        "capacity": CAPACITY,
-        "seconds": OR_SECONDS,
-    }
-    command = [routing.bench_python(), str(Path(__file__).resolve().with_name("fleet_routing.py"))]
-    done = subprocess.run(command, input=json.dumps(problem), capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise routing.RoutingError(f"OR-Tools has found no plan: {done.stderr.strip()}")
-    return float(done.stdout)
+    """Return the makespan in seconds of OR-Tools' plan for several robots; raises RoutingError."""
+    places, ends = list(starts(floor, robots).values()), []
+    for place, visits in zip(places, peers.routes(floor, places, requests, (), OR_SECONDS, (int(DRIVE), int(HANDLE)))):
+        way = [place, *map(peers.place_of, visits)]
+        moves = sum(floor.distances_from(here)[there] for here, there in zip(way, way[1:]))
+        ends.append(DRIVE * moves + HANDLE * len(visits))
+    return max(ends)
 
 
 def drive(floor, robots, requests, gap, options, paper=False):
@@ -157,7 +144,7 @@ def drive(floor, robots, requests, gap, options, paper=False):
     world = FleetWorld(floor, starts(floor, robots), options.room, options.seed)
     batches = [(gap * number, [one]) for number, one in enumerate(requests)] if gap else [(0.0, requests)]
     with FleetCore(fleet_program(floor, robots, options.room, paper), world) as core:
-        begin = time.perf_counter()
+        begin = core.used
         core.play(batches)
         return {"first [s]": core.first - begin, "makespan": core.now, "drive": world.driven, "idle": core.idle}
 
@@ -169,7 +156,7 @@ def measure_row(name, robots, count, how, options):
     gap = GAP if how == "stream" else 0.0
     cells = drive(floor, robots, requests, gap, options)
     cells["paper"] = drive(floor, robots, requests, gap, options, paper=True)["makespan"]
-    if how == "once" and routing.is_there():
+    if how == "once" and peers.folder_of(peers.OR_TOOLS):
         cells["or"] = routed(floor, robots, requests)
         cells["ours/or"] = cells["makespan"] / cells["or"]
     return cells
@@ -177,11 +164,8 @@ def measure_row(name, robots, count, how, options):
 
 def measure(options):
     """Print the table row by row; yield its figures."""
-    if not routing.is_there():
-        print(routing.HOW)
-    units = {**dict.fromkeys(("first [s]", "makespan", "paper", "drive", "idle"), "s"), "ours/or": ""}
-    columns = ["first [s]", "makespan", "paper", "drive", "or", "ours/or", "idle"]
-    table = comparison.Table("floor/robots/requests", columns, units)
+    units = {**dict.fromkeys(("makespan", "paper", "drive"), "s"), "or": None, "ours/or": "", "idle": "s"}
+    table = comparison.Table("floor/robots/requests", {"first [s]": "s of processor", **units})
     for name in options.floors:
         for robots in options.robots:
             for count in options.requests:

@@ -3,8 +3,8 @@
 import sys
 
 import deliveries
+import peers
 import pytest
-import routing
 from deliveries import Request, office_of, task_of
 from mailbot_world import fewest_steps, neighbours
 from planning_domains import RuleError, check
@@ -122,10 +122,10 @@ def test_deliveries_route_is_executed_as_actions():
 STAND_IN = """#!{python}
 import json, os, signal, sys
 problem = json.load(sys.stdin)
-assert problem["waiting"] == 1 and problem["carried"] == 1 and problem["capacity"] == 3 and problem["seconds"] == 5
-assert problem["distances"] == [[0, 1, 1, 2], [1, 0, 2, 1], [1, 2, 0, 3], [2, 1, 3, 0]]
+assert [problem[one] for one in ("robots", "waiting", "carried", "capacity", "seconds")] == [1, 1, 1, 3, 5]
+assert problem["times"] == [[0, 1, 1, 2], [2, 1, 3, 2], [2, 3, 1, 4], [3, 2, 4, 1]]
 for route in {routes}:
-    print(json.dumps(route), flush=True)
+    print(json.dumps([route]), flush=True)
 os.kill(os.getpid(), signal.SIG{end})
 """
 
@@ -138,33 +138,28 @@ def stand_in(tmp_path, monkeypatch):
         path = tmp_path / "python"
         path.write_text(STAND_IN.format(python=sys.executable, routes=routes, end=end))
         path.chmod(0o755)
-        monkeypatch.setenv(routing.PYTHON, str(path))
+        monkeypatch.setenv(peers.PYTHON, str(path))
 
     return make
 
 
-def ask(seconds):
+def test_deliveries_last_route_counts(stand_in):
+    stand_in([[2, 0, 1], [0, 2, 1]])
     carried, waiting = Request(1, 1, 4), Request(2, 3, 1)
-    found = routing.routes(deliveries.row(4), 2, [waiting], [carried], seconds)
-    names = {("pickup", waiting): "pick up", ("deliver", waiting): "bring back", ("deliver", carried): "deliver"}
-    return [[names[visit] for visit in visits] for visits in found]
+    visits = [("pickup", waiting), ("deliver", carried), ("deliver", waiting)]
+    assert peers.routes(deliveries.row(4), [2], [waiting], [carried]) == [visits]
 
 
-def test_deliveries_best_route_of_each_time_counts(stand_in):
-    stand_in([[0.5, [3, 1, 2]], [3.0, [1, 3, 2]]])
-    first, last = ["deliver", "pick up", "bring back"], ["pick up", "deliver", "bring back"]
-    assert ask([0.1, 1, 5]) == [first, first, last]
-
-
-@pytest.mark.parametrize(("routes", "end"), [([], "PROF"), ([[0.5, [3, 1, 2]]], "KILL")])
+@pytest.mark.parametrize(("routes", "end"), [([], "PROF"), ([[2, 0, 1]], "KILL")])
 def test_deliveries_report_a_failed_search(stand_in, routes, end):
     stand_in(routes, end)
-    with pytest.raises(routing.RoutingError, match="no route"):
-        ask([1, 5])
+    with pytest.raises(peers.RoutingError, match="no route"):
+        peers.routes(deliveries.row(4), [2], [Request(2, 3, 1)], [Request(1, 1, 4)])
 
 
-def test_deliveries_reject_a_python_without_or_tools(stand_in, monkeypatch):
-    monkeypatch.setenv(routing.PYTHON, "/no/such/python")
-    assert not routing.is_there()
-    stand_in([])
-    assert not routing.is_there()
+def test_deliveries_reject_a_python_without_or_tools(stand_in, monkeypatch, capsys):
+    monkeypatch.setenv(peers.PYTHON, "/no/such/python")
+    peers.folder_of.cache_clear()
+    assert peers.folder_of(peers.OR_TOOLS) is None
+    assert "./dev bench" in capsys.readouterr().out
+    peers.folder_of.cache_clear()

@@ -4,7 +4,7 @@ import re
 from argparse import Namespace
 
 import domains
-import fast_downward
+import peers
 import pytest
 from deliveries import random_requests, row, task_of
 from planning_domains import DOMAINS, RuleError, check, superfluous
@@ -23,7 +23,7 @@ def test_planning_domains_row_has_valid_plans_of_planners():
 
 @pytest.mark.slow
 def test_planning_domains_cell_beyond_limit_is_empty(monkeypatch):
-    monkeypatch.setattr(fast_downward, "driver", lambda: None)
+    monkeypatch.setattr(peers, "folder_of", lambda package: None)
     cells = domains.measure_row("tiles", "large", Namespace(**{**vars(OPTIONS), "limit": 1e-6}))
     assert set(cells.values()) == {None}
 
