@@ -47,7 +47,7 @@ def folder_of(package: str) -> Optional[Path]:
     try:
         done = subprocess.run([bench_python(), "-c", code], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
-        print(f"{package} is not installed, so its columns are empty; ./dev bench domains fleet many_goals installs it")
+        print(f"{package} is not installed, so its columns are empty; ./dev bench installs it")
         return None
     return Path(done.stdout.strip())
 

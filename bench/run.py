@@ -175,8 +175,7 @@ def command_line():
     parser.add_argument(
         "--rounds", type=int, help=f"runs of each bench (default: 1; with --against {FEWEST}, which is the least)"
     )
-    # The work folder of ./dev. Without it, the command line is only checked, and the names of the benches are printed.
-    parser.add_argument("--work", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--work", type=Path, required=True, help=argparse.SUPPRESS)  # the work folder of ./dev
     options = parser.parse_args()
     for name in options.names:
         if name not in BENCHES:
@@ -191,9 +190,6 @@ def command_line():
 
 def main() -> int:
     options = command_line()
-    if options.work is None:
-        print(*options.names)
-        return 0
     (options.work / "bench").mkdir(exist_ok=True)
     logs = Path(tempfile.mkdtemp(dir=str(options.work / "bench")))
     try:

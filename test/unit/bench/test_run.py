@@ -167,9 +167,18 @@ def test_bench_prints_its_options_without_measuring(name, monkeypatch, capsys):
     assert "--json" in printed
 
 
-def test_bench_run_checked_options_select_benches():
-    assert runner("tours", "oclingo").stdout.split() == ["tours", "oclingo"]
-    assert runner().stdout.split() == run.BENCHES
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nosuch"], "no such bench: nosuch; the benches are cut_off "),
+        (["oclingo", "--rounds", "0"], "--rounds must be at least 1"),
+        (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
+    ],
+)
+def test_bench_run_refuses_a_wrong_command_line(arguments, message, tmp_path):
+    done = runner(*arguments, "--work", tmp_path)
+    assert done.returncode == 2
+    assert message in done.stderr
 
 
 def test_bench_run_excludes_shared_modules():
