@@ -12,11 +12,9 @@ Run it in the built workspace: ./dev exec python3 bench/cycles.py --offices 20
 import random
 import time
 
-from acting_core import ENCODINGS, PooledCore, processor_clock
+from acting_core import PooledCore, processor_clock
 from deliveries import row
 from figures import Figure, Option, main, quantiles
-
-from rosoclingo.oclingo import ReactiveProgram
 
 CLOCKS = {"wall": "ms", "core": "ms of processor", "solver": "ms of processor"}
 
@@ -50,10 +48,8 @@ def act(robot, seconds, value, prefetches):
 
 def measure(options):
     """Execute all requests; yield the figures of the first cycle, of those after failures, and of all others."""
-    paper = options.program == "paper"
-    program = ReactiveProgram.from_files([ENCODINGS / "paper.lp"]) if paper else row(options.offices).program
-    source, places = random.Random(options.seed), range(1, 5 if paper else options.offices + 1)
-    with PooledCore(program, options.plan_time) as robot:
+    source, places = random.Random(options.seed), range(1, options.offices + 1)
+    with PooledCore(row(options.offices).program, options.plan_time) as robot:
         for number in range(1, options.requests + 1):
             start, end = source.sample(places, 2)
             robot.core.add_goal(str(number), f"goal(office{start},office{end},{number})")
@@ -75,8 +71,7 @@ if __name__ == "__main__":
     main(
         __doc__,
         measure,
-        program=Option("mailbot", "program of the core", choices=["mailbot", "paper"]),
-        offices=Option(20, "offices of the mailbot"),
+        offices=Option(20, "offices in a row"),
         requests=Option(10, "requests sent at once", 5),
         cycles=Option(200, "limit of cycles"),
         seconds=Option(0.2, "duration of an action", 0.1),

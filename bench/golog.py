@@ -141,10 +141,6 @@ def measure(options):
                 print(f"task {task}: {kind:8} {seconds:8.2f} s, {length}", flush=True)
     for kind in options.kinds:
         yield Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s")
-    if {"alone", "control"} <= set(options.kinds):
-        ratio = [one / other for one, other in zip(times["alone"], times["control"])]
-        yield Figure("alone over control", statistics.median(ratio), "times", "higher")
-        yield Figure("alone over control, least", min(ratio), "times", "higher")
 
 
 if __name__ == "__main__":

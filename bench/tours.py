@@ -273,7 +273,7 @@ def plan_times(grid: OccupancyGrid, count: int) -> List[float]:
 
 def measure(options) -> Iterator[Figure]:
     """Drive the tours and print the goals that were not reached; yield the figures."""
-    ends, aborts, costs, collisions, simulated, begin = [], [], [], 0, 0.0, time.time()
+    ends, aborts, costs, collisions = [], [], [], 0
     kinds = ["small"] * options.small + ["office"] * options.offices
     for seed, kind in enumerate(kinds, options.seed):
         random = np.random.default_rng(seed)
@@ -290,14 +290,12 @@ def measure(options) -> Iterator[Figure]:
         for collision in tour.drive.collisions[:1]:
             print(f"{kind} {seed} {tuple(variant)}: COLLISION {collision}", flush=True)
         aborts, costs = aborts + tour.aborts, costs + tour.drive.costs
-        collisions, simulated = collisions + len(tour.drive.collisions), simulated + tour.drive.world.time
-    pace = simulated / (time.time() - begin)
+        collisions += len(tour.drive.collisions)
     for end in ("reached", "impossible", "either", "MISSED", "NO END"):
         yield Figure(end, ends.count(end), "goals", "higher" if end == "reached" else "lower")
     yield Figure("collisions", collisions, "")
     yield Figure("longest abort", max(aborts, default=0.0), "simulated s")
     yield from quantiles("control period", [1e6 * one for one in costs], "us")
-    yield Figure("pace", pace, "simulated s per s", "higher")
     yield Figure("a plan over 60 to 80 m", statistics.median(plan_times(office_floor(3).grid, options.plans)), "ms")
 
 
