@@ -18,6 +18,7 @@ Expectations, in which ``...`` stands for any text:
     ends ACTION...                the cancelled actions
     sends TEXT, sent TEXT, unsent TEXT    the last update without its frame, one of all updates, none of them
     problem TEXT, problems NUMBER    one of the problems, their number
+    queued KEY...                 the goals that wait for a place in the program
     cycle NUMBER, patience NUMBER    the present cycle, the factor of a search's time
 """
 
@@ -157,6 +158,7 @@ EXPECTATIONS = {
     "unsent": lambda driver, rest, line: same([one for one in bodies(driver) if matches(one, rest)], [], line),
     "problem": lambda driver, rest, line: some(driver.problems, rest, line),
     "problems": lambda driver, rest, line: same(len(driver.problems), int(rest), "\n".join((line, *driver.problems))),
+    "queued": lambda driver, rest, line: same([one.key for one in driver.core.queue.waiting], rest.split(), line),
     "cycle": lambda driver, rest, line: same(driver.core.cycle, int(rest), line),
     "patience": lambda driver, rest, line: same(driver.core.queue.patience, int(rest), line),
 }

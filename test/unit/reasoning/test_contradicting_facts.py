@@ -1,19 +1,26 @@
-"""Facts that contradict the executed actions or one another: the fewest are withheld, checked against every subset."""
+"""Contradicting facts: the fewest are redated or withheld, late facts first; checked against every subset of them."""
 
 from itertools import combinations
 
 import pytest
+from clingo import parse_term
 from core_driver import Driver, shortest
+from core_scripts import play, scripts
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from test_recovery import halting
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, Statement, StreamUpdate, fact, parse_atom, parse_updates
 from rosoclingo.reasoning.events import UpdateSent
+from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.reasoning.observations import Observation
+from rosoclingo.reasoning.repair import Change
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: One action meets a goal go(Room,Id). Observations of a cycle can deny its actions or other observations.
+#: One action meets a goal go(Room,Id). Observations of a cycle can deny its actions or other observations; facts
+#: ``_kind(X)`` hold in all cycles.
 SIGHTS = """
-#external _request/2. #external _return/3. #external _seen/2.
+#external _request/2. #external _return/3. #external _seen/2. #external _kind/1.
 #program cumulative(t).
 wanted(R,I,t) :- _request(go(R,I),t+1).
 wanted(R,I,t) :- wanted(R,I,t-1), not been(R,t-1), not _request(cancel(I),t).
@@ -21,6 +28,8 @@ wanted(R,I,t) :- wanted(R,I,t-1), not been(R,t-1), not _request(cancel(I),t).
 been(R,t) :- _action_lib(go,R,t).
 :- _action_lib(go,R,t), _seen(F,t), denies(F,R).
 :- _seen(F,t), _seen(G,t), rivals(F,G).
+:- _kind(F), _seen(G,t), rivals(F,G).
+:- _kind(F), _return(go,F,t).
 #program volatile(t).
 :- wanted(R,I,t), not been(R,t).
 #program base.
@@ -28,6 +37,51 @@ been(R,t) :- _action_lib(go,R,t).
 #show _action_lib/3.
 #defined denies/2. #defined rivals/2.
 """
+
+#: The pairs of the program, the limit of the time, and the script after ``hall`` in cycle 1 and ``den`` in cycle 3.
+REPAIRS = {
+    "late fact is redated": ("denies(fog,hall).", None, """
+        facts _seen(fog,1); sends _seen(fog,5).; problems 1
+        problem _seen(fog,1) from interface interface contradicts that go(hall) was done in cycle 1: redated to cycle 5
+        """),
+    "late fact is withheld if it is impossible now": ("rivals(fog,glow).", None, """
+        facts _kind(fog) _seen(glow,1); sends _kind(fog).; problems 1; problem _seen(glow,1)...the history: withheld"""),
+    "new fact is withheld before an older one": ("rivals(fog,glow).", None, """
+        facts _kind(fog); facts _seen(glow,now); sends ; problems 1; problem _seen(glow,now)...: withheld"""),
+    "fact is withheld before a return": ("", None, """
+        facts _kind(odd); goal 3 go(attic,3); fail odd; problems 1; problem _kind(odd)...: withheld"""),
+    "two late facts cannot both be redated": ("denies(fog,hall). denies(glow,hall). rivals(fog,glow).", None, """
+        facts _seen(fog,1) _seen(glow,1); sends _seen(fog,5).; problem _seen(fog,1)...: redated to cycle 5
+        problem _seen(glow,1) from...: withheld"""),
+    "two facts are redated to the same one": ("denies(fog,hall). denies(fog,den).", None, """
+        facts _seen(fog,1) _seen(fog,3); sends _seen(fog,5)."""),
+    "no time to find the facts": ("denies(fog,hall).", 0, """
+        facts _seen(fog,1) _seen(glow,1); problem _seen(fog,1)...possibly contradicts the history: withheld
+        problem _seen(glow,1)...possibly contradicts the history: withheld"""),
+    "time to redate one of them": ("denies(fog,hall).", 1, """
+        facts _seen(fog,1) _seen(glow,1); sends _seen(fog,5)."""),
+    "no time to find the actions": ("denies(fog,hall).", 2, """
+        facts _seen(fog,1) _seen(glow,1); sends _seen(glow,1). _seen(fog,5).; problems 1
+        problem _seen(fog,1)...contradicts the history: redated to cycle 5"""),
+}  # fmt: skip
+
+
+@scripts(REPAIRS)
+def test_repair_follows_the_script(row):
+    pairs, looks, script = row
+    driver = Driver(SIGHTS.format(facts=pairs), **({} if looks is None else {"watch_recovery": halting(looks)}))
+    play(driver, "goal 1 go(hall,1); finish; goal 2 go(den,2); finish; does; cycle 4")
+    assert play(driver, script).finish().core.live_goals == []
+
+
+SHUT = Observation(parse_term("_shut(d,2)"), 3)
+WENT, TOOK = (action_of(parse_term(f"_action_lib({one},2)")) for one in ("go,den", "take,cup"))
+
+
+def test_repair_names_all_contradicted_actions_of_a_cycle():
+    text = "_shut(d,2) contradicts that go(den) and take(cup) were done in cycle 2: withheld"
+    assert str(Change(SHUT, None, (WENT, TOOK))) == text
+
 
 ROOMS, SIGHT_NAMES = ("hall", "den", "attic"), ("fog", "glow", "smoke")
 PAIRS = {
