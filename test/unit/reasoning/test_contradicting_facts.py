@@ -42,10 +42,9 @@ been(R,t) :- _action_lib(go,R,t).
 REPAIRS = {
     "late fact is redated": ("denies(fog,hall).", None, """
         facts _seen(fog,1); sends _seen(fog,5).; problems 1
-        problem _seen(fog,1) from interface interface contradicts that go(hall) was done in cycle 1: redated to cycle 5
-        """),
+        problem _seen(fog,1) from interface interface contradicts that go(hall) was done in cycle 1: redated to ..."""),
     "late fact is withheld if it is impossible now": ("rivals(fog,glow).", None, """
-        facts _kind(fog) _seen(glow,1); sends _kind(fog).; problems 1; problem _seen(glow,1)...the history: withheld"""),
+        facts _kind(fog) _seen(glow,1); sends _kind(fog).; problem _seen(glow,1)...the history: withheld"""),
     "new fact is withheld before an older one": ("rivals(fog,glow).", None, """
         facts _kind(fog); facts _seen(glow,now); sends ; problems 1; problem _seen(glow,now)...: withheld"""),
     "fact is withheld before a return": ("", None, """
