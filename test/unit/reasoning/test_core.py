@@ -1,7 +1,6 @@
 """The cycle: batching, idling, deferral, returns, cancels, time-outs, and the reported problems."""
 
 import re
-from dataclasses import replace
 
 import pytest
 from core_driver import ERRANDS, Driver
@@ -10,7 +9,7 @@ from core_scripts import play, scripts
 
 from rosoclingo.oclingo import SolveOutcome, SolveResult, parse_atom
 from rosoclingo.planning.history import AcceptedUpdate, History
-from rosoclingo.reasoning.events import GoalProgress, PlanMade
+from rosoclingo.reasoning.events import GoalProgress
 from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.returns import MOST_FACTS
 from rosoclingo.reasoning.settings import CoreSettings
@@ -73,23 +72,6 @@ class Procrastinator:
         self.log = log
 
 
-class Dawdler(Procrastinator):
-    """Acts in every fourth cycle as well."""
-
-    def update(self, update, stopped=None):
-        result = super().update(update, stopped)
-        now = parse_atom(f"_action_lib(go,1,{update.step})")
-        return result if update.step % 4 else replace(result, answers=(result.answers[0] | {now},))
-
-
-class Relenting(Procrastinator):
-    """Defers its plan until the fifth cycle, in which nothing is left to do."""
-
-    def update(self, update, stopped=None):
-        result = super().update(update, stopped)
-        return result if update.step < 5 else replace(result, answers=(frozenset(),))
-
-
 def deferring(solver, text=ERRANDS):
     """Return a driver, not yet started, with its own solvers; a plan can be deferred for five cycles."""
     return Driver(text, CoreSettings(horizon_limit=5), solver=lambda _program: solver(), start=False)
@@ -122,12 +104,18 @@ CYCLES = {
     "action that does not return in time": (ERRANDS, {"action_timeout": 10.0}, """
         goal a do(walk,1); wait 9.9; cycle 1; wait 0.1; cycle 2; sends ..._return(walk,timeout,1).; problem ...10 s...
         finish; is a succeeded"""),
+    "actions that do not return in time are reported singly": (ERRANDS, {"action_timeout": 0.5}, """
+        add a do(quick,1); goal b do(quick,2); wait 0.5; problems 2
+        problem _action_lib(quick,1,1) has not returned within 0.5 s: it counts as failed
+        problem _action_lib(quick,2,1) has not returned within 0.5 s: it counts as failed"""),
     "no time-out of actions": (ERRANDS, {"action_timeout": 0.0}, "goal a do(walk,1); wait 1e9; does walk,1,1"),
     "time that jumps back starts the time-out again": (ERRANDS, {"action_timeout": 10.0}, """
         wait 99; goal a do(walk,1); wait -95; wait 9; cycle 1; wait 2; cycle 2"""),
     "goal that the program declares no external for": (ERRANDS.replace("#external _request/2.", DECLARED), {}, """
         goal bad do(fly,1); goal good do(walk,1); finish; all bad rejected; says bad ...unknown to the program...
         is good succeeded"""),
+    "program that declares no requests": (ERRANDS.replace("_request/2.", "_request/1."), {}, """
+        goal a do(walk,1); all a rejected; says a ...no external _request/2..."""),
     "malformed actions are reported and ignored": (ERRANDS + "_action_lib(odd,x,never).", {}, """
         goal a do(walk,1); finish; is a succeeded; problem ..._action_lib(odd,x,never)..."""),
     "warnings of the solver are reported": (ERRANDS.replace("_seen/1.", "_seen(1..2)."), {}, """
@@ -148,34 +136,10 @@ def test_core_cycle_follows_the_script(row):
     play(Driver(text, CoreSettings(**{"horizon_limit": 8, **settings})), script)
 
 
-def test_core_keeps_a_plan_that_acts_occasionally():
-    driver = deferring(Dawdler, ERRANDS.replace("#external _return/3.", ""))
-    driver.core.start()
-    driver.core.add_goal("a", "do(walk,1)")
-    while driver.core.cycle < 20:
-        if not driver.core.advance(1.0):
-            driver.core.receive("interface", [f"_return(go,1,{driver.core.cycle})"])
-    assert not any("was deferred" in problem for problem in driver.problems)
-    assert [goal.key for goal in driver.core.live_goals] == ["a"]
-
-
 def test_core_defers_a_plan_for_limited_cycles_after_arrival():
     driver = deferring(Procrastinator).begin().facts("_seen(ball)")
     assert driver.core.cycle == 5 + 1 + 5
     assert driver.problems == ["the plan was deferred 5 times in a row: it is dropped"] * 2
-
-
-def test_core_keeps_a_plan_that_becomes_empty_at_the_limit():
-    driver = deferring(Relenting).begin()
-    assert (driver.core.cycle, driver.problems) == (5, [])
-
-
-def test_core_has_no_plan_before_it_begins():
-    driver = deferring(Procrastinator)
-    core = driver.core
-    assert (core.cycle, core.plan.actions, core.live_goals, core.awaited) == (1, (), [], ())
-    assert not core.improve(lambda: False), "nor is there one to improve"
-    assert not driver.journal.events
 
 
 def test_core_reports_events_of_a_goal_in_order():
@@ -185,18 +149,6 @@ def test_core_reports_events_of_a_goal_in_order():
         *("UpdateSent 1", "ActionsDispatched 1", "PlanMade 1", "StateChanged 1", "GoalProgress 1"),
         *("ReturnAccepted 1", "UpdateSent 2", "PlanMade 2", "StateChanged 2", "GoalChanged 2", "GoalChanged 2"),
     ]
-
-
-def test_core_plan_without_answer_holds_only_the_past():
-    driver = Driver()
-    driver.core.add_goal("a", "do(walk,1)")
-    driver.goal("b", "do(run,2)").goal("c", "do(never,3)").succeed()
-    reported = [(event.cycle, len(event.actions)) for event in driver.journal.of(PlanMade)]
-    assert reported == [(1, 0), (1, 2), (2, 1), (3, 2)]
-
-
-def test_core_first_update_contains_no_past():
-    assert Driver().facts("_seen(ball)").journal.stream == "#step 1 : 8.\n_seen(ball).\n#end step.\n"
 
 
 def test_core_remembers_cycles_that_an_open_request_saw():

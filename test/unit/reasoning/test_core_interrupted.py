@@ -273,18 +273,6 @@ def test_core_history_has_each_return_for_every_accepted_update(fates, steps):
     assert arm.heads.issuperset(set(facts) - set(dropped)), "other facts come later, or are reported as dropped"
 
 
-def test_core_reports_failure_with_a_too_costly_fact():
-    driver = play(FaultyDriver(program=PROGRAM), "goal a fetch(cup,1); fault dropped _loud(400")
-    arm = Arm(driver)
-    arm.answer(True, "_seen(dog)", "_loud(400,now)", "_seen(cat)")
-    assert driver.awaited, "the failed action is repeated"
-    arm.finish()
-    arm.check()
-    assert arm.heads.issuperset({"_seen(dog)", "_seen(cat)"}), "those that cost little come later"
-    assert driver.problems[-1] == "_loud(400,now) is dropped: the solver accepts no update with it"
-    play(driver, "goal b fetch(mug,2); finish; is b succeeded")
-
-
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 4)
 @example(faulty={0, 1, 2, 3, 4, 5, 6, 7}, error=DroppedError)

@@ -8,7 +8,6 @@ from workloads import sized
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.planning.history import Plan
-from rosoclingo.reasoning.records import CACHED, text_of
 
 #: Goals after which all bounded containers are full; the solver compacts more often than that.
 GOALS = 90  # after these goals the solver has compacted at every place where it can
@@ -46,13 +45,3 @@ def test_core_plans_of_many_answers_share_no_symbols():
         assert not Plan.from_atoms(answer, 1).actions
     gc.collect()
     assert len(gc.get_objects()) - before < 1000
-
-
-def test_core_does_not_cache_texts_of_long_symbols():
-    long = [parse_atom("seen({}{})".format("x" * 50000, number)) for number in range(10)]
-    gc.collect()
-    assert [text_of(one) is text_of(one) for one in long] == [False] * 10
-    short = parse_atom("seen(1)")
-    assert text_of(short) is text_of(short)
-    for number in range(CACHED + 1):
-        assert text_of(parse_atom(f"seen({number})")) == f"seen({number})"

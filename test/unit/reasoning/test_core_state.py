@@ -3,7 +3,6 @@
 import pickle
 
 import pytest
-from core_driver import Driver
 
 from rosoclingo.reasoning.core_state import FRESH, Health, Level
 from rosoclingo.reasoning.events import PlanMade, Problem
@@ -114,13 +113,6 @@ def test_core_state_describes_problems_in_words():
     assert health.problem(Problem(5, "all is lost"), 101.0) == "", "it was said before"
     assert health.counted(102.0) == []
     assert health.counted(101.0 + QUIET) == ["1 more of this kind in a minute, the last: cycle 5: all is lost"]
-
-
-def test_core_problems_name_their_interface():
-    driver = Driver().goal("a", "do(walk,1)").facts("garbage((", "_unheard(1)")
-    driver.now += 1e6
-    driver.run()
-    assert [problem.origin for problem in driver.journal.of(Problem)] == ["interface", "interface", "walk"]
 
 
 def test_core_state_shows_both_ends_of_long_problem():

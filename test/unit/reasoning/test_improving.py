@@ -85,24 +85,6 @@ def test_core_asks_nothing_if_no_improvement_is_left(driver):
     assert not driver.core.improve(lambda: pytest.fail("nothing runs"))
 
 
-def test_core_compacts_log_during_actions_without_improvement():
-    """A predicted update takes no search, and searches are otherwise the occasion to compact."""
-    stops = []
-
-    class RecordingSolver(PlanSolver):
-        def compact(self, stopped=None):
-            stops.append(stopped)
-
-    driver = Driver(SLOW, solver=RecordingSolver).goal("a", "do(4,1)")
-    assert not driver.core.improve(stop := lambda: False)
-    assert stops == [stop]
-    driver.core.add_goal("b", "do(2,2)")
-    assert not driver.core.improve(stop)
-    driver.finish()
-    assert not driver.core.improve(stop)
-    assert stops == [stop], "something waits, or nothing runs"
-
-
 def test_core_does_not_improve_while_nothing_runs():
     watch = Leaving()
     driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")

@@ -1,12 +1,10 @@
 """The input feeder: arrivals become the next update in order; queued ones move to another feeder."""
 
-import json
-
 from core_scripts import perform, scripts
 
-from rosoclingo.oclingo import Statement, StreamUpdate, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo import parse_atom, parse_term, parse_update
 from rosoclingo.reasoning.goals import Goal, Outcome
-from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder, requests_of
+from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import action_of
 
 
@@ -47,15 +45,6 @@ class Feeder(InputFeeder):
     def reject(self, identifier):
         self.add_rejection(parse_term(identifier))
 
-    def foresee(self, step, *words):
-        """Store the update with success of these actions and these new goals as the prediction."""
-        actions = [action(one) for one in words if one not in self.goals]
-        self.update = self.predicted(int(step), actions, [self.goals[one] for one in words if one in self.goals])
-
-    def foreseen(self, step, truth="yes"):
-        """Expect the update of a step to be the predicted one, or ``no``."""
-        assert (self.next_update(int(step)).update == self.update) == (truth == "yes")
-
     def next(self, step, *words):
         """Expect the update of a step."""
         self.batch = self.next_update(int(step))
@@ -86,9 +75,6 @@ UPDATES = {
         facts _return(a,x,4); cancel 1; facts _seen(ball); goal goal(c,d,2); done a,x,4 b,y,4
         next 5 :- not _action_lib(a,x,4). :- not _action_lib(b,y,4). _request(cancel(1),5). _request(goal(c,d,2),6). """
         "_return(a,x,4). _seen(ball)."),
-    "update that is foreseen, whichever action ends first": (None, """
-        foresee 5 a,x,4 b,y,4; done a,x,4 b,y,4; facts _return(b,y,4) _return(a,x,4); foreseen 5; facts _seen(ball)
-        next 5 :- not _action_lib(a,x,4). :- not _action_lib(b,y,4). _return(a,x,4). _return(b,y,4). _seen(ball)."""),
     "failure stays where it came": (None, """
         done a,x,4 b,y,4; facts _return(b,y,4) _seen(ball) _return(a,no,4)
         next 5 :- not _action_lib(a,x,4). :- not _action_lib(b,y,4). _return(b,y,4). _seen(ball). _return(a,no,4)."""),
@@ -125,10 +111,6 @@ UPDATES = {
         is_pending yes 1; arrived 3"""),
     **{f"{arrival} ends the wait": (None, f"facts _seen(ball); wait; is_pending no; {arrival}; is_pending yes")
        for arrival in ("goal g(1)", "cancel 7", "facts _seen(ball)")},
-    "goals that are foreseen": (None, """
-        goal goal(c,d,2); foresee 5 a,x,4 goal(c,d,2); done a,x,4; facts _return(a,x,4); foreseen 5"""),
-    "goals that were not foreseen": (None, """
-        foresee 5 a,x,4; goal goal(c,d,2); done a,x,4; facts _return(a,x,4); foreseen 5 no"""),
 }  # fmt: skip
 
 
@@ -147,42 +129,6 @@ def test_feeder_dates_a_goal_with_its_request():
     assert first.request_cycle == 2
 
 
-def test_feeder_separates_expected_from_other_arrivals():
-    feeder, seen = Feeder(), parse_atom("_return(go,a,1)")
-    assert not feeder.has_unexpected(())
-    feeder.add_fact(seen)
-    assert feeder.has_unexpected(())
-    assert not feeder.has_unexpected({seen})
-    withdrawn = Feeder()
-    withdrawn.add_withdrawals(frozenset([parse_atom("_request(do(walk,1),1)")]))
-    for other in (perform(Feeder(), "reject 1"), perform(Feeder(), "facts _seen(sun)"), withdrawn):
-        assert other.has_unexpected({seen})
-
-
-def heads(update):
-    return [str(item.head) for item in update.items if isinstance(item, Statement) and item.head is not None]
-
-
-def test_feeder_redates_facts_of_past_cycles():
-    feeder = Feeder(Clock(lambda name, arity: None if name == "_kind" else 1))
-    for text in ("_seen(ball,2)", "_seen(dog,9)", "_seen(cat,now)", "_kind(2)", "_return(a,x,2)"):
-        feeder.add_fact(parse_atom(text), "eye", 10)
-    batch = feeder.next_update(10, first_open=9)
-    assert str(batch.update.items[0]) == "#over 9."
-    assert heads(batch.update) == ["_seen(ball,9)", "_seen(dog,9)", "_seen(cat,9)", "_kind(2)", "_return(a,x,2)"]
-    assert [str(one.sent) for one in batch.facts if one.outdated] == ["_seen(ball,2)"]
-    assert {(one.origin, one.cycle) for one in batch.facts} == {("eye", 10)}
-    assert heads(feeder.next_update(10, first_open=1).update) == heads(feeder.next_update(10).update)
-    assert [str(feeder.next_update(10, over).update.items[0]) for over in (0, 1)] == ["_seen(ball,2).", "#over 1."]
-
-
-def test_feeder_preview_consumes_nothing():
-    feeder = perform(Feeder(), "facts _seen(ball)")
-    further = [parse_atom("_seen(dog)"), parse_atom("_seen(ball)")]
-    assert heads(feeder.preview(2, [], further)) == ["_seen(ball)", "_seen(dog)"]
-    assert heads(feeder.next_update(2).update) == ["_seen(ball)"]
-
-
 def test_feeder_assigns_cycles_to_facts():
     clock = Clock(lambda name, arity: {"_late": 1, "_seen": 0}.get(name), first=1)
     late, seen = parse_atom("_late(x,now)"), parse_atom("_seen(now)")
@@ -199,39 +145,3 @@ def test_feeder_assigns_cycles_to_facts():
     assert str(Clock(lambda name, arity: 9).dated(late, 3)) == "_late(x,1)", "the first cycle is 1"
     assert str(Clock(lambda name, arity: None).dated(late, 3)) == "_late(x,3)"
     assert Clock().dated(parse_atom("_rain"), 3) == parse_atom("_rain")
-
-
-def test_feeder_sorts_update_into_parts():
-    fed, unfed = goal("g(1)"), goal("g(2)")
-    fed.feed(6)
-    update = parse_update("#step 5. #withdraw _seen(a). :- not _action_lib(a,x,4). _request(g(1),6). #endstep.")
-    batch = Batch(update, (fed, unfed))
-    assert body(batch.indispensable) == body(batch.without_goals) == "#withdraw _seen(a). :- not _action_lib(a,x,4)."
-    assert requests_of([fed, unfed]) == {parse_atom("_request(g(1),6)")}
-    assert Batch(StreamUpdate(None, None, ())).request_cycle == 1, "an update without a step is of the first cycle"
-
-
-def test_feeder_hands_queue_to_another_feeder():
-    feeder = perform(Feeder(), """
-        goal g(1); cancel f(7); goal g(2); reject 8; facts _seen(ball) _battery(low,2) _seen(b) _seen(a)
-        done a,x,4 b,y,4""")  # fmt: skip
-    withdrawn = frozenset(parse_atom(f"_request(g({number}),2)") for number in range(20, 40))
-    feeder.add_withdrawals(withdrawn)
-    feeder.wait(5.0)
-    record = json.loads(json.dumps(feeder.record()))
-    assert record["feeder:withdrawn"] == [*map(str, sorted(withdrawn))], "in any order of the set"
-    twin = InputFeeder()
-    twin.restore(record)
-    twin.find_goals({"g(1)": feeder.goals["g(1)"]}.get)
-    assert (twin.arrivals, twin.pending, twin.waiting) == (7, False, 4)
-    twin.tick(14.9)
-    assert not twin.pending
-    twin.tick(15.0)
-    assert twin.pending
-    feeder.withdraw(feeder.goals["g(2)"])
-    assert twin.next_update(5) == feeder.next_update(5)
-    assert twin.next_update(5).facts[0].origin == "eye"
-    times = {"feeder:waits": None, "feeder:paused": None}
-    assert {**twin.record(), **times} == {**feeder.record(), **times}
-    update = str(twin.next_update(5).update)
-    assert update.startswith("#step 5.\n#withdraw _request(g(20),2).\n#withdraw _request(g(21),2).")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from stream_replay import check_replay
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning.events import GoalProgress, PlanMade, Problem
+from rosoclingo.reasoning.events import GoalProgress, PlanMade
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.returns import DONE
 from rosoclingo.reasoning.stream_planner import Halt
@@ -32,25 +32,6 @@ def check_past(driver):
         past = [action for action in event.actions if action.cycle < event.cycle]
         assert past == [action for action in actions if action.cycle < event.cycle][-DONE:], event
     assert {one for one in driver.core.plan.actions if one.cycle < driver.core.cycle} <= set(actions)
-
-
-def test_plan_keeps_past_after_long_idling():
-    driver = Driver().goal("a", "do(walk,1)").finish()
-    be_idle(driver)
-    driver.goal("b", "do(run,2)")
-    cycle = driver.core.cycle
-    for event in (driver.journal.of(PlanMade)[-1], driver.feedback("b")[-1]):
-        assert [str(one.atom) for one in event.actions] == ["_action_lib(walk,1,1)", f"_action_lib(run,2,{cycle})"]
-    check_past(driver)
-
-
-def test_plan_keeps_past_after_program_restart():
-    driver = Driver(TRAP).goal("a", "do(trap,1)").finish().goal("b", "do(run,2)")
-    assert any("it forgets its history" in event.message for event in driver.journal.of(Problem))
-    cycle = driver.core.cycle
-    plan = [str(one.atom) for one in driver.journal.of(PlanMade)[-1].actions]
-    assert plan == ["_action_lib(trap,1,1)", f"_action_lib(run,2,{cycle})"]
-    check_past(driver)
 
 
 EVENTS = st.lists(

@@ -1,17 +1,11 @@
 """With preempt, an action under way that the new plan does not contain ends at once; all others are awaited."""
 
-from types import SimpleNamespace
-
 import pytest
 from core_driver import ERRANDS, Driver, FaultyDriver
 from core_scripts import play, preempted, scripts
 from office_world import World
 from shipped import shipped
 
-from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning.input_feeder import InputFeeder
-from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.settings import CoreSettings
 
 #: Each goal has a drive and an arm movement in one cycle; the arm is useful only while the light is on.
@@ -215,13 +209,3 @@ def test_preemption_by_the_core_is_no_failure():
         play(office, f"ask 3 2 {package}; cancel {package}; fail preempted; is {package} preempted")
     play(office, "ask 3 2 6; finish; is 6 succeeded; problems 0")
     assert len(preempted(office)) == 5
-
-
-def test_preemption_forgets_actions_that_have_returned():
-    first, second = (action_of(parse_atom(f"_action_lib(go,a,{cycle})")) for cycle in (1, 2))
-    execution = SimpleNamespace(awaited=(first,))
-    preemption = Preemption(InputFeeder(), execution, declared=False)
-    assert preemption.end([first]) == preemption.found == (first,)
-    execution.awaited = (second,)
-    assert preemption.end([second]) == preemption.found == (second,)
-    assert preemption.record()["preemption:found"] == ["_action_lib(go,a,2)"]

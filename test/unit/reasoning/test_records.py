@@ -16,7 +16,7 @@ from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.keywords import Action, Return, action_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.recorded_history import RecordedHistory
-from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, codec, fields, group
+from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, codec, fields
 from rosoclingo.reasoning.returns import Dispatch
 
 
@@ -88,29 +88,6 @@ def test_records_begin_at_checkpoint_before_last_update(entries, passed):
     assert names_of(kept) == entries[passed:]
     assert (kept.step, kept.horizon, kept.keep_from) == (log.step, log.horizon, log.keep_from)
     assert (kept.update is None) == (log.update is None)
-
-
-def test_records_name_each_entry_uniquely_while_kept():
-    log = log_with("plan 1", "update 1")
-    part, _ = recorded(log)
-    assert [*group(part.record(), "log")] == ["1", "2"]
-    log = log.with_entries(ENTRIES["checkpoint 1"], ENTRIES["update 2"])
-    part.follow(log)
-    assert [*group(part.record(), "log")] == ["3", "4"]
-    part.follow(log.with_entries(ENTRIES["plan 2"]))
-    assert [one["do"] for one in group(part.record(), "log").values()] == ["checkpoint", "update", "adopt"]
-    reader = RecordedHistory()
-    reader.restore(part.record())
-    reader.follow(reader.history.with_entries(ENTRIES["update 3"]))
-    assert [*group(reader.record(), "log")] == ["3", "4", "5", "6"]
-    assert group({"log:1": 1, "logs:2": 2, "log": 3, "a:log:1": 4}, "log") == {"1": 1}
-
-
-@pytest.mark.parametrize("entries", [["plan 1", "update 1", "plan 2"], ["plan 1", "update 1"], ["update 1"]])
-def test_records_of_history_keep_plan_before_and_after_update(entries):
-    log = log_with(*entries)
-    _, kept = recorded(log)
-    assert (kept.before_update.plan, kept.plan) == (log.before_update.plan, log.plan)
 
 
 ACTIONS = tuple(action_of(parse_atom(f'_action_lib(say,"{word}",1)')) for word in ("a, b", "c"))

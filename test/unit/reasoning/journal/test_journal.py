@@ -187,26 +187,6 @@ def test_journal_size_stays_bounded(folder, monkeypatch):
     assert folder.read().state == {"core": 499, "goal:1": "x" * 100}
 
 
-def test_journal_is_missing_in_an_empty_folder(folder):
-    assert folder.read() is None
-    assert folder.set_aside("old") is None
-
-
-def test_journal_set_aside_is_no_longer_found(folder):
-    folder.begin({"core": 1})
-    aside = folder.set_aside("old")
-    assert aside.name == "journal.db.old"
-    assert folder.read() is None
-    assert read(aside).state == {"core": 1}
-
-
-def test_journal_refuses_a_second_core(folder):
-    with pytest.raises(JournalError, match=r"another core uses the journal in .*: stop it, or"):
-        Journal(folder.path.parent, HEADER)
-    folder.close()
-    Journal(folder.path.parent, HEADER).close()
-
-
 def test_journal_of_a_killed_core_is_unlocked(tmp_path):
     code = (
         "import sys; from pathlib import Path;"

@@ -18,12 +18,8 @@ from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.settings import CoreSettings
-
-
-class KilledError(Exception):
-    """Stands in for SIGKILL."""
 
 
 def test_keeper_writes_to_disk_before_messages_leave(start):
@@ -71,78 +67,6 @@ def test_keeper_makes_a_return_durable_at_once(start, records):
     assert [type(event) for event in node.published][-1] is ReturnAccepted
     assert len(records) == 1
     assert start().core.awaited == ()
-
-
-def test_keeper_writes_nothing_without_events(start, records):
-    node = start()
-    node.goal("a", "do(walk,1)")
-    records.clear()
-    node.keeper.send()
-    assert records == []
-
-
-def test_keeper_restores_recorded_goal_that_core_had_not_accepted(start):
-    node = start()
-    node.keeper.add("a", ClientGoal("do(walk,1)", (3, 4)))
-    node.keeper.cancel("a")
-    node.keeper.keep()
-    again = start()
-    assert again.keeper.clients == {"a": ClientGoal("do(walk,1)", (3, 4), cancelled=True)}
-    assert again.core.goal("a") is None
-
-
-def test_keeper_reports_missed_end_of_goal_after_restart(start):
-    node = start()
-    node.goal("a", "do(walk,1)")
-
-    def kill(event):
-        if isinstance(event, GoalChanged) and event.outcome is not None:
-            raise KilledError
-
-    node.at_event = kill
-    with pytest.raises(KilledError):
-        node.succeed()
-    again = start()
-    ending = Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
-    assert again.keeper.clients["a"].ending == ending
-    assert again.core.goal("a") is None
-    assert start().keeper.clients["a"].ending == ending
-    again = start()
-    again.keeper.forget(["a"])
-    again.goal("b", "do(walk,2)")
-    assert list(start().keeper.clients) == ["b"]
-
-
-def test_keeper_holds_unconfirmed_end_until_it_expires(start):
-    node = start()
-    node.goal("a", "do(walk,1)")
-    (action,) = node.core.awaited
-    node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
-    while node.core.advance(1.0):
-        node.keeper.send(keep_ends=True)
-    assert any(isinstance(event, GoalChanged) and event.outcome is not None for event in node.published)
-    again = start()
-    assert again.keeper.clients["a"].ending == Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
-    again.keeper.forget(["a"])
-    again.goal("b", "do(walk,2)")
-    assert list(start().keeper.clients) == ["b"]
-
-
-def test_keeper_still_awaits_action_that_was_perhaps_sent(start):
-    node = start()
-
-    def kill(event):
-        if isinstance(event, ActionsDispatched):
-            raise KilledError
-
-    node.at_event = kill
-    with pytest.raises(KilledError):
-        node.goal("a", "do(walk,1)")
-    again = start()
-    assert [str(action.atom) for action in again.core.awaited] == ["_action_lib(walk,1,1)"]
-    again.succeed()
-    ends = [event for event in again.published if isinstance(event, GoalChanged) and event.outcome is not None]
-    assert [event.outcome for event in ends] == [Outcome.SUCCEEDED]
 
 
 #: Any number of concurrent errands; the program observes ended actions and accepts no other preemption.
@@ -197,14 +121,6 @@ def test_keeper_second_shutdown_cancels_no_action_twice(start):
     again.core.shut_down("is aborted")
     again.keeper.send()
     assert not [one for one in again.published if isinstance(one, ActionsPreempted)]
-
-
-def test_keeper_killed_core_cancels_no_action(start):
-    node = start()
-    node.goal("a", "do(walk,1)")
-    again = start()
-    assert again.core.awaited == node.core.awaited
-    assert again.core.preempted == ()
 
 
 def size_of(journal):

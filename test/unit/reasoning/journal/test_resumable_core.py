@@ -13,7 +13,6 @@ from stream_logs import text_of
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
-from rosoclingo.reasoning.records import ChangeRecorder
 from rosoclingo.reasoning.settings import CoreSettings
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
@@ -138,6 +137,9 @@ def compare(program, solver, script, cuts):
     assert plays[0] == plays[1]
 
 
+#: Errands with beliefs of all kinds.
+BELIEVED = ERRANDS + '#show done/2. at(2,0). #show at/2. #show "a,b". #show 7.'
+
 #: Solvers for either setting of ``~plan``, without time to improve plans: two runs would improve them differently.
 SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 
@@ -147,7 +149,7 @@ SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 @settings(max_examples=max(10, settings.default.max_examples // 4))
 @given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
 def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, cuts):
-    compare(ReactiveProgram.from_text(ERRANDS), solver, script, cuts)
+    compare(ReactiveProgram.from_text(BELIEVED), solver, script, cuts)
 
 
 def test_resumed_core_answers_queries_of_its_node():
@@ -180,35 +182,3 @@ def test_resumed_core_answers_queries_of_its_node():
     assert all(f"_request(cancel({number})," in updates for number in (1, 2)), (
         "the resumed core sends them to the program"
     )
-
-
-def test_resumed_core_publishes_beliefs_before_solving():
-    program = ReactiveProgram.from_text(ERRANDS + 'at(1,t) :- t=1. #show at/2. at(2,0). #show "a,b". #show 7.')
-    events, again, disk = [], [], Disk()
-    first = Core(program, lambda: shortest(program), events.append, SETTINGS)
-    first.report_beliefs()
-    assert not events
-    first.start()
-    disk.write(first.state())
-    believed = events[-1]
-    assert isinstance(believed, StateChanged)
-    assert believed.atoms
-    next_one = Core(program, lambda: shortest(program), again.append, SETTINGS, record=disk.read())
-    next_one.report_beliefs()
-    assert again == [believed]
-
-
-def test_core_record_contains_only_new_beliefs():
-    program = ReactiveProgram.from_text(ERRANDS + "#show done/2.")
-    core = Core(program, lambda: shortest(program), lambda event: None, SETTINGS)
-    core.start()
-    recorder, written = ChangeRecorder(), []
-    recorder.changes(core.parts)
-    for number in (2, 1, 3):
-        core.add_goal(str(number), f"do(quick,{number})")
-        assert core.advance(0.0)
-        change = recorder.changes(core.parts)
-        written.append([name for name in (*change.get("drop", ()), *change["set"]) if name.startswith("believed:done")])
-        for one in core.awaited:
-            core.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
-    assert written == [["believed:done(2,now)"], ["believed:done(1,now)"], ["believed:done(3,now)"]]
