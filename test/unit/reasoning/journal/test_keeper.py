@@ -18,7 +18,7 @@ from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
+from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.settings import CoreSettings
 
 
@@ -67,6 +67,21 @@ def test_keeper_makes_a_return_durable_at_once(start, records):
     assert [type(event) for event in node.published][-1] is ReturnAccepted
     assert len(records) == 1
     assert start().core.awaited == ()
+
+
+def test_keeper_holds_unconfirmed_end_until_it_expires(start):
+    node = start()
+    node.goal("a", "do(walk,1)")
+    (action,) = node.core.awaited
+    node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
+    while node.core.advance(1.0):
+        node.keeper.send(keep_ends=True)
+    assert any(isinstance(event, GoalChanged) and event.outcome is not None for event in node.published)
+    again = start()
+    assert again.keeper.clients["a"].ending == Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
+    again.keeper.forget(["a"])
+    again.goal("b", "do(walk,2)")
+    assert list(start().keeper.clients) == ["b"]
 
 
 #: Any number of concurrent errands; the program observes ended actions and accepts no other preemption.
