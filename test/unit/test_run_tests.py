@@ -10,7 +10,7 @@ import run_tests
 from outcome import Outcome
 
 HERE, AGAIN = "unit", "unit on Python 3.8"
-FIRST, BURST = "rostest core", "rostest crowd"
+FIRST, BURST = "rostest core", "rostest fleet"
 ON_BOTH = ("rostest goal_server on Python 3.8", AGAIN)
 
 

@@ -112,31 +112,7 @@ class CoreInterrupted(unittest.TestCase):
             wait_until(lambda: goal.feedback, "word that the goal waits")
             self.assertEqual(goal.feedback[0].status, "waiting: the solver did not accept it in time")
             self.serves("timed", "do(walk,2)", updates)
-            goal.cancel()
-            self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
-
-    def test_cancel_ends_grounding_and_search(self):
-        with core("cancelled", search_timeout=0, horizon_limit=2):
-            updates = Updates("cancelled/rosoclingo")
-            for number, what in enumerate(["boom", "pigeons"], 1):
-                with kept_busy("/cancelled/rosoclingo"):
-                    goal = Client("cancelled/rosoclingo").send(f"do({what},{number})")
-                goal.cancel()
-                self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
-                self.assertLessEqual(len(children("/cancelled/rosoclingo")), 2, "more than one in reserve")
-            self.serves("cancelled", "do(walk,3)", updates)
-
-    def test_operator_commands_end_a_search(self):
-        with core("operated", search_timeout=0, horizon_limit=2):
-            updates = Updates("operated/rosoclingo")
-            rospy.wait_for_service("operated/rosoclingo/stop", PATIENCE)
-            with kept_busy("/operated/rosoclingo"):
-                goal = Client("operated/rosoclingo").send("do(pigeons,1)")
-            pause = rospy.ServiceProxy("operated/rosoclingo/pause", SetBool)
-            self.assertEqual([pause(True).success, pause(False).success], [True, True])
-            self.assertTrue(rospy.ServiceProxy("operated/rosoclingo/stop", Trigger)().success)
-            self.assertIn("an operator has stopped the core", goal.ends_as(GoalStatus.ABORTED))
-            self.serves("operated", "do(walk,2)", updates)
+            self.cancelled(goal)
 
     def test_endless_search_goal_waits_and_is_cancelled(self):
         with core("alone", search_timeout=1.0, horizon_limit=4):
@@ -145,18 +121,33 @@ class CoreInterrupted(unittest.TestCase):
             goal.arrived()
             for number in (2, 3):
                 self.serves("alone", f"do(walk,{number})", updates)
-            goal.cancel()
-            self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
+            self.cancelled(goal)
 
-    def test_goals_cancelled_during_a_search_end_at_once(self):
-        with core("during", search_timeout=0, horizon_limit=4):
-            client = Client("during/rosoclingo")
-            with kept_busy("/during/rosoclingo"):
-                client.send("do(maze,1)").arrived()
-            for goal in [client.send(f"do(walk,{number})") for number in (2, 3)]:
-                goal.arrived()
-                goal.cancel()
-                self.assertIn("was cancelled before it was planned for", goal.ends_as(GoalStatus.RECALLED))
+    def cancelled(self, goal):
+        """Cancel a goal, and check its end."""
+        goal.cancel()
+        self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
+
+    def test_cancel_and_operator_end_grounding_and_search(self):
+        with core("cancelled", search_timeout=0, horizon_limit=2):
+            updates = Updates("cancelled/rosoclingo")
+            rospy.wait_for_service("cancelled/rosoclingo/stop", PATIENCE)
+            for number, what in enumerate(["boom", "pigeons"], 1):
+                with kept_busy("/cancelled/rosoclingo"):
+                    goal = Client("cancelled/rosoclingo").send(f"do({what},{number})")
+                self.cancelled(goal)
+                self.assertLessEqual(len(children("/cancelled/rosoclingo")), 2, "more than one in reserve")
+            with kept_busy("/cancelled/rosoclingo"):
+                goal = Client("cancelled/rosoclingo").send("do(pigeons,3)")
+            for other in [Client("cancelled/rosoclingo").send(f"do(walk,{number})") for number in (4, 5)]:
+                other.arrived()
+                other.cancel()
+                self.assertIn("was cancelled before it was planned for", other.ends_as(GoalStatus.RECALLED))
+            pause = rospy.ServiceProxy("cancelled/rosoclingo/pause", SetBool)
+            self.assertEqual([pause(True).success, pause(False).success], [True, True])
+            self.assertTrue(rospy.ServiceProxy("cancelled/rosoclingo/stop", Trigger)().success)
+            self.assertIn("an operator has stopped the core", goal.ends_as(GoalStatus.ABORTED))
+            self.serves("cancelled", "do(walk,6)", updates)
 
     def test_ctrl_c_ends_grounding(self):
         with core("stopped", search_timeout=0) as process:
@@ -201,25 +192,20 @@ class CoreInterrupted(unittest.TestCase):
             with core("moving", **settings):
                 wait_until(lambda: {*hands.seen} == actions | cancels, "the core that goes on to send them again")
 
-    def test_sudden_death_leaves_no_process_behind(self):
-        with core("killed", search_timeout=0) as process:
-            client = Client("killed/rosoclingo")
-            pids = children("/killed/rosoclingo")
-            with kept_busy("/killed/rosoclingo"):
-                client.send("do(boom,1)")
-            process.signal(signal.SIGKILL)
-            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
-
-    def test_worker_death_costs_at_most_one_update(self):
-        with core("robbed") as process:
-            updates = Updates("robbed/rosoclingo")
+    def test_worker_death_costs_one_update_and_core_death_leaves_no_process(self):
+        with core("robbed", search_timeout=0) as process:
+            updates, client = Updates("robbed/rosoclingo"), Client("robbed/rosoclingo")
             self.serves("robbed", "do(walk,1)", updates)
             pids = children("/robbed/rosoclingo")
             for pid in pids:
                 os.kill(pid, signal.SIGKILL)
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
             self.serves("robbed", "do(run,2)", updates)
-            self.assertIsNotNone(process)
+            with kept_busy("/robbed/rosoclingo"):
+                client.send("do(boom,3)")
+            pids = children("/robbed/rosoclingo")
+            process.signal(signal.SIGKILL)
+            wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The core node's start and end: bad parameters and programs, constants and labels, time-outs, shutdown, Ctrl-C."""
+"""The core node's start: bad parameters, gaps of a program, constants and labels; and the end of a request."""
 
 import signal
 import sys
@@ -60,38 +60,6 @@ class CoreStart(unittest.TestCase):
         for text in ("no external _request/2 (write", "no external _return/3 (write", "no volatile part", "n is -2"):
             self.assertEqual(error.count(text), 1, error)
 
-    def test_bad_program_ends_the_start(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
-            file.write("#program base.\na(X).\n")
-            file.flush()
-            self.fails_with(f"{file.name}:2", "unsafe", program_files=f"[{file.name}]")
-
-    def test_action_timeout_fails_the_action(self):
-        with core("patient", program_files=f"[{ERRANDS}]", action_timeout=0.5):
-            client, updates = Client("patient/rosoclingo"), Updates("patient/rosoclingo")
-            goal = client.send("do(walk,1)")
-            updates.wait_for("_return(walk,timeout,1).")
-            goal.cancel()
-            self.assertIn(goal.wait()[0], (GoalStatus.PREEMPTED, GoalStatus.RECALLED))
-
-    def test_search_timeout_aborts_no_goal(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
-            pigeons = (
-                "#external _request/2.\n#program cumulative(t).\n"
-                "1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, _request(hard(_),_), not given_up.\n"
-                ":- in(P,H,t), in(Q,H,t), P < Q.\n#program base.\n"
-                "given_up :- _request(cancel(_),_).\n#show _action_lib/3.\n#defined _action_lib/3.\n"
-            )
-            file.write(pigeons)
-            file.flush()
-            with core("hard", program_files=f"[{file.name}]", search_timeout=0.5, horizon_limit=1):
-                updates, goal = Updates("hard/rosoclingo"), Client("hard/rosoclingo").send("hard(1)")
-                # the first search is over, another one runs: no goal is aborted
-                updates.wait_for("_request(hard(1),2).")
-                self.assertNotIn(GoalStatus.ABORTED, goal.states)
-                goal.cancel()
-                self.assertIn(goal.wait()[0], (GoalStatus.RECALLED, GoalStatus.PREEMPTED))
-
     def test_constants_and_labels_reach_the_program(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write(
@@ -106,14 +74,6 @@ class CoreStart(unittest.TestCase):
                 wait_until(lambda: plans and plans[-1].cycle == 2, "cycle 2")
                 subscriber.unregister()
                 self.assertEqual(plans[-1].actions, ["_action_lib(go,kitchen,2)"])
-
-    def test_shutdown_ends_every_goal(self):
-        with core("mortal", program_files=f"[{ERRANDS}]") as process:
-            goal = Client("mortal/rosoclingo").send("do(walk,1)")
-            goal.arrived()
-            process.signal(signal.SIGINT)
-            self.assertIn("the core shuts down", goal.ends_as(GoalStatus.ABORTED))
-            self.assertEqual(process.wait()[0], 0)
 
     def test_request_is_cancelled_on_ctrl_c(self):
         with core("asked", program_files=f"[{ERRANDS}]", action_timeout=2.0):

@@ -71,15 +71,6 @@ class CoreWords(unittest.TestCase):
         wait_until(lambda: goal.feedback and goal.feedback[-1].status == state, f"the feedback to say '{state}'")
         wait_until(lambda: (entry().status, entry().reason) == (ACTIVE, text), f"the topic to say '{text}'")
 
-    def test_goal_that_no_rule_sees_is_rejected(self):
-        client = Client("paper/rosoclingo")
-        found = client.send("gaol(office3,office2,1)").ends_as(GoalStatus.REJECTED)
-        self.assertEqual(
-            found, "no rule of the program can see gaol(office3,office2,1): did you mean goal(office3,office2,1)?"
-        )
-        found = client.send("goal(office3,office2)").ends_as(GoalStatus.REJECTED)
-        self.assertIn("rules match goal(From,To,Id)", found)
-
     def test_request_fails_for_a_goal_that_no_rule_sees(self):
         command = ["rosrun", "rosoclingo", "request", "gaol(office3,office2,1)", "--wait", "40"]
         done = subprocess.run(

@@ -56,15 +56,6 @@ class LateFacts(unittest.TestCase):
         cls.battery, cls.house = Side(""), Side("/house")
         wait_to_hear(cls.log, nodes=["/house/rosoclingo"])
 
-    def test_house_continues_after_a_late_fact(self):
-        side = self.house
-        side.hands.at_once = True
-        side.client.send("bring(bedroom,newspaper)").ends_as(GoalStatus.SUCCEEDED)
-        side.hands.tell("_blocked(hallway,living_room,1)", origin="door")
-        side.client.send("bring(kitchen,newspaper)").ends_as(GoalStatus.SUCCEEDED)
-        side.hands.tell("_blocked(hallway,living_room,now)", origin="door")
-        side.client.send("bring(bedroom,cup)").ends_as(GoalStatus.SUCCEEDED)
-
     def test_house_uses_corrections_of_robot_and_thing(self):
         side = self.house
         side.hands.at_once = True

@@ -63,45 +63,37 @@ class Silence(unittest.TestCase):
 class Misspelt(unittest.TestCase):
     """Each node reports once at its start which of its private parameters it does not read."""
 
-    def warning_of(self, script, *values):
-        command = (executable(script), f"__name:=misspelt_{script}", "_zzz:=1", *values)
-        with Process(*command) as process:
+    def check(self, script, values, *words):
+        """Start a node with these parameters and another unknown one, and look for words in its only warning."""
+        with Process(executable(script), f"__name:=misspelt_{script}", "_zzz:=1", *values) as process:
             lines = process.lines_until("unknown parameters")
         self.assertEqual(len([line for line in lines if "unknown parameters" in line]), 1)
+        for word in (*words, "~zzz"):
+            self.assertIn(word, lines[-1])
         return lines[-1]
 
-    def test_unread_parameters_of_core(self):
-        line = self.warning_of(
-            "core", f"_program_files:=[{DATA / 'errands.lp'}]", "_horizon_limt:=7", "_labels:={hall: {}}"
-        )
-        self.assertIn("~horizon_limt (did you mean ~horizon_limit?), ~zzz", line)
+    def test_unread_parameters_of_nodes_without_tf(self):
+        errands, office = DATA / "errands.lp", DATA.parents[1] / "worlds" / "office.yaml"
+        core = (f"_program_files:=[{errands}]", "_horizon_limt:=7", "_labels:={hall: {}}")
+        self.check("core", core, "~horizon_limt (did you mean ~horizon_limit?), ~zzz")
+        arm = ("_interfaces:={arm: {type: actionlib/TestAction}}", "_server_timout:=3", "_retries:=1")
+        self.check("interface", arm, "~server_timout (did you mean ~server_timeout?), ~zzz")
+        self.check("map_server", (f"_map:={office}", "_frame:=x"), "~frame (did you mean ~frame_id?), ~zzz")
 
-    def test_unread_parameters_of_bare_interface_node(self):
+    @NEEDS_TF2
+    def test_unread_parameters_of_nodes_with_tf(self):
+        self.check("office", ("_labels:={hall: [1, 2]}", "_capacty:=3"), "~capacty (did you mean ~capacity?), ~zzz")
+        values = ("_controler_frequency:=10", "_global_costmap:={robot_radius: 0.2, robot_radus: 0.3}")
+        words = (
+            "~controler_frequency (did you mean ~controller_frequency?)",
+            "~global_costmap/robot_radus (did you mean ~global_costmap/robot_radius?)",
+        )
+        self.assertNotIn("~global_costmap/robot_radius (", self.check("move_base", values, *words))
+
+    def test_bare_interface_node_reads_the_shipped_entries(self):
         with Process(executable("interface"), "__name:=given_nothing") as process:
             lines = process.lines_until("move_base needs labels, but ~labels is empty: each of its actions will")
         self.assertIn("~interfaces is not set: reading the entries of ", "".join(lines))
-
-    def test_unread_parameters_of_interface(self):
-        entry = "{arm: {type: actionlib/TestAction}}"
-        line = self.warning_of("interface", f"_interfaces:={entry}", "_server_timout:=3", "_retries:=1")
-        self.assertIn("~server_timout (did you mean ~server_timeout?), ~zzz", line)
-
-    @NEEDS_TF2
-    def test_unread_parameters_of_office(self):
-        line = self.warning_of("office", "_labels:={hall: [1, 2]}", "_capacty:=3")
-        self.assertIn("~capacty (did you mean ~capacity?), ~zzz", line)
-
-    def test_unread_parameters_of_map_server(self):
-        line = self.warning_of("map_server", f"_map:={DATA.parents[1] / 'worlds' / 'office.yaml'}", "_frame:=x")
-        self.assertIn("~frame (did you mean ~frame_id?), ~zzz", line)
-
-    @NEEDS_TF2
-    def test_unread_parameters_of_move_base(self):
-        values = ("_controler_frequency:=10", "_global_costmap:={robot_radius: 0.2, robot_radus: 0.3}")
-        line = self.warning_of("move_base", *values)
-        self.assertIn("~controler_frequency (did you mean ~controller_frequency?)", line)
-        self.assertIn("~global_costmap/robot_radus (did you mean ~global_costmap/robot_radius?)", line)
-        self.assertNotIn("~global_costmap/robot_radius (", line)
 
 
 class Suite(unittest.TestSuite):
