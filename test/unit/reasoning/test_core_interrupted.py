@@ -76,6 +76,10 @@ FAULTS = {
         facts _battery(high,9) _return(rest,failed,2); is b aborted; is c aborted; does
         says b do(run,2) cannot be met: there is no plan of at most 10 steps
         problem no answer was found, even without goals: there is no plan of at most 10 steps"""),
+    "goal that is cancelled before the restarted program knows it": (IMPOSSIBLE, """
+        goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2)
+        hear interface _battery(high,9) _return(rest,failed,2); once; problem ERROR: ...; cancel b
+        all b recalling recalled; unsent ...do(run,2)..."""),
     **{f"{fault} whether to begin again": (IMPOSSIBLE, f"""
         goal a do(walk,1); add c do(rest,9); succeed; fault {fault} #anew; hear interface _return(rest,failed,2); once
         all c; problems 1; problem there is no plan of at most 9 steps, and the goals that cannot be met were not...

@@ -10,13 +10,13 @@ from functools import partial
 import pytest
 from children import preparing_process, wait_until_prepared
 from core_driver import ERRANDS, Driver, shortest, soon
+from core_scripts import perform, scripts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from late_standby import NEVER, Standby
 from mailbot_world import neighbours, program
 from office_world import Office
 
-from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning import admission
@@ -233,7 +233,7 @@ def test_plan_that_goes_out_is_valid_with_prefetching(ring_process, batches):
 
 
 class JoiningRun(Run):
-    """A core whose standby worker answers some cycles late."""
+    """A core whose standby worker answers some cycles late, and the words of scripts."""
 
     def __init__(self, delay=0, solver=None, watch_joining=unwatched, search_timeout=0.0):
         self.standby = Standby(delay)
@@ -244,20 +244,32 @@ class JoiningRun(Run):
         """Return the goals that the program knows."""
         return [goal.key for goal in self.core.live_goals if goal.fed]
 
+    @property
+    def continues(self):
+        """Whether the plan in force has an action in the next cycle."""
+        return bool(self.core.plan.at(self.core.cycle + 1))
+
     def ask(self, *errands):
         super().ask(*errands)
         self.driver.run()
         return self
+
+    def goals(self, *ways):
+        """Send goals such as 1-4, from office o1 to o4."""
+        return self.ask(*(way.split("-") for way in ways))
 
     def step(self, fails=False):
         """End the action and advance the core."""
         self.end(fails)
         self.driver.run()
 
+    def fail(self):
+        self.step(fails=True)
+
     def go_on(self, times=1):
         """End the action; if the plan in force has another action, it goes out without a search."""
-        for _ in range(times):
-            due, before = self.core.plan.at(self.core.cycle + 1), self.standby.searches
+        for _ in range(int(times)):
+            due, before = self.continues, self.standby.searches
             self.step()
             assert not due or (self.core.awaited and self.standby.searches == before)
 
@@ -266,57 +278,94 @@ class JoiningRun(Run):
         while key not in self.fed:
             self.go_on()
 
-    def waits(self, key):
-        """Return the reasons that a client received while its goal was queued."""
-        return [one.waits for one in self.driver.feedback(key) if one.waits]
+    def alone(self, *keys):
+        """Continue to the end of the plan; meanwhile the program knows only these goals."""
+        while self.continues:
+            self.go_on()
+            assert self.fed == list(keys)
+
+    def delay(self, cycles):
+        self.standby.delay = int(cycles)
+
+    def cancel(self, key):
+        self.driver.cancel(key)
+
+    def forget(self, key):
+        """Remove the package of a cancelled goal."""
+        del self.office.packages[int(key)]
+
+    def while_known(self, key):
+        """Continue while the program knows a goal and the plan has further actions."""
+        while key in self.fed and self.continues:
+            self.go_on()
+
+    def facts(self, *facts):
+        self.driver.facts(*facts)
+
+    # -- expectations
+
+    def has(self, *keys):
+        assert self.fed == list(keys)
+
+    def lacks(self, key):
+        assert key not in self.fed
+
+    def cycle(self, number):
+        assert self.core.cycle == int(number)
+
+    def joins(self, key, *cycles):
+        """Expect that a client received these cycles in which its goal would join the plan."""
+        waits = [one.waits for one in self.driver.feedback(key) if one.waits]
+        assert waits == [f"it joins the plan in cycle {one}" for one in cycles]
+
+    def sends(self, text):
+        assert text in self.driver.journal.updates[-1]
+
+    def ended(self, key, *states):
+        """Expect a goal to end in one of these states, after the success of all actions."""
+        self.driver.finish()
+        assert self.driver.states(key)[-1] in states
 
 
-def test_new_goal_joins_next_update_if_prefetched():
-    run = JoiningRun(delay=0).ask((2, 4)).ask((3, 1))
-    run.go_on()
-    heads = [str(one.head) for _, one in parse_update(run.driver.journal.updates[-1]).sections() if one.head]
-    assert [head for head in heads if head.startswith("_request")] == ["_request(goal(o3,o1,2),3)"]
-    assert run.waits("2") == []
-    run.finish()
+#: The delay of the standby worker in cycles, and the script. The next cycle for joining is twice as far away each time.
+JOINS = {
+    "goal is in the next update if it was prefetched": (0, "goals 2-4; goals 3-1; go_on; has 1 2; joins 2; finish"),
+    **{f"goal joins {delay} cycles late": (delay, f"""
+        goals 1-4 4-1 1-4 4-1; goals 2-3; until 5; cycle {cycles.split()[-1]}; joins 5 {cycles}; finish""")
+       for delay, cycles in ((1, "3"), (3, "3 6"))},
+    "goal joins when the plan ends": (NEVER, "goals 1-2; goals 3-1; alone 1; finish"),
+    "failure brings new goals into the next update": (NEVER, """
+        goals 1-4 4-1; goals 2-3; go_on 2; fail; has 1 2 3; joins 3 3 6; finish"""),
+    "fact is in the next update without new goals": (NEVER, """
+        goals 1-4 4-1; goals 2-3; go_on; facts _blocked(o4,o1,now); step; sends _blocked(o4,o1,; has 1 2
+        delay 0; until 3; finish"""),
+}  # fmt: skip
+SLOW_JOINS = {
+    "goal joins much later": (4, "goals 1-4 4-1 1-4 4-1; goals 2-3; until 5; cycle 13; joins 5 3 6 13; finish"),
+    "new goals wait while others are about to join": (2, """
+        goals 1-4 4-1 1-4; goals 2-3; go_on 4; goals 3-2; until 4; lacks 5; until 5; finish"""),
+    "goal that would join is cancelled": (NEVER, """
+        goals 1-4 4-1; goals 2-3 3-2; go_on 2; cancel 3; forget 3; delay 0; until 4; ended 3 recalled; ended 4 succeeded
+        """),
+    **{f"cancel is answered {delay} cycles late": (delay, """
+        goals 1-4 4-1; go_on; cancel 2; while_known 2; ended 2 preempted succeeded; ended 1 succeeded""")
+       for delay in (0, 2, NEVER)},
+}  # fmt: skip
 
 
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize(("delay", "cycles"), [(1, [3]), (2, [3, 6]), (3, [3, 6]), (4, [3, 6, 13])])
-def test_new_goal_joins_later_without_a_search(delay, cycles):
-    """The cycle in which it joins is twice as far away each time."""
-    run = JoiningRun(delay).ask((1, 4), (4, 1), (1, 4), (4, 1)).ask((2, 3))
-    run.until("5")
-    assert run.core.cycle == cycles[-1]
-    assert run.waits("5") == [f"it joins the plan in cycle {one}" for one in cycles]
-    run.finish()
-
-
-def test_new_goal_joins_when_the_plan_ends():
-    run = JoiningRun(delay=NEVER).ask((1, 2)).ask((3, 1))
-    while run.core.plan.at(run.core.cycle + 1):
-        run.go_on()
-        assert run.fed == ["1"]
-    run.finish()
-
-
-@pytest.mark.slow
-def test_new_goals_wait_while_others_are_about_to_join():
-    run = JoiningRun(delay=2).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
-    run.go_on(4)
-    run.ask((3, 2)).until("4")
-    assert "5" not in run.fed
-    run.until("5")
-    run.finish()
+@scripts(JOINS, SLOW_JOINS)
+def test_goals_join_without_a_search_for_the_next_action(row):
+    delay, script = row
+    perform(JoiningRun(delay), script)
 
 
 @pytest.mark.slow
 def test_next_cycle_for_joining_is_nearer_after_success():
-    run = JoiningRun(delay=3).ask((1, 4), (4, 1), (1, 4)).ask((2, 3))
-    run.until("4")
-    run.standby.delay, cycles = 0, []
+    run = perform(JoiningRun(delay=3), "goals 1-4 4-1 1-4; goals 2-3; until 4; delay 0")
+    cycles = []
     for number in range(5, 8):
-        cycle = run.ask((2, 3)).core.cycle
-        run.until(str(number))
+        cycle = run.core.cycle
+        perform(run, f"goals 2-3; until {number}")
         cycles.append(run.core.cycle - cycle)
     assert cycles[0] > cycles[1] > cycles[2] == 1
     run.finish()
@@ -326,82 +375,25 @@ def test_next_cycle_for_joining_is_nearer_after_success():
 @pytest.mark.parametrize("limits", [{"watch_joining": None}, {"solver": shortest}], ids=["no limit", "no standby"])
 def test_new_goals_join_next_update_without_wait_limit(limits):
     """There is no limit of the wait with shortest plans, or without a standby worker."""
-    run = JoiningRun(delay=NEVER, **limits).ask((2, 4)).ask((3, 1))
-    run.step()
-    assert run.fed == ["1", "2"]
-    run.finish()
+    perform(JoiningRun(delay=NEVER, **limits), "goals 2-4; goals 3-1; step; has 1 2; finish")
 
 
 @pytest.mark.slow
 def test_queued_goals_join_while_the_robot_acts(monkeypatch):
     monkeypatch.setattr(admission, "FIRST", 2)
-    run = JoiningRun(delay=0, search_timeout=600.0).ask((1, 4), (4, 1), (1, 3), (3, 1), (2, 3))
-    assert run.fed == ["1", "2"]
-    run.go_on()
-    assert run.fed == ["1", "2", "3", "4", "5"]
-    run.finish()
+    run = JoiningRun(delay=0, search_timeout=600.0)
+    perform(run, "goals 1-4 4-1 1-3 3-1 2-3; has 1 2; go_on; has 1 2 3 4 5; finish")
 
 
-def test_failure_brings_new_goals_into_next_update():
-    """No plan continues."""
-    run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3))
-    run.go_on(2)
-    run.step(fails=True)
-    assert run.fed == ["1", "2", "3"]
-    assert run.waits("3")[-1].startswith("it joins the plan in cycle ")
-    run.finish()
-
-
-def test_fact_is_in_next_update_without_new_goals():
-    run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3))
-    run.go_on()
-    run.driver.facts("_blocked(o4,o1,now)")
-    run.step()
-    assert "_blocked(o4,o1," in run.driver.journal.updates[-1]
-    assert run.fed == ["1", "2"]
-    run.standby.delay = 0
-    run.until("3")
-    run.finish()
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize("delay", [0, 1, 2, NEVER])
-def test_cancel_does_not_stop_the_robot(delay):
-    run = JoiningRun(delay).ask((1, 4), (4, 1))
-    run.go_on()
-    run.driver.cancel("2")
-    while "2" in run.fed and run.core.plan.at(run.core.cycle + 1):
-        run.go_on()
-    run.driver.finish()
-    assert run.driver.states("2")[-1] in ("preempted", "succeeded")
-    assert run.driver.states("1")[-1] == "succeeded"
-
-
-@pytest.mark.parametrize(("cancels", "waits"), [(True, [1, 4]), (False, [1, 2])])
-def test_late_cancel_has_more_time_than_a_goal(cancels, waits):
-    run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1))
-    run.go_on()
+@pytest.mark.parametrize(("script", "waits"), [("cancel 2", [1, 4]), ("goals 2-3", [1, 2])])
+def test_late_cancel_has_more_time_than_a_goal(script, waits):
+    run = perform(JoiningRun(delay=NEVER), "goals 1-4 4-1; go_on")
     run.standby.waits, found = 0, set()
-    if cancels:
-        run.driver.cancel("2")
-    else:
-        run.ask((2, 3))
+    perform(run, script)
     while len(found) < 2:
         run.go_on()
         found |= {run.standby.waits} - {0}
     assert sorted(found) == waits
-
-
-def test_cancel_of_a_joining_goal_ends_it():
-    run = JoiningRun(delay=NEVER).ask((1, 4), (4, 1)).ask((2, 3), (3, 2))
-    run.go_on(2)
-    run.driver.cancel("3")
-    assert run.driver.states("3")[-1] == "recalled"
-    del run.office.packages[3]
-    run.standby.delay = 0
-    run.until("4")
-    run.driver.finish()
-    assert run.driver.states("4")[-1] == "succeeded"
 
 
 EVENTS = st.lists(st.sampled_from(["done", "done", "done", "failed", "asked", "prepared"]), max_size=12)
@@ -462,5 +454,5 @@ def test_worker_processes_let_goals_join_later(row_process):
     while "3" not in run.fed:
         run.step()
         wait_until_prepared(row_process, run.core.prepare)
-    assert run.waits("3")
+    assert any(one.waits for one in run.driver.feedback("3"))
     run.finish()

@@ -2,30 +2,14 @@ import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_term
 from rosoclingo.reasoning.keywords import (
-    Action,
     KeywordError,
     action_of,
-    cancellation,
     identifier_of,
     is_keyword,
     name_of,
-    request,
     return_of,
     run_of,
 )
-
-
-def test_keyword_action_reads_and_prints():
-    action = action_of(parse_atom("_action_lib(move_base,office2,1)"))
-    assert action == Action(parse_term("move_base"), parse_term("office2"), 1)
-    assert str(action.atom) == "_action_lib(move_base,office2,1)"
-    assert action.interface_name == "move_base"
-
-
-def test_keyword_return_reads_and_prints():
-    answer = return_of(parse_atom("_return(pickup,failed(grip),3)"))
-    assert str(answer.atom) == "_return(pickup,failed(grip),3)"
-    assert answer.interface_name == "pickup"
 
 
 @pytest.mark.parametrize(
@@ -48,11 +32,6 @@ def test_keyword_in_other_form_is_an_error(text):
 def test_keyword_return_that_is_malformed_is_an_error():
     with pytest.raises(KeywordError, match="positive integer"):
         return_of(parse_atom("_return(a,b,now)"))
-
-
-def test_keyword_requests_are_read():
-    assert str(request(parse_term("goal(a,b,1)"), 2)) == "_request(goal(a,b,1),2)"
-    assert str(cancellation(parse_term("1"), 3)) == "_request(cancel(1),3)"
 
 
 def test_keyword_run_is_a_fact_that_reads_back():

@@ -16,24 +16,12 @@ WORKSHOP = block("long_actions.md", "workshop.lp")
 
 #: The name of each course, and its script.
 COURSES = {
-    "a goal ends the cycle": """
-        goal a job(saw,1); does saw,1,1; goal b job(drill,2); does saw,1,1 drill,2,2; cycle 2
-        sends :- not _action_lib(saw,1,1). _running(saw,1,1). _request(job(drill,2),3).; problems 0""",
     "the first return ends the cycle": """
         add a job(saw,1); goal b job(drill,2); does drill,2,1 saw,1,1
         facts _return(saw,1,1); does drill,2,1; cycle 2; is a succeeded; is b active
         sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _running(drill,2,1). _return(saw,1,1).
         facts _return(drill,2,1); does; cycle 3; is b succeeded
         sends :- not _action_lib(drill,2,2). _return(drill,2,2).; done drill,2,1 saw,1,1; problems 0""",
-    "returns in one message share a cycle": """
-        add a job(saw,1); goal b job(drill,2); facts _return(drill,2,1) _return(saw,1,1)
-        cycle 2; all b active succeeded
-        sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _return(drill,2,1). _return(saw,1,1).""",
-    "facts and cancels end the cycle": """
-        add a job(saw,1); goal b job(drill,2); facts _seen(owl)
-        sends ..._running(drill,2,1). _running(saw,1,1). _seen(owl).; cancel a; is a preempted
-        sends ..._running(drill,2,2). _running(saw,1,2). _request(cancel(1),3).; does drill,2,1 saw,1,1; cycle 3
-        facts _return(saw,1,1); does drill,2,1; facts _return(drill,2,1); does; done drill,2,1 saw,1,1""",
     "a failed action is sent again": """
         add a job(saw,1); goal b job(drill,2); facts _return(saw,worn,1); does drill,2,1 saw,1,2
         sends ..._running(drill,2,1). _return(saw,worn,1).; facts _return(saw,1,1); problem ...has returned already...
@@ -46,16 +34,6 @@ COURSES = {
         goal a job(saw,1); pass 30; goal b job(drill,2); wait 19; cycle 2; wait 1; does drill,2,2 saw,1,3
         sends ..._running(drill,2,2). _return(saw,timeout,2).; wait 30; does saw,1,3 drill,2,4
         sends ..._running(saw,1,3). _return(drill,timeout,3).; problems 2""",
-    "several messages take several cycles": """
-        goal a job(saw,1); hear eye _spot(1,now); hear eye _spot(2,now); hear eye _spot(3,now); run
-        does saw,1,1; cycle 4
-        sends :- not _action_lib(saw,1,1). :- not _action_lib(saw,1,2). :- not _action_lib(saw,1,3). ...
-        sends ..._running(saw,1,1). _running(saw,1,2). _running(saw,1,3). _spot(1,2). _spot(2,3). _spot(3,4).
-        facts _return(saw,1,1); sends :- not _action_lib(saw,1,4). _return(saw,1,4).; is a succeeded; problems 0""",
-    "a failure comes with messages of several cycles": """
-        add a job(saw,1); goal b job(drill,2); hear eye _spot(1,now); hear eye _spot(2,now); facts _return(drill,worn,1)
-        sends ..._running(saw,1,1). _running(saw,1,2). _spot(1,2). _spot(2,3). _return(drill,worn,1).
-        does saw,1,1 drill,2,3; problems 0""",
     "goals without a plan are aborted while actions run": """
         goal a job(saw,1); goal b job(broken,2); is b aborted; says b ...cannot be met...; does saw,1,1; is a active
         sends :- not _action_lib(saw,1,2). _running(saw,1,2). _request(cancel(2),3).

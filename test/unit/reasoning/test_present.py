@@ -57,17 +57,6 @@ def test_beliefs_follow_a_fact_from_its_cycle_on(show, terms):
 
 
 @pytest.mark.parametrize("plan", PLANS)
-def test_beliefs_of_the_paper_include_its_actions(plan):
-    driver = Driver(program=shipped("paper.lp"), solver=PLANS[plan])
-    driver.goal("a", "goal(office2,office1,1)")
-    assert present(driver) == ["_action_lib(move_base,office2,now)"]
-    driver.succeed()
-    assert present(driver) == ["_action_lib(pickup,1,now)"]
-    driver.finish()
-    assert present(driver) == []
-
-
-@pytest.mark.parametrize("plan", PLANS)
 def test_beliefs_of_a_delivery(plan):
     driver = Driver(program=shipped("mailbot.lp", "office.lp"), solver=PLANS[plan])
     assert present(driver) == ["robot_at(office1,now)"]
