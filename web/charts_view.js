@@ -13,12 +13,12 @@ function figures(model) {
   }
   const solver = model.cycles.map((cycle) => model.solverTime(cycle));
   const total = solver.reduce((sum, one) => sum + one.ground + one.solve, 0);
-  const last = model.poses[model.poses.length - 1];
+  const last = model.poseAt(Infinity);
   return {
     ends,
     waits: model.goals.filter((goal) => goal.ended !== null).map((goal) => goal.ended - goal.sent),
     responses: model.goals.map((goal) => model.response(goal)).filter((value) => value !== null),
-    metres: last ? last[4] : null,
+    metres: last ? last.metres : null,
     solver,
     total,
     longest: solver.reduce((most, one) => Math.max(most, one.ground + one.solve), 0),
@@ -131,9 +131,10 @@ class ChartsView {
 
   metres(most) {
     const { x, y, shapes } = this.axes(most, this.model.seconds, marks(0, most || 1, 4).map((at) => [at, `${at} m`]), moments(0, this.model.seconds || 1, 4));
-    const step = Math.max(1, Math.floor(this.model.poses.length / 300));
-    const poses = this.model.poses.filter((_pose, number) => number % step === 0 || number === this.model.poses.length - 1);
-    const points = poses.map((pose) => `${x(Math.max(0, pose[0])).toFixed(1)},${y(pose[4]).toFixed(1)}`);
+    const all = this.model.tracks().get("");
+    const step = Math.max(1, Math.floor(all.length / 300));
+    const poses = all.filter((_pose, number) => number % step === 0 || number === all.length - 1);
+    const points = poses.map(({ time, metres }) => `${x(time).toFixed(1)},${y(metres).toFixed(1)}`);
     return [shapes, svg("polyline", { class: "curve", points: points.join(" ") })];
   }
 }

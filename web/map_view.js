@@ -40,8 +40,7 @@ class MapView {
         points.push([map.corner[0] + c * u - s * v, map.corner[1] + s * u + c * v]);
       }
     } else {
-      for (const pose of this.model.poses) points.push([pose[1], pose[2]]);
-      for (const { pose } of this.model.robots) points.push([pose[0], pose[1]]);
+      for (const { pose } of this.model.poses) points.push(pose.slice(0, 2));
     }
     if (!points.length) return null;
     const margin = map ? 0 : 1;
@@ -88,8 +87,8 @@ class MapView {
     const several = this.model.robotsAt(time).filter(({ pose }) => pose);
     if (several.length) return several.map(({ name, pose: [x, y, yaw] }) => ({ name, x, y, yaw, colour: this.model.colour(name) }));
     const believed = this.model.about.labels[this.model.believedPlaceAt(time)];
-    const pose = this.model.poseAt(time) || (believed && [time, ...believed]);
-    return pose ? [{ name: "", x: pose[1], y: pose[2], yaw: pose[3], colour: "" }] : [];
+    const { pose } = this.model.poseAt(time) || { pose: believed };
+    return pose ? [{ name: "", x: pose[0], y: pose[1], yaw: pose[2], colour: "" }] : [];
   }
 
   floor() {
@@ -115,8 +114,7 @@ class MapView {
   }
 
   driven(time, { name, colour }) {
-    const poses = name ? this.model.trackOf(name, time) : this.model.track(time).map((pose) => pose.slice(1, 3));
-    return this.line(poses, `driven ${colour}`);
+    return this.line(this.model.trackOf(name, time), `driven ${colour}`);
   }
 
   /** The next moves of a robot: the first ones with numbers, the others faint; the first along its path if that is known. */
@@ -291,7 +289,7 @@ class MapView {
     if (!pose) return unseen;
     const label = this.model.placeAt(time);
     const here = label ? `The robot is at ${this.model.title(label)}.` : "The robot is on its way.";
-    return this.whole ? `The whole way: ${pose[4].toFixed(1)} m. ${here}` : here;
+    return this.whole ? `The whole way: ${pose.metres.toFixed(1)} m. ${here}` : here;
   }
 }
 

@@ -2,7 +2,7 @@
 // The model of a run: its state at any moment, for the views. Its input is the JSON of runs/run_view.py, complete in a
 // report, incremental on the live page. Times are seconds since the beginning of the run.
 
-const TABLES = ["goals", "cycles", "words", "actions", "packages", "beliefs", "drawn", "robots", "paths", "scans", "log"];
+const TABLES = ["goals", "cycles", "words", "actions", "packages", "terms", "beliefs", "shapes", "drawn", "poses", "paths", "scans", "log"];
 const NEWS = new Set(["request", "cancel", "return", "fact"]); // kinds of lines of the log after which a plan is made
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
@@ -43,10 +43,6 @@ class RunModel {
     this.revision = 0;
     this.pace = null; // seconds of a live run's clock in a second, null if unknown
     this.paces = [];
-    this.thinned = 0;
-    this.terms = [];
-    this.shapes = [];
-    this.poses = [];
     for (const name of TABLES) this[name] = [];
   }
 
@@ -56,11 +52,6 @@ class RunModel {
     if (now !== null) this.measure(now, changes.seconds);
     this.seconds = changes.seconds;
     this.revision = changes.revision;
-    this.thinned = changes.thinned;
-    for (const term of changes.terms) this.terms.push(term);
-    for (const shape of changes.shapes) this.shapes.push(shape);
-    this.poses.length = changes.first;
-    for (const pose of changes.poses) this.poses.push(pose);
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
   }
 
@@ -94,10 +85,11 @@ class RunModel {
 
   /** The names of several robots: those with places, else those of the actions. */
   robotNames() {
-    const size = [this.robots.length, this.shapes.length, this.words.length, this.born].join();
+    const size = [this.poses.length, this.shapes.length, this.words.length, this.born].join();
     if (this.named !== size) {
       this.named = size;
-      const placed = [...this.robots.map(({ robot }) => robot), ...this.shapes.filter(({ kind }) => kind === "robot").map(({ text }) => text)];
+      const drawn = this.shapes.filter(({ kind }) => kind === "robot").map(({ text }) => text);
+      const placed = [...this.tracks().keys(), ...drawn];
       const acting = this.words.flatMap(({ robots }) => robots);
       const found = new Set(placed.filter(Boolean));
       this.names = [...(found.size ? found : new Set(acting))].sort();
@@ -105,25 +97,36 @@ class RunModel {
     return this.names;
   }
 
-  /** The robot's pose: [time, x, y, yaw, driven metres], null if unknown. */
+  /** The recorded poses by robot, "" for an only robot: {time, pose ([x, y, yaw]), metres (driven)}. */
+  tracks() {
+    const known = [this.poses.length, this.born].join();
+    if (this.tracked !== known) {
+      this.tracked = known;
+      this.byRobot = new Map();
+      for (const one of this.poses) {
+        if (!this.byRobot.has(one.robot)) this.byRobot.set(one.robot, []);
+        this.byRobot.get(one.robot).push(one);
+      }
+    }
+    return this.byRobot;
+  }
+
+  /** The last record of the only robot's pose, null if unknown. */
   poseAt(time) {
-    const number = lastAt(this.poses, time, (pose) => pose[0]);
-    return number < 0 ? this.poses[0] || null : this.poses[number];
+    const poses = this.tracks().get("") || [];
+    return poses[Math.max(0, lastAt(poses, time))] || null;
   }
 
-  track(time) {
-    return this.poses.slice(0, lastAt(this.poses, time, (pose) => pose[0]) + 1);
-  }
-
-  /** The places of one of several robots up to a moment. */
+  /** The places of a robot up to a moment. */
   trackOf(name, time) {
-    return this.robots.slice(0, lastAt(this.robots, time) + 1).filter(({ robot }) => robot === name).map(({ pose }) => pose);
+    const poses = this.tracks().get(name) || [];
+    return poses.slice(0, lastAt(poses, time) + 1).map(({ pose }) => pose);
   }
 
   /** The robot's label, "" away from all labels. */
   placeAt(time) {
-    const pose = this.poseAt(time);
-    return pose ? this.labelAt(pose[1], pose[2]) : "";
+    const found = this.poseAt(time);
+    return found ? this.labelAt(...found.pose) : "";
   }
 
   /** The label at a point, "" away from all labels. */
@@ -265,13 +268,16 @@ class RunModel {
     });
   }
 
-  /** Several robots: {name, pose ([x, y, yaw]), seen (whether the pose was recorded)}; poses of others are their labels. */
+  /** Several robots: {name, pose ([x, y, yaw])}; the pose of a robot without a recorded one is its label. */
   robotsAt(time) {
     const found = new Map();
     for (const { kind, labels, text } of this.drawnAt(time)) {
-      if (kind === "robot" && text) found.set(text, { name: text, pose: this.about.labels[labels[0]], seen: false });
+      if (kind === "robot" && text) found.set(text, { name: text, pose: this.about.labels[labels[0]] });
     }
-    for (const { robot, pose } of this.robots.slice(0, lastAt(this.robots, time) + 1)) found.set(robot, { name: robot, pose, seen: true });
+    for (const [name, poses] of this.tracks()) {
+      const last = lastAt(poses, time);
+      if (name && last >= 0) found.set(name, { name, pose: poses[last].pose });
+    }
     return [...found.values()].sort((one, other) => (one.name < other.name ? -1 : 1));
   }
 
@@ -283,7 +289,7 @@ class RunModel {
 
   beliefsAt(time) {
     const number = lastAt(this.beliefs, time);
-    return number < 0 ? [] : this.beliefs[number].atoms.map((term) => this.terms[term]);
+    return number < 0 ? [] : this.beliefs[number].atoms.map((term) => this.terms[term].text);
   }
 
   pathAt(time) {

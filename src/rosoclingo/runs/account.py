@@ -111,12 +111,14 @@ class Account(RunView):
         if places is not None:
             packages = {key: place or CARRIED for key, place in places["places"]}
         robot, actions = self._robot(believed.robot), list(self.dispatched_actions)
-        robots = {name: self._place(position) for name, position in self.positions.items()} or dict(believed.robots)
+        robots = {name: self._place(position) for name, position in self.positions.items() if name}
+        robots = robots or dict(believed.robots)
         found = [_goal(one) for one in goals]
         return Summary(found, actions, packages, robot, self.seconds, robots, self.sentences)
 
     def _robot(self, believed: str) -> str:
-        return believed if self.position is None or not self.about["labels"] else self._place(self.position)
+        position = self.positions.get("")
+        return believed if position is None or not self.about["labels"] else self._place(position)
 
     def _place(self, position: Point) -> str:
         labels = LabelTable(tuple(Label(name, *pose) for name, pose in self.about["labels"].items()))

@@ -9,11 +9,11 @@ from rosoclingo.runs.topic_atoms import action_in
 
 Record = Dict[str, Any]
 
-#: Minimum distance and turn (m, rad) between two recorded poses, before thinning.
+#: Minimum distance and turn (m, rad) between two of the first recorded poses.
 APART, TURNED = 0.05, 0.2
 
-#: Limit of recorded poses of a run, above which every second pose is removed.
-POSES = 20000
+#: Number of recorded poses of a robot after which the distance between two of them doubles.
+POSES = 5000
 
 
 Point = Tuple[float, float]
@@ -98,32 +98,14 @@ class Table:
 
 
 class Words:
-    """Distinct texts, numbered from 0; ``entry`` converts a text to the value for a page."""
+    """The distinct texts of a run, numbered from 0 in a table, so that other records refer to them by number.
 
-    def __init__(self, entry: Callable[[str], Any] = str) -> None:
-        self._entry = entry
+    ``entry`` returns the record of a text.
+    """
+
+    def __init__(self, table: Table, entry: Callable[[str], Record]) -> None:
+        self._table, self._entry = table, entry
         self._numbers: Dict[str, int] = {}
-        self.entries: List[Any] = []
-
-    def number(self, text: str) -> int:
-        """Return the number of a text."""
-        if text not in self._numbers:
-            self._numbers[text] = len(self.entries)
-            self.entries.append(self._entry(text))
-        return self._numbers[text]
-
-    def numbers(self, texts: Sequence[str]) -> List[int]:
-        """Return the numbers of texts."""
-        return [self.number(text) for text in texts]
-
-
-class PlannedActions:
-    """The distinct actions of plans, numbered from 0 in ``table``, each with its sentence."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
-        self._numbers: Dict[str, int] = {}
-        self._sentences = Sentences()
 
     def __getitem__(self, number: int) -> Record:
         return self._table[number]
@@ -131,11 +113,29 @@ class PlannedActions:
     def __contains__(self, text: str) -> bool:
         return text in self._numbers
 
+    def number(self, text: str) -> int:
+        """Return the number of a text."""
+        if text not in self._numbers:
+            self._numbers[text] = self._table.add(**self._entry(text))
+        return self._numbers[text]
+
+    def numbers(self, texts: Sequence[str]) -> List[int]:
+        """Return the numbers of texts."""
+        return [self.number(text) for text in texts]
+
+
+class PlannedActions(Words):
+    """The distinct actions of plans as ``_action_lib`` atoms, each with its sentence."""
+
+    def __init__(self, table: Table) -> None:
+        super().__init__(table, self._described)
+        self._sentences = Sentences()
+
     def reword(self, sentences: Sentences) -> None:
         """Replace the sentences of all actions."""
         self._sentences = sentences
         for text, number in self._numbers.items():
-            entry = self._entry(text)
+            entry = self._described(text)
             if self._table[number] != entry:
                 self._table.change(number).update(entry)
 
@@ -144,17 +144,7 @@ class PlannedActions:
         action = action_in(text)
         return shortened(text if action is None else self._sentences.of(action))
 
-    def number(self, text: str) -> int:
-        """Return the number of an ``_action_lib`` atom."""
-        if text not in self._numbers:
-            self._numbers[text] = self._table.add(**self._entry(text))
-        return self._numbers[text]
-
-    def numbers(self, texts: Sequence[str]) -> List[int]:
-        """Return the numbers of ``_action_lib`` atoms."""
-        return [self.number(text) for text in texts]
-
-    def _entry(self, text: str) -> Record:
+    def _described(self, text: str) -> Record:
         """Return the terms and the words of an ``_action_lib`` atom; of any other text, the text."""
         action = action_in(text)
         if action is None:
@@ -173,32 +163,34 @@ class PlannedActions:
 
 
 class Track:
-    """The robot's track: poses (time, x, y, yaw, driven metres), sparser in longer runs."""
+    """Decides which poses of a robot are recorded, sparser in longer runs, and measures its way.
+
+    Attributes:
+        metres: the length of the way.
+
+    """
 
     def __init__(self, most: int = POSES) -> None:
         self._most = most
-        self._apart, self._turned = APART, TURNED
-        self._last: Optional[Tuple[float, float]] = None
+        self._apart = APART
+        self._measured: Optional[Point] = None  # up to which the way is measured
+        self._recorded: Optional[Tuple[float, float, float]] = None
+        self._count = 0
         self.metres = 0.0
-        self.poses: List[Tuple[float, ...]] = []
-        self.thinned = 0  # how often every second pose was removed
 
-    def add(self, time: float, x: float, y: float, yaw: float) -> bool:
-        """Add a pose; return whether it is recorded."""
-        way = 0.0 if self._last is None else math.hypot(x - self._last[0], y - self._last[1])
-        if self._last is None or way >= APART:  # less can be noise of a standing robot
+    def add(self, x: float, y: float, yaw: float) -> bool:
+        """Add a pose; return whether to record it."""
+        way = 0.0 if self._measured is None else math.hypot(x - self._measured[0], y - self._measured[1])
+        if self._measured is None or way >= APART:  # less can be noise of a standing robot
             self.metres += way
-            self._last = (x, y)
-        if self.poses and not self._moved(x, y, yaw):
+            self._measured = (x, y)
+        if self._recorded is not None and not self._moved(*self._recorded, x, y, yaw):
             return False
-        self.poses.append((round(time, 2), round(x, 3), round(y, 3), round(yaw, 3), round(self.metres, 2)))
-        if len(self.poses) > self._most:
-            self.poses = self.poses[::2]
-            self._apart, self._turned = 2.0 * self._apart, 2.0 * self._turned
-            self.thinned += 1
+        self._recorded, self._count = (x, y, yaw), self._count + 1
+        if self._count % self._most == 0:
+            self._apart *= 2.0
         return True
 
-    def _moved(self, x: float, y: float, yaw: float) -> bool:
-        _, last_x, last_y, last_yaw, _ = self.poses[-1]
+    def _moved(self, last_x: float, last_y: float, last_yaw: float, x: float, y: float, yaw: float) -> bool:
         turned = abs(math.remainder(yaw - last_yaw, math.tau))
-        return math.hypot(x - last_x, y - last_y) >= self._apart or turned >= self._turned
+        return math.hypot(x - last_x, y - last_y) >= self._apart or turned >= TURNED

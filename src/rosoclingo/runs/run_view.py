@@ -5,7 +5,8 @@ Times are seconds of the run's clock since the first request, fact or action.
 
 import json
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
+from collections import defaultdict
+from typing import Any, DefaultDict, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, StreamUpdate, parse_term, parse_update
@@ -30,11 +31,8 @@ from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
-#: The state of a client: the arguments of :meth:`RunView.changes` for its next request.
-ClientState = Tuple[int, Tuple[int, int], Tuple[int, int]]
-
 #: The version of the format of :meth:`RunView.changes`.
-FORMAT = 2
+FORMAT = 3
 
 #: Limit of characters of an external text on a page.
 SHOWN = 2000
@@ -83,8 +81,7 @@ class RunView(RunEvents):
         drawings: the program's declarations of drawings.
         mode_word: whether the core dispatches actions: running, paused or stopped.
         believed: the program's beliefs.
-        position: x and y (m) of the robot, None before its first pose.
-        positions: x and y (m) of each of several robots, by name.
+        positions: x and y (m) of each of several robots by name, of an only robot by an empty name.
         dispatched_actions: the atoms of all dispatched actions, once each.
 
     """
@@ -102,24 +99,25 @@ class RunView(RunEvents):
                 "words",
                 "actions",
                 "packages",
+                "terms",
                 "beliefs",
+                "shapes",
                 "drawn",
-                "robots",
+                "poses",
                 "paths",
                 "scans",
                 "log",
             )
         }
-        self._terms, self._shapes = Words(), Words(json.loads)
+        self._terms = Words(self.tables["terms"], lambda text: {"text": text})
+        self._shapes = Words(self.tables["shapes"], json.loads)
         self._planned_actions = PlannedActions(self.tables["words"])
         self._sentences, self.drawings = Sentences(), Drawings()
         self.mode_word = RUNNING
         self.believed: Sequence[str] = ()
         self._believed_since = 0.0
-        self.position: Optional[Point] = None
         self.positions: Dict[str, Point] = {}
-        self._track = Track()
-        self._tracks: Dict[str, Track] = {}
+        self._tracks: DefaultDict[str, Track] = defaultdict(Track)
         self._scans: Dict[str, int] = {}
         self._log, self._with_state = RunLog(self._enter), with_state
         self._goals: Dict[str, int] = {}
@@ -329,16 +327,12 @@ class RunView(RunEvents):
         """Record the robot's pose (m, rad), or that of one of several robots."""
         if not all(map(math.isfinite, (x, y, yaw))):
             return
-        if robot:
-            self.positions[robot] = x, y
-            if self._tracks.setdefault(robot, Track()).add(time, x, y, yaw):
-                now = round(max(0.0, time - self._start), 2) if self._start is not None else 0.0
-                pose = [round(one, 3) for one in (x, y, yaw)]
-                self.tables["robots"].add(time=now, robot=robot, pose=pose)
-        else:
-            self.position = x, y
-            if self._track.add(time, x, y, yaw):
-                self._revision.next()
+        self.positions[robot] = x, y
+        track = self._tracks[robot]
+        if track.add(x, y, yaw):
+            now = round(max(0.0, time - self._start), 2) if self._start is not None else 0.0
+            pose = [round(one, 3) for one in (x, y, yaw)]
+            self.tables["poses"].add(time=now, robot=robot, pose=pose, metres=round(track.metres, 2))
 
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
         """Record the robot's planned path."""
@@ -400,11 +394,6 @@ class RunView(RunEvents):
         """The number of changes up to now."""
         return self._revision.number
 
-    def client_state(self) -> ClientState:
-        """Return the arguments of :meth:`changes` for changes after the present revision."""
-        words = len(self._terms.entries), len(self._shapes.entries)
-        return self.revision, words, (self._track.thinned, len(self._track.poses))
-
     def has_ended(self, key: str) -> bool:
         """Return whether a goal is known and has ended."""
         number = self._goals.get(key)
@@ -421,8 +410,7 @@ class RunView(RunEvents):
     @property
     def full(self) -> bool:
         """Whether the tables have more than MOST records, see :meth:`successor`."""
-        words = self._terms, self._shapes
-        return sum(map(len, self.tables.values())) + sum(len(one.entries) for one in words) > MOST
+        return sum(map(len, self.tables.values())) > MOST
 
     def successor(self) -> "RunView":
         """Return a view that continues with the open goals and the present state only."""
@@ -436,37 +424,23 @@ class RunView(RunEvents):
             for time, word, reason, details in goal["states"][1:]:
                 fresh._state(start + time, goal["id"], word, details or reason)
         fresh.clock(start + self.seconds)
-        places, pose = self.tables["packages"].last, self._track.poses[-1:]
+        places = self.tables["packages"].last
         if places is not None:
             fresh.packages(start + self.seconds, places["places"])
-        if pose:
-            time, x, y, yaw = pose[0][:4]
-            fresh.pose(time, x, y, yaw)
-        for robot, track in self._tracks.items():
-            time, x, y, yaw = track.poses[-1][:4]
-            fresh.pose(time, x, y, yaw, robot)
+        for robot, pose in {one["robot"]: one for _, one in self.tables["poses"].changes_since(0)}.items():
+            x, y, yaw = pose["pose"]
+            fresh.pose(start + pose["time"], x, y, yaw, robot)
         if self.tables["beliefs"].last is not None:
             fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self.believed)
         return fresh
 
-    def changes(self, revision: int = 0, words: Tuple[int, int] = (0, 0), poses: Tuple[int, int] = (0, 0)) -> Record:
-        """Return the changes since a revision: records by table and number, and the present revision.
-
-        ``words`` are the numbers of terms and shapes that the client has; ``poses`` how often its poses were
-        thinned, and their number.
-        """
-        known = poses[1] if poses[0] == self._track.thinned else 0
-        start = self._start or 0.0
+    def changes(self, revision: int = 0) -> Record:
+        """Return the changes since a revision: records by table and number, and the present revision."""
         return {
             "format": FORMAT,
             "revision": self._revision.number,
             "seconds": round(self.seconds, 2),
             "about": self.about if self._about_changed > revision else None,
-            "terms": self._terms.entries[words[0] :],
-            "shapes": self._shapes.entries[words[1] :],
-            "thinned": self._track.thinned,
-            "first": known,
-            "poses": [[round(one[0] - start, 2), *one[1:]] for one in self._track.poses[known:]],
             **{name: table.changes_since(revision) for name, table in self.tables.items()},
         }
 

@@ -148,7 +148,7 @@ class WebPage(unittest.TestCase):
         def seen():
             self.poses.publish(message)
             return self.page.run(
-                f"live.model.poses.length > 0 && live.model.poses[live.model.poses.length - 1][1] === {x}"
+                f"live.model.poses.length > 0 && live.model.poses[live.model.poses.length - 1].pose[0] === {x}"
             )
 
         wait_until(seen, f"the robot to be at {x} on the page")

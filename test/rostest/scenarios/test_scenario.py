@@ -156,7 +156,7 @@ class ScenarioTest(unittest.TestCase):
         self.assertEqual({bool(one["ended"]) for _, one in run["actions"]}, {True} if bag.actions else set())
         self.assertIsNotNone(run["about"]["map"])
         self.assertTrue(run["poses"])
-        self.assertIn("way", [shape["kind"] for shape in run["shapes"]])
+        self.assertIn("way", [shape["kind"] for _, shape in run["shapes"]])
         if OPTIONS.scenarios == ["paper"] and browser.found() is not None:
             with browser.Browser(browser.found()) as shown:
                 shown.open(page.as_uri())

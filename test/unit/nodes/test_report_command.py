@@ -148,10 +148,10 @@ def test_report_prefers_the_pose_of_the_simulator(report, write, run, tmp_path):
     truth = [(3.0 + 0.01 * tick, "/base_pose_ground_truth", odometry(0.05 * tick, 0.5)) for tick in range(100)]
     tf = [(3.0, "/tf", transform("map", "odom", 7.0)), (3.5, "/tf", transform("odom", "base_link", 7.0))]
     report(write([*run(), *truth, *tf]))
-    poses = shown(tmp_path / "run.html")["poses"]
-    assert poses[0] == [1.0, 0.0, 0.0, 0.5, 0.0]
+    poses = [one for _, one in shown(tmp_path / "run.html")["poses"]]
+    assert poses[0] == {"time": 1.0, "robot": "", "pose": [0.0, 0.0, 0.5], "metres": 0.0}
     assert 5 <= len(poses) <= 11, "ten a second"
-    assert max(pose[1] for pose in poses) < 6.0
+    assert max(one["pose"][0] for one in poses) < 6.0
 
 
 def test_report_reads_robot_pose_from_tf(report, write, run, tmp_path):
@@ -161,7 +161,8 @@ def test_report_reads_robot_pose_from_tf(report, write, run, tmp_path):
     ]
     tf += [(3.0 + tick, "/tf", transform("odom", "base_footprint", float(tick))) for tick in range(3)]
     report(write([*run(), *tf]))
-    assert [pose[:2] for pose in shown(tmp_path / "run.html")["poses"]] == [[1.0, 7.5], [2.0, 8.5], [3.0, 9.5]]
+    found = [(one["time"], one["pose"][0]) for _, one in shown(tmp_path / "run.html")["poses"]]
+    assert found == [(1.0, 7.5), (2.0, 8.5), (3.0, 9.5)]
 
 
 @pytest.mark.parametrize(
@@ -180,7 +181,7 @@ def test_report_finds_robots_by_their_frames(report, write, run, messages, tmp_p
     plan = messages.TaskPlan(cycle=1, horizon=1, actions=["_action_lib(go(planned),x,1)"])
     tf = [(2.0, "/tf", transform("map", "odom", 7.0)), (3.0, "/tf", transform("odom", frame, 1.0))]
     report(write([*run(), (1.5, "/rosoclingo/task_plan", plan), *tf]))
-    found = [(one["robot"], one["pose"]) for _, one in shown(tmp_path / "run.html")["robots"]]
+    found = [(one["robot"], one["pose"]) for _, one in shown(tmp_path / "run.html")["poses"]]
     assert found == ([] if robot is None else [(robot, [8.0, 0.0, 0.0])])
 
 
@@ -200,7 +201,7 @@ def test_report_prefers_the_usual_frame_of_a_robot(report, write, run, tmp_path)
         (3.0, "/tf", transform("a", "b", 1.0)),
     ]
     report(write([*run(), *tf]))
-    assert [one["pose"][0] for _, one in shown(tmp_path / "run.html")["robots"]][-1] == 7.5
+    assert [one["pose"][0] for _, one in shown(tmp_path / "run.html")["poses"]][-1] == 7.5
 
 
 def test_report_shows_the_planned_path(report, write, run, tmp_path):

@@ -83,7 +83,7 @@ def test_journal_view_log_describes_the_run(whole):
 def test_journal_view_has_beliefs_and_label_positions(whole):
     view = journal_view(whole[0])
     assert view.about["labels"] == {"office1": [1.0, 2.0, 0.0], "office2": [5.0, 2.0, 1.5]}
-    terms = view.changes()["terms"]
+    terms = [one["text"] for one in records(view, "terms")]
     beliefs = [{terms[number] for number in one["atoms"]} for one in records(view, "beliefs")]
     places = [atom for one in beliefs for atom in sorted(one) if atom.startswith("robot_at(")]
     assert places[0] == "robot_at(office1,now)"

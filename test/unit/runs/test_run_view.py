@@ -75,8 +75,9 @@ def test_view_log_equals_the_account(published):
 
 def test_view_keeps_packages_and_poses_when_they_change(published):
     assert [one["time"] for one in records(published, "packages")] == [0.0, 12.0, 32.0]
-    assert published["poses"][0] == [-10.0, 1.0, 1.0, 0.0, 0.0]
-    assert published["poses"][-1] == [9.0, 5.0, 1.0, 0.0, 4.0]
+    first, *_, last = records(published, "poses")
+    assert first == {"time": 0.0, "robot": "", "pose": [1.0, 1.0, 0.0], "metres": 0.0}
+    assert last == {"time": 9.0, "robot": "", "pose": [5.0, 1.0, 0.0], "metres": 4.0}
 
 
 def test_view_sends_only_changes():
@@ -84,11 +85,11 @@ def test_view_sends_only_changes():
     first = view.changes()
     view.goal(140.0, "b", "goal(office1,office2,2)")
     view.pose(140.0, 4.0, 1.0, 0.0)
-    known = len(first["terms"]), len(first["shapes"])
-    more = view.changes(first["revision"], known, (first["thinned"], len(first["poses"])))
+    more = view.changes(first["revision"])
     assert [number for number, _ in more["goals"]] == [1]
-    assert (more["about"], more["cycles"], more["words"]) == (None, [], [])
-    assert (more["first"], more["poses"]) == (len(first["poses"]), [[40.0, 4.0, 1.0, 0.0, 5.0]])
+    assert (more["about"], more["cycles"], more["words"], more["terms"]) == (None, [], [], [])
+    pose = {"time": 40.0, "robot": "", "pose": [4.0, 1.0, 0.0], "metres": 5.0}
+    assert more["poses"] == [(len(first["poses"]), pose)]
     view.status(141.0, "b", 1, "")
     ((number, goal),) = view.changes(more["revision"])["goals"]
     assert (number, goal["states"][-1]) == (1, [41.0, "active", "", ""])
@@ -238,7 +239,7 @@ def test_view_accepts_a_return_before_its_action():
 def drawn(view):
     found = view.changes()
     return [
-        (record["time"], [tuple(found["shapes"][shape].values()) for shape in record["shapes"]])
+        (record["time"], [tuple(found["shapes"][shape][1].values()) for shape in record["shapes"]])
         for _, record in found["drawn"]
     ]
 
@@ -321,7 +322,7 @@ def test_view_that_continues_has_only_open_goals():
     assert (goal["request"], goal["states"][-1]) == ("g(b)", [1.0, "waiting", "much to do", ""])
     assert (found["about"], found["cycles"], found["actions"]) == (view.about, [], [])
     assert records(found, "packages")[0]["places"] == [("1", "office1"), ("2", "office1")]
-    assert found["poses"][-1][1:3] == [5.0, 1.0]
+    assert records(found, "poses")[-1]["pose"] == [5.0, 1.0, 0.0]
     fresh.status(151.0, "b", 3, "")
     assert goal["ended"] == 11.0
 
@@ -440,7 +441,7 @@ def test_view_keeps_beliefs_when_they_change():
     for cycle, atoms in ((1, ["at(a)"]), (2, ["at(a)"]), (3, ["at(b)", "at(a)"])):
         view.beliefs(float(cycle), cycle, atoms)
     found = view.changes()
-    assert found["terms"] == ["at(a)", "at(b)"]
+    assert records(found, "terms") == [{"text": "at(a)"}, {"text": "at(b)"}]
     assert [(one["cycle"], one["atoms"]) for one in records(found, "beliefs")] == [(1, [0]), (3, [1, 0])]
 
 
@@ -462,18 +463,16 @@ def test_table_lists_changes_since_a_version():
 
 def test_long_path_has_few_poses_and_its_length():
     track = Track()
-    for tick in range(5 * POSES):
-        track.add(float(tick), 0.1 * tick, 0.0, 0.0)
-    assert POSES / 3 < len(track.poses) <= POSES
-    assert track.metres == pytest.approx(0.1 * (5 * POSES - 1))
-    assert track.thinned > 0
+    recorded = [tick for tick in range(7 * POSES) if track.add(0.06 * tick, 0.0, 0.0)]
+    assert recorded[:POSES] == list(range(POSES))
+    assert len(recorded) == 3 * POSES
+    assert track.metres == pytest.approx(0.06 * (7 * POSES - 1))
 
 
 def test_robot_at_rest_has_driven_no_distance():
     track = Track()
-    for tick in range(1000):
-        track.add(float(tick), 0.01 * (tick % 3), 0.0, 0.0)
-    assert (track.metres, len(track.poses)) == (0.0, 1)
+    recorded = [track.add(0.01 * (tick % 3), 0.0, 0.0) for tick in range(1000)]
+    assert (track.metres, sum(recorded)) == (0.0, 1)
 
 
 def test_path_keeps_its_corners():

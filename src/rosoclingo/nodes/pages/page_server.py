@@ -19,7 +19,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from rosoclingo.nodes.pages.access import Access
 from rosoclingo.nodes.pages.order_desk import Answer, Taken
 from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page, report_page
-from rosoclingo.runs.run_view import ClientState, RunView
+from rosoclingo.runs.run_view import RunView
 
 __all__ = ["PageServer"]
 
@@ -240,7 +240,7 @@ class _Viewer(WebSocketHandler):
     def forget(self) -> None:
         """Send the whole view next."""
         self._sent: Dict[str, Any] = {}
-        self._known: ClientState = (-1, (0, 0), (0, 0))
+        self._known = -1  # revision of the view that the viewer has
 
     def check_origin(self, origin: str) -> bool:
         """Return whether the request comes from a page of this server."""
@@ -299,15 +299,14 @@ class _Viewer(WebSocketHandler):
         ``texts`` caches the messages of this turn for all viewers.
         """
         seconds = {**extra, "seconds": int(view.seconds)}
-        if self._busy or (self._known[0] == view.revision and self._sent == seconds):
+        if self._busy or (self._known == view.revision and self._sent == seconds):
             return
         fresh = {name: value for name, value in extra.items() if name not in self._sent or self._sent[name] != value}
         key = self._known, *fresh
         if key not in texts:
-            revision, words, poses = self._known
-            changes = view.changes(max(0, revision), words, poses)
-            texts[key] = json.dumps({**changes, **fresh, "whole": revision < 0}, separators=(",", ":"))
-        text, self._known, self._sent, self._busy = texts[key], view.client_state(), seconds, True
+            changes = view.changes(max(0, self._known))
+            texts[key] = json.dumps({**changes, **fresh, "whole": self._known < 0}, separators=(",", ":"))
+        text, self._known, self._sent, self._busy = texts[key], view.revision, seconds, True
         self._server.put(lambda: self._write(text))
 
     async def _write(self, text: str) -> None:
