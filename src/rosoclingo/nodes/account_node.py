@@ -1,13 +1,13 @@
 """The account of a live run, from public topics."""
 
 import threading
-from typing import Any, Callable, Collection, List, Mapping, Optional
+from typing import Any, Callable, Optional
 
 import rospy
+from genpy.message import get_message_class
 
 from rosoclingo.common.connections import is_delivered_to
-from rosoclingo.nodes.run_topics import PATHS, RunTopics
-from rosoclingo.nodes.topic_types import TYPES
+from rosoclingo.nodes.run_topics import PATHS, TYPES, RunTopics
 from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -19,53 +19,14 @@ TOPICS = {
     if name not in ("rosoclingo/feedback", "rosoclingo/result", "map", "/rosout", *PATHS)
 }
 
-#: Statuses of goals that have ended.
-ENDS = ("succeeded", "canceled", "rejected", "aborted")
-
 #: The topics of TOPICS that the core publishes.
 CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "~updates", "~task_plan")
 
 
-class TopicAccount:
-    """An Account with ROS messages as its input; ``with_state`` adds the program's beliefs."""
-
-    def __init__(self, say: Callable[[str], None], with_state: bool = False) -> None:
-        self.account = Account(say, with_state=with_state)
-        self._topics = RunTopics(self.account)
-        self._lock = threading.Lock()
-
-    def take(self, topic: str, message: Any, time: float) -> None:
-        """Process a message of one of TOPICS; callable from any thread."""
-        with self._lock:
-            if not self._topics.is_too_soon(topic, time):
-                self._topics.takes[topic](time, message)
-
-    def tick(self, time: float) -> None:
-        """Print the lines that are due at this time; callable from any thread."""
-        with self._lock:
-            self.account.clock(time)
-
-    def ended(self, keys: Collection[str]) -> bool:
-        """Return whether the goals with these keys have ended in the account."""
-        with self._lock:
-            return {one.key for one in self.account.summary.goals if one.status in ENDS}.issuperset(keys)
-
-    def differences(
-        self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None
-    ) -> List[str]:
-        """Return the differences from a scenario's ``expect``, see :meth:`Summary.differences`."""
-        with self._lock:
-            return self.account.summary.differences(expect, before, sent)
-
-    def finish(self) -> Summary:
-        """End the account: print delayed lines, and return the summary."""
-        with self._lock:
-            self.account.finish()
-            return self.account.summary
-
-
-class AccountNode(TopicAccount):
+class AccountNode:
     """Prints the account of a core from now on; ``words`` are the sentences of its program.
+
+    ``with_state`` adds the program's beliefs. The methods are callable from any thread.
 
     Subscribes:
         CORE/program, CORE/mode (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
@@ -83,12 +44,14 @@ class AccountNode(TopicAccount):
         core: str = USUAL,
         words: Optional[Sentences] = None,
     ) -> None:
-        super().__init__(say, with_state)
+        self._account = Account(say, with_state=with_state)
+        self._topics = RunTopics(self._account)
+        self._lock = threading.Lock()
         if words is not None:
-            self.account.sentences = words  # before the first message can arrive
+            self._account.sentences = words  # before the first message can arrive
         self._subscribers = {
             topic: rospy.Subscriber(
-                full_name(topic, core), kind, self._on_message, callback_args=topic, queue_size=None
+                full_name(topic, core), get_message_class(kind), self._on_message, callback_args=topic, queue_size=None
             )
             for topic, kind in TOPICS.items()
         }
@@ -100,5 +63,25 @@ class AccountNode(TopicAccount):
         me = rospy.get_name()
         return all(is_delivered_to(me, one.name, allow_none=topic not in CORE_TOPICS) for topic, one in found)
 
+    @property
+    def summary(self) -> Summary:
+        """The summary up to now."""
+        with self._lock:
+            return self._account.summary
+
+    def tick(self) -> None:
+        """Print the lines that are due now."""
+        with self._lock:
+            self._account.clock(rospy.get_time())
+
+    def finish(self) -> Summary:
+        """End the account: print delayed lines, and return the summary."""
+        with self._lock:
+            self._account.finish()
+            return self._account.summary
+
     def _on_message(self, message: Any, topic: str) -> None:
-        self.take(topic, message, rospy.get_time())
+        now = rospy.get_time()
+        with self._lock:
+            if not self._topics.is_too_soon(topic, now):
+                self._topics.takes[topic](now, message)

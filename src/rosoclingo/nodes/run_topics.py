@@ -12,10 +12,35 @@ from rosoclingo.runs.sentences import actors_of
 from rosoclingo.runs.topic_atoms import action_in, run_in
 from rosoclingo.runs.topic_names import full_name
 
-__all__ = ["PATHS", "RunTopics"]
+__all__ = ["PATHS", "TYPES", "RunTopics"]
 
 #: Topics with the robot's planned path.
 PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
+
+#: The types of the topics of a run, by name for :func:`full_name`.
+TYPES = {
+    "~program": "std_msgs/String",
+    "~goals": "rosoclingo/GoalStates",
+    "~state": "rosoclingo/State",
+    "~mode": "std_msgs/String",
+    "out_rosoclingo": "rosoclingo/InterfaceIO",
+    "in_rosoclingo": "rosoclingo/InterfaceIO",
+    "rosoclingo/goal": "rosoclingo/ROSoClingoActionGoal",
+    "rosoclingo/cancel": "actionlib_msgs/GoalID",
+    "rosoclingo/status": "actionlib_msgs/GoalStatusArray",
+    "rosoclingo/feedback": "rosoclingo/ROSoClingoActionFeedback",
+    "rosoclingo/result": "rosoclingo/ROSoClingoActionResult",
+    "~updates": "std_msgs/String",
+    "~task_plan": "rosoclingo/TaskPlan",
+    "packages": "rosoclingo/PackageStates",
+    "map": "nav_msgs/OccupancyGrid",
+    **dict.fromkeys(PATHS, "nav_msgs/Path"),
+    "base_pose_ground_truth": "nav_msgs/Odometry",
+    "amcl_pose": "geometry_msgs/PoseWithCovarianceStamped",
+    "/tf": "tf2_msgs/TFMessage",
+    "/tf_static": "tf2_msgs/TFMessage",
+    "/rosout": "rosgraph_msgs/Log",
+}
 
 
 class RunTopics:

@@ -44,7 +44,7 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
             line = beginning.line()
             if line:
                 say(line)
-            account.tick(rospy.get_time())
+            account.tick()
     except KeyboardInterrupt:
         pass
     _conclude(account.finish(), say)

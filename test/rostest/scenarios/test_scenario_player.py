@@ -13,13 +13,13 @@ from unittest import mock
 import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
-from rosoclingo.msg import InterfaceIO, PackageState, PackageStates, TaskPlan
+from rosoclingo.msg import InterfaceIO, TaskPlan
 from std_msgs.msg import String
 
-from rosoclingo.nodes.account_node import TopicAccount
 from rosoclingo.nodes.scenarios import player as scenario_player
 from rosoclingo.nodes.scenarios import playing
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.scenario import Scenario
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -92,25 +92,26 @@ class ScenarioPlayerTest(unittest.TestCase):
         self.assertRaisesRegex(PlayError, "cancel 5: no goal 5 was sent before", player.play)
 
     def test_package_reported_after_the_last_goal_counts(self):
-        account = TopicAccount(print)
-        carried, lying = PackageState("1", "", True), PackageState("1", "office1", False)
-        news = iter([carried, carried, lying])
+        account = Account(print)
+        news = iter(["", "", "office1"])
 
         def tell():
-            for one in itertools.islice(news, 1):
-                account.take("packages", PackageStates(packages=[one]), 0.0)
+            for place in itertools.islice(news, 1):
+                account.packages(0.0, [("1", place)])
 
         expect = {"packages": {"1": "office1"}}
         tell()
-        self.assertTrue(account.differences(expect))
-        playing.wait_for_news(ScenarioPlayer(Scenario.from_text(SCENARIO), [], print, tell), account, expect)
-        self.assertEqual(account.differences(expect), [])
+        self.assertTrue(account.summary.differences(expect))
+        player = ScenarioPlayer(Scenario.from_text(SCENARIO), [], print, tell)
+        playing.wait_for_news(player, lambda: account.summary, expect)
+        self.assertEqual(account.summary.differences(expect), [])
 
     def test_scenario_ends_if_expected_news_never_come(self):
-        account, expect = TopicAccount(print), {"robot": "office1"}
+        account, expect = Account(print), {"robot": "office1"}
         with mock.patch.object(playing, "LATE_NEWS", 0.2):
-            playing.wait_for_news(ScenarioPlayer(Scenario.from_text(SCENARIO), [], print), account, expect)
-        self.assertEqual(account.differences(expect), ["robot: expected office1, found "])
+            player = ScenarioPlayer(Scenario.from_text(SCENARIO), [], print)
+            playing.wait_for_news(player, lambda: account.summary, expect)
+        self.assertEqual(account.summary.differences(expect), ["robot: expected office1, found "])
 
 
 if __name__ == "__main__":

@@ -4,16 +4,23 @@ from types import SimpleNamespace
 
 import pytest
 
+from rosoclingo.nodes.run_topics import RunTopics
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 LABELS = {"kitchen": [1.0, 2.0], "hall": {"x": 5.0, "y": 0.0}}
 
 
 @pytest.fixture
-def account(messages):
-    from rosoclingo.nodes.account_node import TopicAccount
+def account():
+    return Account(lambda _line: None)
 
-    return TopicAccount(lambda _line: None)
+
+@pytest.fixture
+def take(account):
+    """Pass a message of a topic to the account."""
+    topics = RunTopics(account)
+    return lambda topic, message, time: topics.takes[topic](time, message)
 
 
 def program(text="", labels=LABELS):
@@ -54,44 +61,44 @@ def transforms(*found):
         ("/tf", transforms(("/map", "/base_footprint", 1.0, 2.3))),
     ],
 )
-def test_account_names_place_by_label_of_program(account, topic, message):
-    account.take(topic, message, 1.0)
-    account.take("~program", program(), 1.1)
-    assert account.account.summary.robot == "kitchen"
-    account.take("~state", state("at(hall,now)"), 1.2)
-    assert account.account.summary.robot == "kitchen", "a measured position has priority"
+def test_account_names_place_by_label_of_program(account, take, topic, message):
+    take(topic, message, 1.0)
+    take("~program", program(), 1.1)
+    assert account.summary.robot == "kitchen"
+    take("~state", state("at(hall,now)"), 1.2)
+    assert account.summary.robot == "kitchen", "a measured position has priority"
 
 
-def test_account_names_no_place_between_labels(account):
-    account.take("~program", program(), 1.0)
-    account.take("amcl_pose", posed(3.0, 3.0), 1.1)
-    assert account.account.summary.robot == "away from every label"
-    account.take("/tf", transforms(("odom", "base_link", 1.0, 2.0)), 1.2)
-    assert account.account.summary.robot == "away from every label", "nothing says where odom is"
+def test_account_names_no_place_between_labels(account, take):
+    take("~program", program(), 1.0)
+    take("amcl_pose", posed(3.0, 3.0), 1.1)
+    assert account.summary.robot == "away from every label"
+    take("/tf", transforms(("odom", "base_link", 1.0, 2.0)), 1.2)
+    assert account.summary.robot == "away from every label", "nothing says where odom is"
 
 
 @pytest.mark.parametrize("labels", [LABELS, {}])
-def test_account_reads_places_that_the_program_shows(account, labels):
-    account.take("~program", program(labels=labels), 1.0)
-    account.take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
-    assert account.account.summary.robot == "kitchen"
-    assert account.account.summary.packages == {"cup": "hall", "mug": "carried"}
+def test_account_reads_places_that_the_program_shows(account, take, labels):
+    take("~program", program(labels=labels), 1.0)
+    take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
+    assert account.summary.robot == "kitchen"
+    assert account.summary.packages == {"cup": "hall", "mug": "carried"}
     expect = {"robot": "kitchen", "packages": {"cup": "hall"}}
-    assert account.differences(expect) == []
-    account.take("~state", state("at(hall,now)"), 1.2)
-    assert account.differences(expect) != []
+    assert account.summary.differences(expect) == []
+    take("~state", state("at(hall,now)"), 1.2)
+    assert account.summary.differences(expect) != []
 
 
-def test_account_prefers_the_topic_of_packages(account):
-    account.take("~program", program(), 1.0)
-    account.take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.1)
-    account.take("~state", state("thing_at(1,kitchen,now)"), 1.2)
-    assert account.account.summary.packages == {"1": "hall"}
+def test_account_prefers_the_topic_of_packages(account, take):
+    take("~program", program(), 1.0)
+    take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.1)
+    take("~state", state("thing_at(1,kitchen,now)"), 1.2)
+    assert account.summary.packages == {"1": "hall"}
 
 
-def test_account_counts_cycles_from_start_of_scenario(account):
-    account.take("~task_plan", SimpleNamespace(cycle=7, horizon=7, actions=[], ground_time=0.0, solve_time=0.0), 1.0)
-    account.take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
+def test_account_counts_cycles_from_start_of_scenario(account, take):
+    take("~task_plan", SimpleNamespace(cycle=7, horizon=7, actions=[], ground_time=0.0, solve_time=0.0), 1.0)
+    take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
     expect = {"actions": ["_action_lib(go,x,1)"]}
-    assert account.differences(expect, 6) == []
-    assert account.differences(expect) != []
+    assert account.summary.differences(expect, 6) == []
+    assert account.summary.differences(expect) != []

@@ -6,6 +6,7 @@ from typing import Any, Dict, List, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from genpy.message import get_message_class
 from std_msgs.msg import String
 from tornado.netutil import bind_sockets
 
@@ -16,8 +17,7 @@ from rosoclingo.nodes.pages.order_desk import OrderDesk, Taken
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web
 from rosoclingo.nodes.pages.scan_feed import ScanFeed
-from rosoclingo.nodes.run_topics import RunTopics
-from rosoclingo.nodes.topic_types import TYPES
+from rosoclingo.nodes.run_topics import TYPES, RunTopics
 from rosoclingo.reasoning.keywords import shortened
 from rosoclingo.runs.orders import read_orders
 from rosoclingo.runs.run_view import RunView
@@ -96,9 +96,9 @@ class WebNode:
         self._address.publish(String(address))
 
     def _subscribe(self) -> Dict[str, rospy.Subscriber]:
-        kinds = {"/diagnostics": DiagnosticArray, **TYPES}
+        kinds = {"/diagnostics": "diagnostic_msgs/DiagnosticArray", **TYPES}
         return {
-            name: rospy.Subscriber(self._topics.full(name), kind, self._on_message, name)
+            name: rospy.Subscriber(self._topics.full(name), get_message_class(kind), self._on_message, name)
             for name, kind in kinds.items()
         }
 

@@ -6,7 +6,7 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Optional
 
 import rospkg
 
-from rosoclingo.nodes.account_node import AccountNode, TopicAccount
+from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
 from rosoclingo.runs.account import Summary
 from rosoclingo.runs.scenario import Scenario, ScenarioError
@@ -60,19 +60,19 @@ def run_scenario(
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
         # the account learns of an end from the status topic, which can be later than the result
-        player.wait_until(lambda: account.ended(player.sent), timeout, lambda: "no status of every goal")
-        wait_for_news(player, account, scenario.expect)
+        player.wait_until(lambda: account.summary.has_ended(player.sent), timeout, lambda: "no status of every goal")
+        wait_for_news(player, lambda: account.summary, scenario.expect)
     except PlayError as error:
         faults.append(str(error))
     summary = account.finish() if account is not None else Summary()
     return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.sent))
 
 
-def wait_for_news(player: ScenarioPlayer, account: TopicAccount, expect: Mapping[str, Any]) -> None:
-    """Wait, at most LATE_NEWS seconds, until the account has the expected end: topics arrive independently."""
+def wait_for_news(player: ScenarioPlayer, summary: Callable[[], Summary], expect: Mapping[str, Any]) -> None:
+    """Wait, at most LATE_NEWS seconds, until the summary has the expected end: topics arrive independently."""
     with suppress(PlayError):  # then the run did not end as expected
         player.wait_until(
-            lambda: not account.differences(expect, player.before or 0, player.sent),
+            lambda: not summary().differences(expect, player.before or 0, player.sent),
             LATE_NEWS,
             lambda: "not as expected",
         )
