@@ -1,10 +1,10 @@
-"""A run as one self-contained HTML file: views, figures and a slider, drawn by the scripts of ``web/``."""
+"""Reports and the live page: each is one HTML file with all styles and scripts of ``web/``."""
 
 import base64
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence, Tuple
 
 __all__ = ["LIVE_SCRIPTS", "SCRIPTS", "STYLE", "live_page", "report_page"]
 
@@ -29,28 +29,28 @@ def report_page(run: Mapping[str, Any], web: Path) -> str:
 
     No text of the run is interpreted as HTML, and only the scripts of ``web`` can run.
     """
-    script = "\n".join((web / name).read_text(encoding="utf-8") for name in SCRIPTS)
-    style = (web / STYLE).read_text(encoding="utf-8")
+    page, policy = _page(web, PAGE, SCRIPTS)
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
+    return _with(page, policy=policy, run=f'<script type="application/json" id="run">{_json(run)}</script>')
+
+
+def live_page(web: Path) -> Tuple[str, str]:
+    """Return the live page, which loads the run from the server, and its Content-Security-Policy."""
+    return _page(web, LIVE_PAGE, LIVE_SCRIPTS)
+
+
+def _page(web: Path, name: str, scripts: Sequence[str]) -> Tuple[str, str]:
+    """Return a page with its style and scripts, and a policy that permits only these."""
+    page, views, style = ((web / one).read_text(encoding="utf-8") for one in (name, VIEWS, STYLE))
+    script = "\n".join((web / one).read_text(encoding="utf-8") for one in scripts)
     policy = f"default-src 'none'; img-src data:; style-src {_hash(style)}; script-src {_hash(script)}"
-    parts = {
-        "policy": f'<meta http-equiv="Content-Security-Policy" content="{policy}">',
-        "style": f"<style>{style}</style>",
-        "run": f'<script type="application/json" id="run">{_json(run)}</script>',
-        "script": f"<script>{script}</script>",
-    }
-    return _page(web, PAGE, parts)
+    views, style, script = views.rstrip("\n"), f"<style>{style}</style>", f"<script>{script}</script>"
+    return _with(page, views=views, style=style, script=script), policy
 
 
-def live_page(web: Path) -> str:
-    """Return the live page, which loads its scripts and the run from the server."""
-    return _page(web, LIVE_PAGE, {})
-
-
-def _page(web: Path, name: str, parts: Mapping[str, str]) -> str:
-    """Return a page with its parts, and with the views that all pages share."""
-    page = (web / name).read_text(encoding="utf-8")
-    views = (web / VIEWS).read_text(encoding="utf-8").rstrip("\n")
-    for place, text in {"views": views, **parts}.items():
+def _with(page: str, **parts: str) -> str:
+    """Return a page with parts in place of the comments with their names."""
+    for place, text in parts.items():
         before, _, after = page.partition(f"<!-- {place} -->")
         page = before + text + after
     return page

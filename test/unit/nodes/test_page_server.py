@@ -8,7 +8,7 @@ import threading
 import browser
 import pytest
 from published_runs import GOAL
-from served_page import PATIENCE, answered, next_message, play, serving, wait_until
+from served_page import PATIENCE, WEB, answered, next_message, play, serving, wait_until
 from tornado.httpclient import HTTPClientError
 
 from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_MESSAGES, MOST_VIEWERS
@@ -25,17 +25,16 @@ def served():
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 
-def test_server_serves_the_page_and_its_files(served):
+def test_server_serves_the_page_with_its_scripts(served):
     code, headers, page = served.get()
     assert (code, headers["Content-Type"]) == (200, "text/html; charset=utf-8")
-    assert [f'src="/{name}"' in page for name in LIVE_SCRIPTS] == [True] * len(LIVE_SCRIPTS)
-    for name in (*LIVE_SCRIPTS, "page.css"):
-        assert served.get("/" + name)[0] == 200
-    assert "default-src 'none'; script-src 'self'" in headers["Content-Security-Policy"]
+    assert all((WEB / name).read_text() in page for name in (*LIVE_SCRIPTS, "page.css"))
+    assert "default-src 'none'; img-src data:; style-src 'sha256-" in headers["Content-Security-Policy"]
+    assert f"connect-src 'self' ws://127.0.0.1:{served.port} " in headers["Content-Security-Policy"]
     assert (headers["X-Frame-Options"], headers["X-Content-Type-Options"]) == ("DENY", "nosniff")
 
 
-@pytest.mark.parametrize("path", ["/nosuch", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/run.html"])
+@pytest.mark.parametrize("path", ["/nosuch", "/model.js", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/run.html"])
 def test_server_serves_nothing_else(served, path):
     assert served.get(path)[0] == 404
 
@@ -99,7 +98,7 @@ def test_server_refuses_a_token_that_is_not_utf8(served, token):
 def test_server_with_a_token_admits_only_its_holders():
     with serving(token="open sesame") as served:
         assert served.get()[0] == 403
-        assert served.get("/model.js")[0] == served.get("/report.html")[0] == 403
+        assert served.get("/report.html")[0] == 403
         assert served.get("/?token=wrong")[0] == 403
         assert "Token needed" in served.get("/?token=wr%C3%B6ng")[2]
         with pytest.raises(HTTPClientError) as error:

@@ -1,4 +1,4 @@
-"""The live page's server, in its own thread: files, and a WebSocket that sends the changes of a run."""
+"""The live page's server, in its own thread: the page, and a WebSocket that sends the changes of a run."""
 
 import asyncio
 import json
@@ -18,7 +18,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from rosoclingo.nodes.pages.access import Access
 from rosoclingo.nodes.pages.order_desk import Answer, Taken
-from rosoclingo.runs.report_page import LIVE_SCRIPTS, STYLE, live_page, report_page
+from rosoclingo.runs.report_page import live_page, report_page
 from rosoclingo.runs.run_view import RunView
 
 __all__ = ["PageServer"]
@@ -36,17 +36,14 @@ MOST_MESSAGES, WINDOW = 20, 10.0
 SILENCE = 30
 
 COOKIE = "rosoclingo"
+
+#: What the page can connect to on a host, and who can show it, besides the policy of the page itself.
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:; connect-src 'self' ws://{host} wss://{host};"
-    " base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-#: The path of the report of the run so far.
-REPORT = "/report.html"
 
 #: Types of the number of a message, which its answer repeats.
 _NUMBERS = (int, type(None))
-
-TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 
 
 class PageServer:
@@ -72,8 +69,8 @@ class PageServer:
         self._view, self._look, self._web, self.take = view, look, web, take
         self._shown: Optional[RunView] = None
         self._extra: Dict[str, Any] = {}
-        self._files = {f"/{name}": (web / name).read_bytes() for name in (*LIVE_SCRIPTS, STYLE)}
-        self._files["/"] = live_page(web).encode("utf-8")
+        self.page, policy = live_page(web)
+        self.policy = f"{policy}; {POLICY}"
         self._sockets = list(sockets)
         self._loop: Optional[IOLoop] = None
         self._ready = threading.Event()
@@ -129,9 +126,9 @@ class PageServer:
         await asyncio.gather(*waiting, return_exceptions=True)
 
     def _application(self) -> Application:
-        files = [(path, _File, {"server": self, "path": path, "data": data}) for path, data in self._files.items()]
+        handlers = {"/": _Page, "/report.html": _Report, "/run": _Viewer}
         return Application(
-            [*files, (REPORT, _Report, {"server": self}), ("/run", _Viewer, {"server": self})],
+            [(path, handler, {"server": self}) for path, handler in handlers.items()],
             websocket_max_message_size=MOST_BYTES,
             websocket_ping_interval=SILENCE,
             default_handler_class=_Nothing,
@@ -159,75 +156,64 @@ def _check(handler: RequestHandler, server: PageServer) -> None:
         raise HTTPError(403, reason="Token needed: open the address in the node's log")
 
 
-def _say_error(handler: RequestHandler, status_code: int, reason: str) -> None:
-    handler.set_header("Content-Type", "text/plain; charset=utf-8")
-    handler.finish(f"{status_code} {reason}\n")
+class _PlainErrors(RequestHandler):
+    """Answers with errors in plain text."""
+
+    def write_error(self, status_code: int, **_more: Any) -> None:
+        """Answer with an error."""
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code} {self._reason}\n")
 
 
-class _Nothing(RequestHandler):
+class _Nothing(_PlainErrors):
     """A path that does not exist."""
 
     def prepare(self) -> None:
         """Answer that the path does not exist."""
         raise HTTPError(404)
 
-    def write_error(self, status_code: int, **_more: Any) -> None:
-        """Answer with the error in plain text."""
-        _say_error(self, status_code, self._reason)
 
-
-class _File(_Nothing):
-    """A file of the front-end. A token in the page's address becomes a cookie."""
-
-    def initialize(self, server: PageServer, path: str, data: bytes) -> None:
-        """Set the file to serve."""
-        self._server, self._file, self._data = server, path, data
-
-    def prepare(self) -> None:
-        """Set the headers."""
-        self.set_header("Content-Security-Policy", POLICY.format(host=_plain(self.request.host)))
-        self.set_header("X-Content-Type-Options", "nosniff")
-        self.set_header("X-Frame-Options", "DENY")
-        self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("Cache-Control", "no-store")
-
-    def get(self) -> None:
-        """Answer with the file."""
-        try:
-            token = self.get_query_argument("token", None)
-        except HTTPError:
-            raise HTTPError(400, reason="The token is not UTF-8") from None
-        if self._file == "/" and token is not None and self._server.access.is_token(token):
-            self.set_cookie(COOKIE, self._server.access.proof, httponly=True, samesite="Lax")
-            self.redirect("/")
-            return
-        _check(self, self._server)
-        kind = TYPES.get(Path(self._file).suffix, "text/html")
-        self.set_header("Content-Type", f"{kind}; charset=utf-8")
-        self.finish(self._data)
-
-
-class _Report(_Nothing):
-    """The report of the run so far, as a file to save."""
+class _Page(_PlainErrors):
+    """The live page. A token in its address becomes a cookie."""
 
     def initialize(self, server: PageServer) -> None:
         """Set the server."""
         self._server = server
 
     def prepare(self) -> None:
-        """Refuse requests without access."""
+        """Set the headers."""
+        self.set_header("Content-Security-Policy", self._server.policy.format(host=_plain(self.request.host)))
+        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("X-Frame-Options", "DENY")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cache-Control", "no-store")
+
+    def get(self) -> None:
+        """Answer with the page."""
+        try:
+            token = self.get_query_argument("token", None)
+        except HTTPError:
+            raise HTTPError(400, reason="The token is not UTF-8") from None
+        if token is not None and self._server.access.is_token(token):
+            self.set_cookie(COOKIE, self._server.access.proof, httponly=True, samesite="Lax")
+            self.redirect("/")
+            return
         _check(self, self._server)
+        self.finish(self._server.page)
+
+
+class _Report(_Page):
+    """The report of the run so far, as a file to save."""
 
     def get(self) -> None:
         """Answer with the report."""
-        self.set_header("Content-Type", "text/html; charset=utf-8")
+        _check(self, self._server)
         self.set_header("Content-Disposition", 'attachment; filename="run.html"')
-        self.set_header("X-Content-Type-Options", "nosniff")
-        self.set_header("Cache-Control", "no-store")
         self.finish(self._server.report())
 
 
-class _Viewer(WebSocketHandler):
+class _Viewer(_PlainErrors, WebSocketHandler):
     """The connection of a viewer."""
 
     def initialize(self, server: PageServer) -> None:
@@ -253,10 +239,6 @@ class _Viewer(WebSocketHandler):
             raise HTTPError(403, reason="Not a page of this server")
         if len(self._server.viewers) >= MOST_VIEWERS:
             raise HTTPError(503, reason="Too many viewers")
-
-    def write_error(self, status_code: int, **_more: Any) -> None:
-        """Answer with the error in plain text."""
-        _say_error(self, status_code, self._reason)
 
     def open(self, *_arguments: str, **_more: str) -> None:
         """Add the viewer."""
