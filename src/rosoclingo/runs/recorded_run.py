@@ -15,9 +15,9 @@ import clingo
 from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import Reset
-from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History
+from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
 from rosoclingo.runs.events import RunEvents
-from rosoclingo.runs.topic_atoms import action_in
+from rosoclingo.runs.topic_atoms import action_in, atom_in
 
 #: The version of the format of :meth:`RunProgram.text`.
 FORMAT = 1
@@ -118,13 +118,6 @@ def _apart(names: Sequence[str]) -> List[Path]:
     ]
 
 
-class RecordedPlan(NamedTuple):
-    """A published plan: its actions from its cycle on, none without a plan, and the last grounded step."""
-
-    horizon: int
-    actions: Tuple[str, ...]
-
-
 @dataclass
 class RecordedCycle:
     """The input and the decisions of one cycle.
@@ -132,7 +125,7 @@ class RecordedCycle:
     Attributes:
         cycle: its number.
         updates: the solver's updates; several only if the program restarts.
-        plans: the published plans, in order; the last plan counts.
+        plans: the published plans from this cycle on, in order; the last plan counts. One without actions is no plan.
         dispatched: the dispatched actions, None if unknown.
         problems: the problems in the core's log.
 
@@ -140,7 +133,7 @@ class RecordedCycle:
 
     cycle: int
     updates: List[StreamUpdate] = field(default_factory=list)
-    plans: List[RecordedPlan] = field(default_factory=list)
+    plans: List[Plan] = field(default_factory=list)
     dispatched: Optional[List[str]] = None
     problems: List[str] = field(default_factory=list)
 
@@ -248,17 +241,16 @@ class RunCollector(RunEvents):
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
         """Add a published plan, without executed actions."""
-        ahead = tuple(text for text in actions if _cycle_of(text) >= cycle)
         found = self._run.at(cycle)
-        found.plans.append(RecordedPlan(horizon, ahead))
+        found.plans.append(Plan.from_atoms(filter(None, map(atom_in, actions)), horizon).rest(cycle))
         self._run.last = found
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Add dispatched actions; ignore other facts."""
         for text in facts:
-            cycle = _cycle_of(text)
-            if cycle:
-                one = self._run.at(cycle)
+            action = action_in(text)
+            if action is not None:
+                one = self._run.at(action.cycle)
                 known = one.dispatched or []
                 one.dispatched = known if text in known else [*known, text]
 
@@ -292,9 +284,3 @@ def problem_in(text: str) -> Tuple[Optional[int], str]:
     """Return the cycle at the beginning of a line of the core's log, None without one, and the rest."""
     found = _CYCLE.match(text)
     return (None, text) if found is None else (int(found.group(1)), text[found.end() :])
-
-
-def _cycle_of(text: str) -> int:
-    """Return the cycle of an action, 0 for anything else."""
-    action = action_in(text)
-    return 0 if action is None else action.cycle

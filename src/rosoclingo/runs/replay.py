@@ -5,16 +5,16 @@ difference; a longer plan is explained if the core executed the best plan known 
 """
 
 import time
+from collections import Counter
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Callable, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import (
     Answer,
     Literal,
-    OclingoError,
     ReactiveProgram,
     SolveOutcome,
     SolverError,
@@ -23,13 +23,11 @@ from rosoclingo.oclingo import (
     StreamUpdate,
     Volatile,
     commitment,
-    parse_atom,
 )
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning.action_extractor import extract_plan
 from rosoclingo.reasoning.keywords import RUNNING, is_keyword
-from rosoclingo.runs.recorded_run import RecordedCycle, RecordedPlan, RecordedRun
+from rosoclingo.runs.recorded_run import RecordedCycle, RecordedRun
 
 Actions = FrozenSet[Symbol]
 
@@ -122,34 +120,33 @@ class Replay:
                 return
 
     def _replayed(self, cycle: RecordedCycle) -> CycleReport:
-        plans = [_Published.of(plan) for plan in cycle.plans]
         try:
             for update in cycle.updates:
-                self._begin_with(plans[-1] if plans else None, update)
+                self._begin_with(cycle.plans[-1] if cycle.plans else None, update)
                 result = self._search(update)
         except SolverError as error:
             return CycleReport(cycle.cycle, CycleVerdict.REFUSED, str(error), explained=False)
         try:
-            report = self._judged(cycle, plans, result)
+            report = self._judged(cycle, result)
         except SolverError as error:
             return CycleReport(cycle.cycle, CycleVerdict.WRONG, str(error), explained=False)
         return replace(report, found=_shown(result))
 
-    def _begin_with(self, published: Optional["_Published"], update: StreamUpdate) -> None:
+    def _begin_with(self, published: Optional[Plan], update: StreamUpdate) -> None:
         """Adopt the published plan, because the core's search can have started from a known plan."""
         log = self._solver.log
         if published is not None and published.actions and log.plan is not None:
             step = update.step or 1
             if log.plan.rest(step).actions != published.actions:
-                self._solver.restore(log.adopt(Plan(published.actions, published.horizon)))
+                self._solver.restore(log.adopt(published))
 
-    def _judged(self, cycle: RecordedCycle, plans: Sequence["_Published"], result: SolveResult) -> CycleReport:
+    def _judged(self, cycle: RecordedCycle, result: SolveResult) -> CycleReport:
         """Compare the decision of a cycle with the new search."""
-        number, published = cycle.cycle, plans[-1] if plans else None
+        number, published = cycle.cycle, cycle.plans[-1] if cycle.plans else None
         if published is None or not published.actions:
             return self._without(cycle, published, result)
         found = _actions(result, number)
-        for plan in dict.fromkeys(plans):
+        for plan in dict.fromkeys(cycle.plans):
             if plan.actions and plan.actions != found:
                 answer = self._answer_with(number, plan)
                 if answer is None:
@@ -161,7 +158,7 @@ class Replay:
             report = replace(self._compared(number, published, result), published=shown)
         return self._sent(cycle, published, report)
 
-    def _compared(self, number: int, published: "_Published", result: SolveResult) -> CycleReport:
+    def _compared(self, number: int, published: Plan, result: SolveResult) -> CycleReport:
         """Compare two different plans."""
         if result.outcome is SolveOutcome.SATISFIABLE and published.horizon == result.horizon:
             return CycleReport(number, CycleVerdict.AS_SHORT)
@@ -176,7 +173,7 @@ class Replay:
         why = f"{then} steps, the replay finds {now if result.answers else 'no plan in time'}"
         return CycleReport(number, CycleVerdict.SHORTER, why, explained=limited)
 
-    def _without(self, cycle: RecordedCycle, published: Optional["_Published"], result: SolveResult) -> CycleReport:
+    def _without(self, cycle: RecordedCycle, published: Optional[Plan], result: SolveResult) -> CycleReport:
         """Judge a cycle without actions: nothing had to be done, there was no plan, or the search was ended."""
         number, answered = cycle.cycle, result.outcome is SolveOutcome.SATISFIABLE
         if cycle.dispatched:
@@ -187,7 +184,7 @@ class Replay:
             return CycleReport(number, verdict, published=_shown(result))
         idle = None if published is None else self._answer_with(number, published)
         if idle is not None:
-            return replace(self._compared(number, _Published(frozenset(), idle.horizon), result), published=idle)
+            return replace(self._compared(number, Plan(frozenset(), idle.horizon), result), published=idle)
         ended = [text for text in cycle.problems if any(words in text for words in _ENDED)]
         why = ended[-1] if ended else "and the core did not report that it ended the search"
         if published is None and not ended:  # the core logs equal problems at most once a minute
@@ -195,7 +192,7 @@ class Replay:
         return CycleReport(number, CycleVerdict.MISSED, why, explained=bool(ended) or published is None)
 
     @staticmethod
-    def _sent(cycle: RecordedCycle, published: "_Published", report: CycleReport) -> CycleReport:
+    def _sent(cycle: RecordedCycle, published: Plan, report: CycleReport) -> CycleReport:
         """Check that the dispatched actions are those of the plan for the cycle, except for running ones."""
         going_on = [one for one in cycle.updates[-1].heads if one is not None and is_keyword(one, RUNNING)]
         running = [one.arguments[:2] for one in going_on if one.arguments[2].number == cycle.cycle - 1]
@@ -208,10 +205,10 @@ class Replay:
 
     # ---- questions: their statements hold until the next update -----------------------------------------------------
 
-    def _answer_with(self, number: int, published: "_Published") -> Optional[Shown]:
+    def _answer_with(self, number: int, published: Plan) -> Optional[Shown]:
         """Return an answer with exactly the published actions from a cycle on, None if there is none."""
         others: Actions = frozenset()
-        self._solver.restore(self._solver.log.adopt(Plan(published.actions, published.horizon)))
+        self._solver.restore(self._solver.log.adopt(published))
         while True:
             result = self._ask(number, published.horizon, published.actions, others)
             if result.outcome is not SolveOutcome.SATISFIABLE:
@@ -227,7 +224,7 @@ class Replay:
         excluded = [Statement(None, (Literal(action),)) for action in sorted(others)]
         return self._search(StreamUpdate(number, max(0, horizon - number), (Volatile(), *required, *excluded)))
 
-    def _first_wrong(self, number: int, published: "_Published") -> str:
+    def _first_wrong(self, number: int, published: Plan) -> str:
         """Return a text about the first action of the published plan that no plan can contain."""
         ordered = sorted(published.actions, key=lambda action: (cycle_of(action), str(action)))
         for count in range(1, len(ordered) + 1):
@@ -246,46 +243,22 @@ class Replay:
         return lambda: time.process_time() >= end
 
 
-class _Published(NamedTuple):
-    """A published plan: its remaining actions, and its horizon."""
-
-    actions: Actions
-    horizon: int
-
-    @classmethod
-    def of(cls, plan: RecordedPlan) -> "_Published":
-        return cls(frozenset(_atoms(plan.actions)), plan.horizon)
-
-
-def _atoms(texts: Sequence[str]) -> Iterator[Symbol]:
-    for text in texts:
-        try:
-            yield parse_atom(text)
-        except OclingoError:  # the collector accepts only actions
-            continue
-
-
 def _actions(result: SolveResult, cycle: int) -> Actions:
     """Return the actions of the answer from a cycle on, none without an answer."""
     if not result.answers:
         return frozenset()
-    return frozenset(action.atom for action in extract_plan(result.answers[0]).remaining(cycle))
+    return Plan.from_atoms(result.answers[0], result.horizon).rest(cycle).actions
 
 
 def _shown(result: SolveResult) -> Optional[Shown]:
     return Shown(result.answers[0], result.horizon) if result.answers else None
 
 
-def count(reports: Sequence[CycleReport]) -> Dict[CycleVerdict, int]:
-    """Return the number of cycles with each verdict, in the order of CycleVerdict."""
-    found = [report.verdict for report in reports]
-    return {verdict: found.count(verdict) for verdict in CycleVerdict if verdict in found}
-
-
 def summary(reports: Sequence[CycleReport]) -> List[str]:
     """Return the totals of a run in lines."""
     odd: List[CycleReport] = [report for report in reports if not report.explained]
-    lines = [f"{number:6d}  {verdict.value}" for verdict, number in count(reports).items()]
+    found = Counter(report.verdict for report in reports)
+    lines = [f"{found[verdict]:6d}  {verdict.value}" for verdict in CycleVerdict if found[verdict]]
     end = f"{len(odd)} unexplained: cycles {_listed(odd)}" if odd else "no unexplained difference"
     return [f"{len(reports)} cycles:", *lines, end]
 

@@ -2,8 +2,9 @@
 
 import pytest
 
-from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.planning.history import Plan
+from rosoclingo.runs.recorded_run import RecordingError, RunCollector, RunProgram
 
 GO = "_action_lib(go,{0},{0})"
 
@@ -33,8 +34,8 @@ def test_recorded_run_accepts_topics_out_of_order():
     (run,) = collector.runs()
     assert run.program.run == "first"
     assert [one.plans[-1] for one in run.cycles] == [
-        RecordedPlan(3, (GO.format(1), GO.format(2))),
-        RecordedPlan(3, (GO.format(2),)),
+        Plan(frozenset({parse_atom(GO.format(1)), parse_atom(GO.format(2))}), 3),
+        Plan(frozenset({parse_atom(GO.format(2))}), 3),
     ]
     assert [one.dispatched for one in run.cycles] == [[GO.format(1)], None]
     assert [one.problems for one in run.cycles] == [[], ["it rains"]]

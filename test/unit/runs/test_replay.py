@@ -9,9 +9,10 @@ from shipped import shipped
 from stream_replay import recorded
 
 from rosoclingo.checking.oclingo_command import main as oclingo
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.runs.recorded_run import RecordedPlan, RecordingError, RunCollector, RunProgram
+from rosoclingo.runs.recorded_run import RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import CycleVerdict, Replay, summary
 
 #: Goal do(Id): press one of two buttons, any number of times, in any cycles.
@@ -47,7 +48,11 @@ def pressed():
     driver = Driver(BUTTONS).goal("key", "do(1)").finish()
     run = recorded(driver.journal)
     (action,) = run.cycles[0].plans[-1].actions
-    return driver.program, run, action
+    return driver.program, run, str(action)
+
+
+def plan(horizon, *actions):
+    return Plan(frozenset(map(parse_atom, actions)), horizon)
 
 
 def other(action):
@@ -74,7 +79,7 @@ def test_replay_of_a_run_agrees_with_itself(way):
 
 def test_replay_accepts_another_plan_of_equal_length():
     program, run, action = pressed()
-    run.cycles[0].plans = [RecordedPlan(1, (other(action),))]
+    run.cycles[0].plans = [plan(1, other(action))]
     run.cycles[0].dispatched = [other(action)]
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.AS_SHORT, True)
@@ -86,7 +91,7 @@ def test_replay_accepts_another_plan_of_equal_length():
 def test_replay_reports_a_longer_plan(plan_time, explained):
     program, run, action = pressed()
     later = action.replace(",1)", ",3)")
-    run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(3, (later,))], None
+    run.cycles[0].plans, run.cycles[0].dispatched = [plan(3, later)], None
     report = first(run, program, plan_time=plan_time)
     assert (report.verdict, report.explained) == (CycleVerdict.LONGER, explained)
     assert re.search("3 steps.* the replay finds 1", report.line())
@@ -103,7 +108,7 @@ def test_replay_reports_a_longer_plan(plan_time, explained):
 )
 def test_replay_refuses_an_invalid_plan(actions, why):
     program, run, _ = pressed()
-    run.cycles[0].plans, run.cycles[0].dispatched = [RecordedPlan(2, tuple(actions))], None
+    run.cycles[0].plans, run.cycles[0].dispatched = [plan(2, *actions)], None
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
     assert why in report.line()
@@ -112,8 +117,9 @@ def test_replay_refuses_an_invalid_plan(actions, why):
 def test_replay_refuses_a_plan_that_is_incomplete():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office2,office3,1)")
     run = recorded(driver.journal)
-    (plan,) = run.cycles[0].plans[1:]
-    run.cycles[0].plans = [plan._replace(actions=plan.actions[:-1])]
+    (published,) = run.cycles[0].plans[1:]
+    *begin, _ = sorted(published.actions, key=cycle_of)
+    run.cycles[0].plans = [published._replace(actions=frozenset(begin))]
     report = first(run, driver.program)
     assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
     assert "it is incomplete" in report.why
@@ -140,7 +146,7 @@ def test_replay_refuses_actions_that_were_not_planned():
 )
 def test_replay_reports_a_missed_plan(problems, explained):
     program, run, _ = pressed()
-    run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [RecordedPlan(1, ())], None, problems
+    run.cycles[0].plans, run.cycles[0].dispatched, run.cycles[0].problems = [plan(1)], None, problems
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.MISSED, explained)
     assert not explained or problems[-1] in report.line()

@@ -38,9 +38,7 @@ SILENCE = 30
 COOKIE = "rosoclingo"
 
 #: What the page can connect to on a host, and who can show it, besides the policy of the page itself.
-POLICY = (
-    "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
+POLICY = "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 
 #: Types of the number of a message, which its answer repeats.
 _NUMBERS = (int, type(None))
