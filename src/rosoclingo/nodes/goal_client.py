@@ -12,20 +12,11 @@ from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
 from rosoclingo.nodes.server_watch import SILENCE, ServerWatch
-
-#: actionlib's terminal states as the words of a goal's outcome.
-OUTCOME_WORDS = {
-    GoalStatus.SUCCEEDED: "succeeded",
-    GoalStatus.PREEMPTED: "canceled",
-    GoalStatus.RECALLED: "canceled",
-    GoalStatus.REJECTED: "rejected",
-    GoalStatus.ABORTED: "aborted",
-    GoalStatus.LOST: "lost",
-}
+from rosoclingo.runs.events import STATUS_WORDS
 
 
 class SentGoal:
-    """A goal of this client; after its end ``outcome`` is a word of OUTCOME_WORDS and ``message`` the reason."""
+    """A goal of this client; after its end ``outcome`` is a word of STATUS_WORDS and ``message`` the reason."""
 
     def __init__(self, text: str, client: ActionClient, on_change: Callable[[], None]) -> None:
         """Create a goal; call ``send`` to send it."""
@@ -73,7 +64,7 @@ class SentGoal:
 
     def lose(self, why: str) -> None:
         """End the goal as lost."""
-        self._end(OUTCOME_WORDS[GoalStatus.LOST], why)
+        self._end(STATUS_WORDS[GoalStatus.LOST], why)
 
     def _on_transition(self, handle: ClientGoalHandle) -> None:
         if handle.get_comm_state() == CommState.DONE:
@@ -81,7 +72,7 @@ class SentGoal:
             status = handle.get_terminal_state()
             message = result.message if result is not None and result.message else handle.get_goal_status_text()
             lost = status == GoalStatus.LOST
-            self._end(OUTCOME_WORDS[status], f"the server no longer knows {self.text}" if lost else message)
+            self._end(STATUS_WORDS[status], f"the server no longer knows {self.text}" if lost else message)
 
     def _end(self, outcome: str, message: str) -> None:
         if not self.ended:
