@@ -11,7 +11,6 @@ from rosoclingo.nodes.rviz.scene import (
     label_shapes,
     package_shapes,
     plan_shapes,
-    plan_steps,
     robot_shapes,
     things_in,
 )
@@ -29,12 +28,8 @@ PLAN = [
 ]
 
 
-def steps(plan=PLAN):
-    return plan_steps([action_of(parse_atom(text)) for text in plan], LABELS)
-
-
 def arrows(cycle, start):
-    shapes = plan_shapes(steps(), cycle, start)
+    shapes = plan_shapes([action_of(parse_atom(text)) for text in PLAN], LABELS, cycle, start)
     return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
 
 
@@ -55,11 +50,6 @@ def test_markers_place_packages_apart_at_label_or_robot():
     assert cubes[0].position[:2] == (4.0, 0.65)
     assert math.dist(cubes[0].position, cubes[1].position) > cubes[0].scale[0]
     assert cubes[3].position[2] - cubes[2].position[2] > cubes[2].scale[2]
-
-
-def test_markers_locate_actions_at_last_move_target():
-    assert [step.place.name for step in steps()] == ["office2", "office3", "office3", "office2", "office2"]
-    assert steps(["_action_lib(pickup,1,1)"])[0].place is None
 
 
 def test_markers_arrows_follow_remaining_plan_from_robot():

@@ -6,6 +6,7 @@ from typing import Any, Dict, NamedTuple, Tuple
 import numpy as np
 
 from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
+from rosoclingo.runs.planar_frames import yaw_of
 
 __all__ = ["MapView", "bounds_of", "known_bounds", "text_factor", "view_of", "with_view"]
 
@@ -43,12 +44,8 @@ def bounds_of(message: Any) -> Bounds:
     info = message.info
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
     turn, corner = info.origin.orientation, info.origin.position
-    yaw = math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
-    origin = (corner.x, corner.y, yaw)
-    inner, outer = (
-        known_bounds(cells, info.resolution, origin),
-        known_bounds(np.zeros_like(cells), info.resolution, origin),
-    )
+    origin = (corner.x, corner.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+    inner, outer = (known_bounds(one, info.resolution, origin) for one in (cells, np.zeros_like(cells)))
     near = NEAR * text_factor(inner)
     x0, y0, x1, y1 = (edge if abs(edge - own) <= near else own for own, edge in zip(inner, outer))
     return x0, y0, x1, y1

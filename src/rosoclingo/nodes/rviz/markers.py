@@ -22,15 +22,13 @@ from rosoclingo.nodes.rviz.scene import (
     label_shapes,
     package_shapes,
     plan_shapes,
-    plan_steps,
     robot_shapes,
     things_in,
 )
-from rosoclingo.oclingo import ProgressionError, parse_atom
 from rosoclingo.planning.history import robots_of
-from rosoclingo.reasoning.keywords import Action, KeywordError, action_of
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.topic_atoms import action_in
 
 HEIGHT = 0.3  # m above the floor
 NOWHERE = (0.0, -2.0, HEIGHT)  # place of the panel before the map arrives
@@ -153,13 +151,11 @@ class MarkersNode:
         shapes = [*self._fixed, *panel.title(self._title), *drawn_shapes(drawn, self._labels)]
         shapes += package_shapes(things, self._labels, self._pose.base_frame)
         if plan is not None:
-            actions = _actions(plan.actions)
+            actions = [one for one in map(action_in, plan.actions) if one is not None]
             shapes.append(panel.plan(plan_text(actions, plan.cycle)))
             for robot in self._robots:
-                steps = plan_steps(
-                    [one for one in actions if not robot or robot in map(str, robots_of(one.interface))], self._labels
-                )
-                shapes += plan_shapes(steps, plan.cycle, self._starts.get(robot))
+                own = [one for one in actions if not robot or robot in map(str, robots_of(one.interface))]
+                shapes += plan_shapes(own, self._labels, plan.cycle, self._starts.get(robot))
         if goals is not None:
             shapes.append(panel.goals(goals_text([(one.request, one.status, one.reason) for one in goals.goals])))
         return shapes
@@ -167,16 +163,6 @@ class MarkersNode:
 
 def _prefix(robot: str) -> str:
     return f"{robot}/" if robot else ""
-
-
-def _actions(texts: List[str]) -> List[Action]:
-    actions = []
-    for text in texts:
-        try:
-            actions.append(action_of(parse_atom(text)))
-        except (ProgressionError, KeywordError) as error:
-            rospy.logwarn("not shown: %s", error)
-    return actions
 
 
 def _marker(shape: Shape, index: int) -> Marker:

@@ -1,7 +1,7 @@
 """Shapes on the map for rviz: labels, packages, the plan's way, and the program's drawings."""
 
 import math
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.nodes.rviz.plain_shapes import INK, PAPER, TEXT_SIZE, Colour, Point, Shape, text_shape
@@ -23,13 +23,6 @@ BAR = 0.6  # length in m of the bar across a blocked way
 
 PACKAGE_SIZE = 0.24
 LANE = 0.2
-
-
-class PlanStep(NamedTuple):
-    """An action of the plan, and the robot's label after it (None if unknown)."""
-
-    action: Action
-    place: Optional[Label]
 
 
 def robot_shapes(frame: str, radius: float, name: str = "") -> List[Shape]:
@@ -124,29 +117,23 @@ def _line(frame: str, colour: Colour, width: float, start: Point, end: Point) ->
     return Shape("drawn", "line", frame, colour, scale=(width, 0.0, 0.0), points=(start, end))
 
 
-def plan_steps(actions: Sequence[Action], labels: LabelTable) -> List[PlanStep]:
-    """Return the actions with their places: an action whose parameter is a label leads there, others do not move."""
-    steps: List[PlanStep] = []
-    place: Optional[Label] = None
+def plan_shapes(
+    actions: Sequence[Action], labels: LabelTable, cycle: int, start: Optional[Tuple[float, float]]
+) -> List[Shape]:
+    """Return the plan's way from cycle `cycle` on as arrows from `start` (the robot's position).
+
+    An action whose parameter is a label leads there; others do not move the robot.
+    """
+    here, shapes = start, []
     for action in actions:
-        if action.parameter in labels:  # noqa: SIM401 a table is not a dict
-            place = labels[action.parameter]
-        steps.append(PlanStep(action, place))
-    return steps
-
-
-def plan_shapes(steps: Sequence[PlanStep], cycle: int, start: Optional[Tuple[float, float]]) -> List[Shape]:
-    """Return the plan's way from cycle `cycle` on as arrows from `start` (the robot's position)."""
-    ahead = [step for step in steps if step.action.cycle >= cycle]
-    before = next((step.place for step in reversed(steps) if step.action.cycle < cycle and step.place), None)
-    here = start if start is not None else (before.x, before.y) if before is not None else None
-    shapes: List[Shape] = []
-    for step in ahead:
-        place = step.place
-        if place is None:
+        if action.parameter not in labels:
+            continue
+        place = labels[action.parameter]
+        if action.cycle < cycle:
+            here = start or (place.x, place.y)
             continue
         if here is not None and math.hypot(place.x - here[0], place.y - here[1]) > 0.1:
-            colour = NEXT if step.action.cycle == cycle else LATER
+            colour = NEXT if action.cycle == cycle else LATER
             points = _lane(here, (place.x, place.y), 0.2 if colour is NEXT else 0.1)
             shapes.append(Shape("plan", "arrow", place.frame, colour, scale=(0.07, 0.2, 0.25), points=points))
         here = (place.x, place.y)
