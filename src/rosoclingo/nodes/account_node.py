@@ -13,14 +13,10 @@ from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
 
 #: The topics of an account, with names for :func:`full_name`, and their types.
-TOPICS = {
-    name: kind
-    for name, kind in TYPES.items()
-    if name not in ("rosoclingo/feedback", "rosoclingo/result", "map", "/rosout", *PATHS)
-}
+TOPICS = {name: kind for name, kind in TYPES.items() if name not in ("map", "/rosout", *PATHS)}
 
 #: The topics of TOPICS that the core publishes.
-CORE_TOPICS = ("out_rosoclingo", "rosoclingo/status", "~updates", "~task_plan")
+CORE_TOPICS = ("out_rosoclingo", "~goals", "~updates", "~task_plan")
 
 
 class AccountNode:
@@ -31,8 +27,7 @@ class AccountNode:
     Subscribes:
         CORE/program, CORE/mode (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
         out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), CORE/task_plan (rosoclingo/TaskPlan)
-        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
-        rosoclingo/status (actionlib_msgs/GoalStatusArray), CORE/updates (std_msgs/String)
+        rosoclingo/cancel (actionlib_msgs/GoalID), CORE/updates (std_msgs/String)
         packages (rosoclingo/PackageStates), base_pose_ground_truth (nav_msgs/Odometry)
         amcl_pose (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)
     """

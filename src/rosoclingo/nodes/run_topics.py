@@ -25,11 +25,7 @@ TYPES = {
     "~mode": "std_msgs/String",
     "out_rosoclingo": "rosoclingo/InterfaceIO",
     "in_rosoclingo": "rosoclingo/InterfaceIO",
-    "rosoclingo/goal": "rosoclingo/ROSoClingoActionGoal",
     "rosoclingo/cancel": "actionlib_msgs/GoalID",
-    "rosoclingo/status": "actionlib_msgs/GoalStatusArray",
-    "rosoclingo/feedback": "rosoclingo/ROSoClingoActionFeedback",
-    "rosoclingo/result": "rosoclingo/ROSoClingoActionResult",
     "~updates": "std_msgs/String",
     "~task_plan": "rosoclingo/TaskPlan",
     "packages": "rosoclingo/PackageStates",
@@ -55,13 +51,7 @@ class RunTopics:
         self._pose = PoseTopics(lambda time, pose, robot: self.events.pose(time, *pose, robot))
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda time, message: self.events.program(time, message.data),
-            "rosoclingo/goal": lambda time, message: self.events.goal(time, message.goal_id.id, message.goal.request),
             "rosoclingo/cancel": lambda time, message: self.events.cancel(time, message.id),
-            "rosoclingo/status": self._statuses,
-            "rosoclingo/feedback": lambda time, message: self.events.feedback(
-                time, message.status.goal_id.id, message.feedback.status
-            ),
-            "rosoclingo/result": lambda time, message: self._status(time, message.status),
             "~updates": lambda time, message: self.events.update(time, message.data),
             "~task_plan": self._plan,
             "~goals": self._goals,
@@ -84,13 +74,6 @@ class RunTopics:
     def is_too_soon(self, name: str, time: float) -> bool:
         """Return whether to skip a message of a pose topic, soon after the previous one."""
         return self._pose.is_too_soon(name, time)
-
-    def _statuses(self, time: float, message: Any) -> None:
-        for one in message.status_list:
-            self._status(time, one)
-
-    def _status(self, time: float, one: Any) -> None:
-        self.events.status(time, one.goal_id.id, one.status, one.text)
 
     def _goals(self, time: float, message: Any) -> None:
         reports = [

@@ -68,11 +68,8 @@ class RunEvents:
     def cancel(self, time: float, key: str) -> None:
         """Handle a client's cancel of a goal; an empty key stands for all goals."""
 
-    def status(self, time: float, key: str, number: int, message: str) -> None:
-        """Handle a goal's status, as in actionlib_msgs/GoalStatus, each time it is published."""
-
-    def feedback(self, time: float, key: str, status: str) -> None:
-        """Handle the feedback on a goal."""
+    def status(self, time: float, key: str, number: int, reason: str) -> None:
+        """Handle a goal's status, as in actionlib_msgs/GoalStatus, also if it is repeated."""
 
     def update(self, time: float, text: str) -> None:
         """Handle an accepted stream update."""

@@ -221,8 +221,7 @@ class _Reader:
                 state_now = TRANSITIONS.get((state_now, GoalEvent.CANCEL_REQUEST), state_now)
             if self._states.get(key) != (state_now, waits):
                 self._states[key] = state_now, waits
-                self._events.feedback(time, key, "waiting: for its turn" if waits else state_now.value)
-                self._events.status(time, key, state_now.number, "")
+                self._events.status(time, key, state_now.number, "for its turn" if waits else "")
         present = group(state, "client")
         for key, client in self._clients.items():
             if key in self._ended or (client.ending is None and key in present):

@@ -183,24 +183,16 @@ class RunView(RunEvents):
             self._log.add(self._now(heard), "request", words, after, _as_fed(text), details=shown)
 
     def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
-        """Record the states of all goals; goals that ended before the first report are history.
-
-        The topics of the action server report a goal's progress in more detail, and can be ahead of this topic.
-        """
+        """Record the states of all goals; goals that ended before the first report are history."""
         after = () if self._met else (BEGUN,)  # lines about earlier goals wait for the first cycle
         for key, text, number, reason, came in reports:
-            still = 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] not in ENDED
-            is_new = key not in self._goals
-            if is_new and not self._met and not still:
-                self._history.add(key)
-            if (is_new and key in self._history) or not (self._met or still):
-                continue
-            if is_new:
+            if key not in self._goals:
+                if not self._met and 0 <= number < len(STATUS_WORDS) and STATUS_WORDS[number] in ENDED:
+                    self._history.add(key)
+                if key in self._history:
+                    continue
                 self._goal(came if 0.0 < came < time else time, key, text, time, after)
-            if number == STATUS_WORDS.index(PENDING):
-                self.feedback(time, key, f"{WAITING}: {reason}" if reason else PENDING)
-            elif is_new or not still:
-                self._status(time, key, number, reason, after)
+            self._status(time, key, number, reason, after)
         self._met = True
 
     def cancel(self, time: float, key: str) -> None:
@@ -208,26 +200,22 @@ class RunView(RunEvents):
         goal = self.tables["goals"][self._goals[key]] if key in self._goals else {"words": "every goal", "request": ""}
         self._log.add(self._now(time, begins=True), "cancel", goal["words"], details=goal["request"])
 
-    def status(self, time: float, key: str, number: int, message: str) -> None:
-        """Record a goal's status, each time it is published; a queued goal stays pending."""
-        self._status(time, key, number, message)
+    def status(self, time: float, key: str, number: int, reason: str) -> None:
+        """Record a goal's status, also if it is repeated; a pending goal with a reason is queued."""
+        self._status(time, key, number, reason)
 
     def _status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
-        if not 0 <= number < len(STATUS_WORDS) or (STATUS_WORDS[number] == PENDING and self._word(key) == WAITING):
+        if not 0 <= number < len(STATUS_WORDS):
             return
-        word, before = STATUS_WORDS[number], self._word(key)
-        if self._state(time, key, word, message) and word != before:
+        word, before = STATUS_WORDS[number], self.last_state(key)
+        word = WAITING if word == PENDING and message else word
+        is_news = before is not None and before[0] != word and word not in (PENDING, WAITING)
+        if self._state(time, key, word, message) and is_news:
             goal = self.tables["goals"][self._goals[key]]
             _, _, reason, details = goal["states"][-1]
             text = f"{goal['words']}: {SAID[word]}{reason_suffix(word, reason)}"
             plain = f"{goal['request']}: {word}{reason_suffix(word, details or reason)}"
             self._log.add(self._now(time), "goal", text, after, details=plain)
-
-    def feedback(self, time: float, key: str, status: str) -> None:
-        """Record why a goal is queued; other feedback repeats the status."""
-        word, _, why = status.partition(": ")
-        if word == WAITING or (word == PENDING and self._word(key) == WAITING):
-            self._state(time, key, word, why)
 
     def update(self, time: float, text: str) -> None:
         """Record an accepted stream update."""
@@ -483,11 +471,6 @@ class RunView(RunEvents):
         requests = [one.arguments[0] for one in heads if is_keyword(one, REQUEST)]
         goals = {str(one) for one in requests if not is_keyword(one, "cancel")}
         return goals | {str(one.atom) for one in self._sent_returns.of(update)}
-
-    def _word(self, key: str) -> str:
-        """Return the latest state of a goal, empty for an unknown goal."""
-        number = self._goals.get(key)
-        return "" if number is None else str(self.tables["goals"][number]["states"][-1][1])
 
     def _state(self, time: float, key: str, word: str, message: str) -> bool:
         """Record a goal's status if it has changed; return whether it has."""

@@ -33,7 +33,7 @@ from interface_helpers import Process, executable, init_node, process_of, wait_u
 TOPICS = [
     "/in_rosoclingo",
     "/out_rosoclingo",
-    *(f"/rosoclingo/{name}" for name in ("goal", "status", "task_plan", "updates")),
+    *(f"/rosoclingo/{name}" for name in ("goals", "task_plan", "updates")),
 ]
 GOAL = "goal(office2,office3,1)"
 

@@ -141,7 +141,7 @@ def test_page_says_what_became_of_orders(desk):
     desk.choose(package="2", to="office3")
     desk.order()
     desk.served.do(lambda view: view.goal(143.0, "order 2", "goal(office2,office3,2)"))
-    desk.served.do(lambda view: view.feedback(143.0, "order 2", "waiting: at most 8 goals are planned for at a time"))
+    desk.served.do(lambda view: view.status(143.0, "order 2", 0, "at most 8 goals are planned for at a time"))
     desk.says("Queued: goal(office2,office3,2) (at most 8 goals are planned for at a time)")
     desk.served.do(lambda view: view.status(144.0, "order 2", 1, "is accepted"))
     desk.mine(rejected, "goal(office2,office3,2); under way; ; Cancel")

@@ -51,29 +51,28 @@ def write(messages, tmp_path):
 @pytest.fixture
 def run(messages):
     """Return the messages of a robot whose goal is met, all in a namespace."""
-    from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+    from actionlib_msgs.msg import GoalID
     from nav_msgs.msg import OccupancyGrid
     from rosgraph_msgs.msg import Log
     from std_msgs.msg import String
 
     def say(space="/", core="rosoclingo"):
-        goal = messages.ROSoClingoActionGoal(goal_id=GoalID(id="a"))
-        goal.goal.request = GOAL
         grid = OccupancyGrid(data=[0, 100, -1, 0])
         grid.info.width = grid.info.height = 2
         grid.info.resolution = 1.0
         program = RunProgram("r", (), {}, "", {"labels": LABELS}).text()
-        status = [GoalStatusArray(status_list=[GoalStatus(GoalID(id="a"), number, "")]) for number in (1, 1, 3)]
+        state = {"id": GoalID(id="a"), "request": GOAL}
+        goals = [messages.GoalStates(goals=[messages.GoalState(**state, status=number)]) for number in (0, 1, 1, 3)]
         lying = [messages.PackageStates(packages=[messages.PackageState("1", place, not place)]) for place in ("x", "")]
         own = [
             (1.0, f"{core}/program", String(program)),
             (1.0, "out_rosoclingo", messages.InterfaceIO("rosoclingo", ['_run("r")'])),
             (1.0, "map", grid),
-            (2.0, "rosoclingo/goal", goal),
+            (2.0, f"{core}/goals", goals[0]),
             (2.5, f"{core}/updates", String(f"#step 1.\n_request({GOAL},2).\n#end step.\n")),
             (2.5, f"{core}/task_plan", messages.TaskPlan(cycle=1, horizon=2, actions=PLAN, ground_time=0.5)),
             (2.5, "out_rosoclingo", messages.InterfaceIO("move_base", PLAN[:1])),
-            *((3.0 + number, "rosoclingo/status", one) for number, one in enumerate(status)),
+            *((3.0 + number, f"{core}/goals", one) for number, one in enumerate(goals[1:])),
             *((4.0 + number, "packages", one) for number, one in enumerate(lying)),
             (4.5, "in_rosoclingo", messages.InterfaceIO("move_base", ["_return(move_base,office2,1)"])),
         ]
@@ -225,26 +224,6 @@ def test_report_ignores_a_map_without_cells(report, write, run, tmp_path):
 def test_report_fails_if_page_is_not_writable(report, write, run, tmp_path, capsys):
     assert report(write(run()), "-o", tmp_path / "no" / "folder.html")[0] == 2
     assert "No such file or directory" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("heard", [True, False])
-def test_report_shows_goals_without_recorded_clients(report, write, run, messages, tmp_path, heard):
-    from actionlib_msgs.msg import GoalID, GoalStatus
-    from genpy import Time
-
-    def goals(*texts):
-        states = [
-            messages.GoalState(id=GoalID(id=text), request=text, status=GoalStatus.ACTIVE, came=Time(2))
-            for text in texts
-        ]
-        return messages.GoalStates(goals=states)
-
-    said = [one for one in run() if heard or not one[1].endswith("/goal")]
-    reported = [("g(1)",), ("g(1)", "g(2)"), ("g(1)", "g(2)", "g(3)")]
-    said += [(2.5 + tick, "/rosoclingo/goals", goals(*texts)) for tick, texts in enumerate(reported)]
-    report(write(sorted(said, key=lambda one: one[0])))
-    found = [goal["request"] for _, goal in shown(tmp_path / "run.html")["goals"]]
-    assert found == [*([GOAL] if heard else []), "g(1)", "g(2)", "g(3)"]
 
 
 @pytest.fixture(scope="module")

@@ -98,9 +98,8 @@ def test_view_sends_only_changes():
 def test_view_keeps_the_reason_of_a_queued_goal():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
-    view.feedback(1.0, "a", "active")
-    view.feedback(2.0, "a", "waiting: there is too much to do")
-    view.feedback(3.0, "nobody", "waiting: for ever")
+    view.status(2.0, "a", 0, "there is too much to do")
+    view.status(3.0, "nobody", 0, "for ever")
     (goal,) = records(view.changes(), "goals")
     assert goal["states"] == [[0.0, "pending", "", ""], [2.0, "waiting", "there is too much to do", ""]]
 
@@ -108,10 +107,9 @@ def test_view_keeps_the_reason_of_a_queued_goal():
 def test_view_pending_goal_waits_until_core_begins():
     view = RunView()
     view.goal(0.0, "a", "g(1)")
-    view.feedback(1.0, "a", "waiting: there is too much to do")
-    for time in (2.0, 3.0):
-        view.status(time, "a", 0, "")
-    view.feedback(4.0, "a", "pending")
+    for time in (1.0, 2.0):
+        view.status(time, "a", 0, "there is too much to do")
+    view.status(4.0, "a", 0, "")
     view.status(5.0, "a", 1, "")
     (goal,) = records(view.changes(), "goals")
     assert [state[:2] for state in goal["states"]] == [
@@ -130,7 +128,6 @@ def test_view_reports_earlier_goals_at_once():
         GoalReport("b", "g(2)", 0, "at most 8 goals are planned for at a time", 95.0),
     ]
     view.goals(100.0, published)
-    view.status(101.0, "b", 0, "")
     refused = GoalReport("c", "g(3)", 5, "g(3) there is no g", 101.5)
     view.goals(102.0, [*published[:2], GoalReport("b", "g(2)", 0, "", 95.0), refused])
     found = {goal["id"]: goal for goal in records(view.changes(), "goals")}
@@ -149,14 +146,11 @@ def test_view_reports_earlier_goals_at_once():
     assert not any("g(0)" in line for line in lines)
 
 
-def test_view_reports_goal_of_both_topics_once():
+def test_view_reports_each_status_of_a_goal_once():
     view = RunView()
     for time in (10.0, 11.0):
         view.goals(time, [GoalReport("a", "g(1)", 1, "g(1) is accepted", 9.5)])
-        view.goal(time, "a", "g(1)")
-        view.status(time, "a", 1, "g(1) is accepted")
-    view.status(11.5, "a", 6, "")
-    view.goals(11.6, [GoalReport("a", "g(1)", 1, "g(1) is accepted", 9.5)])
+    view.goals(11.5, [GoalReport("a", "g(1)", 6, "", 9.5)])
     view.goals(12.0, [GoalReport("a", "g(1)", 2, "g(1) is cancelled", 9.5), GoalReport("b", "g(2)", 77, "", 0.0)])
     (goal,) = [goal for goal in records(view.changes(), "goals") if goal["id"] == "a"]
     assert [state[1] for state in goal["states"]] == ["pending", "active", "canceling", "canceled"]
@@ -314,7 +308,7 @@ def test_view_that_continues_has_only_open_goals():
     view = delivery()
     view.begin("one")
     view.goal(140.0, "b", "g(b)")
-    view.feedback(141.0, "b", "waiting: much to do")
+    view.status(141.0, "b", 0, "much to do")
     view.clock(150.0)
     fresh = view.successor()
     found = fresh.changes()

@@ -45,10 +45,8 @@ class WebNode:
         rosoclingo/program, rosoclingo/updates, rosoclingo/mode (std_msgs/String)
         rosoclingo/task_plan (rosoclingo/TaskPlan)
         rosoclingo/goals (rosoclingo/GoalStates): the states of goals, also of goals that were sent before the start.
+        rosoclingo/cancel (actionlib_msgs/GoalID)
         rosoclingo/state (rosoclingo/State): the program's beliefs.
-        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
-        rosoclingo/status (actionlib_msgs/GoalStatusArray), rosoclingo/feedback
-            (rosoclingo/ROSoClingoActionFeedback), rosoclingo/result (rosoclingo/ROSoClingoActionResult)
         out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), packages (rosoclingo/PackageStates)
         map (nav_msgs/OccupancyGrid), base_pose_ground_truth (nav_msgs/Odometry), amcl_pose
             (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)

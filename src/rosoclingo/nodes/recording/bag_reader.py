@@ -23,7 +23,7 @@ STAMP = 12
 SHARED = ("map", "packages", "record/wall_time")
 
 #: Topics whose messages begin with a header and repeat unchanged.
-REPEATED = ("rosoclingo/status", "packages", *PATHS)
+REPEATED = ("packages", *PATHS)
 
 
 def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
