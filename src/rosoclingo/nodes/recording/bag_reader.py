@@ -2,12 +2,12 @@
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Collection, Dict, Iterator, List, Optional, Set
+from typing import Collection, Iterator, List, Optional, Set
 
 import rosbag
 
 from rosoclingo.nodes.pose_topics import EXACT
-from rosoclingo.nodes.run_topics import PATHS, RunTopics
+from rosoclingo.nodes.run_topics import RunTopics
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
 
@@ -16,14 +16,8 @@ __all__ = ["bag_runs", "core_in", "open_bag", "read_bag"]
 #: The topics of a replay, with names for :func:`full_name`.
 REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
 
-#: Bytes of a std_msgs/Header before its frame's name: number and time, which differ in each message.
-STAMP = 12
-
 #: Topics that several robots can share at the root.
 SHARED = ("map", "packages", "record/wall_time")
-
-#: Topics whose messages begin with a header and repeat unchanged.
-REPEATED = ("packages", *PATHS)
 
 
 def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
@@ -48,15 +42,12 @@ def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[
         names = {_found(name, reader.full(name), topics): name for name in (reader.takes if only is None else only)}
         if reader.full(EXACT) in topics:  # tf has many messages
             names = {topic: name for topic, name in names.items() if not name.startswith("/tf")}
-        last: Dict[str, bytes] = {}
         for topic, (_, data, _, _, kind), moment in bag.read_messages(sorted(topics & names.keys()), raw=True):
             name, time = names[topic], moment.to_sec()
-            if reader.is_too_soon(name, time) or (name in REPEATED and last.get(name) == data[STAMP:]):
-                continue
-            last[name] = data[STAMP:]
-            message = kind()
-            message.deserialize(data)
-            reader.takes[name](time, message)
+            if not reader.is_too_soon(name, time):
+                message = kind()
+                message.deserialize(data)
+                reader.takes[name](time, message)
 
 
 def _found(name: str, topic: str, topics: Set[str]) -> str:
