@@ -15,9 +15,8 @@ import time
 import uuid
 import xml.etree.ElementTree as ElementTree
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
+from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
 
 import yaml
 from durations import Duration, summary
@@ -109,9 +108,10 @@ class Tests:
     def quick(self, _names: Sequence[str]) -> Outcome:
         """Run the tests that find most faults in little time: no slow linter, no slow test, two rostests."""
         outcome = self._lint([name for name in LINTERS if name not in SLOW_LINTERS])
-        with _concurrently(self._rostests, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ) as rostests:
+        with Lanes() as lanes:
+            rostests = self._begin(lanes, _chosen(ROSTESTS, QUICK_ROSTESTS), "", os.environ)
             outcome += self._unit("", os.environ, [*IN_PARALLEL, *NOT_SLOW])
-            return outcome + rostests.result()
+            return outcome + sum((one.result() for one in rostests), Outcome())
 
     def whole(self) -> Outcome:
         """Run all groups: next to the rostests, which have time limits, one low-priority group at a time.
@@ -228,13 +228,6 @@ class Lanes:
     def __exit__(self, *_: object) -> None:
         self._computing.shutdown()
         self._waiting.shutdown()
-
-
-@contextmanager
-def _concurrently(function: Callable[..., Any], *arguments: Any) -> "Iterator[Future[Any]]":
-    """Run a function in a thread during the with block, and wait for its end."""
-    with ThreadPoolExecutor(1) as pool:
-        yield pool.submit(function, *arguments)
 
 
 def _python38_environment() -> Dict[str, str]:
