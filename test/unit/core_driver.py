@@ -58,6 +58,16 @@ class Leaving:
         return lambda: Halt("the test", disturbed=not self.slow) if over else None
 
 
+def halting(looks: int) -> SearchWatch:
+    """Return a watch that ends each search after a number of polls."""
+
+    def watch() -> Callable[[], Optional[Halt]]:
+        left = iter([None] * looks)
+        return lambda: next(left, Halt("the test"))
+
+    return watch
+
+
 class Driver:
     """A core with a journal; ``run`` advances it until it waits.
 

@@ -69,3 +69,42 @@ FAILED = "failed(t) :- _return(A,V,t), not _action_lib(A,V,t).\n"
 def fetch(heeded="", one="1", rules=""):
     """Return the program of FETCH."""
     return FETCH.replace("HEEDED", heeded).replace("ONE", one) + rules
+
+
+#: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` closes for good, lead to rooms. A room is entered at most once
+#: where that failed, and never after a room that it clashes with.
+ROOMS = """
+#external _request/2. #external _return/3. #external _shut/1.
+#program base.
+{doors}
+{clashes}
+#program cumulative(t).
+asked(R,I,t) :- _request(reach(R,I),t+1).
+open(R,I,t) :- asked(R,I,t), not gone(I,t).
+open(R,I,t) :- open(R,I,t-1), not entered(R,t-1), not gone(I,t).
+gone(I,t) :- _request(cancel(I),t).
+failed(R,t) :- _return(enter,V,t), V != R, _action_lib(enter,R,t).
+entered(R,t) :- _action_lib(enter,R,t), not failed(R,t).
+lost(R,t) :- failed(R,t).
+lost(R,t) :- lost(R,t-1).
+barred(R) :- door(R,D), _shut(D).
+{{ _action_lib(enter,R,t) : open(R,I,t), not lost(R,t-1), not barred(R) }} 1.
+been(R,t) :- entered(R,t).
+been(R,t) :- been(R,t-1).
+:- been(R,t), been(S,t), clash(R,S).
+{words}
+#program volatile(t).
+:- open(R,I,t), not entered(R,t).
+#program base.
+#show _action_lib/3. #show _explain/3.
+#defined door/2. #defined clash/2. #defined _explain/3.
+"""
+
+
+def rooms(doors=(), clashes=(), words=""):
+    """Return the program of ROOMS with doors (room, door), pairs of rooms that clash, and further rules."""
+    return ROOMS.format(
+        doors=" ".join(f"door({room},{door})." for room, door in doors),
+        clashes=" ".join(f"clash({one},{other})." for one, other in clashes),
+        words=words,
+    )

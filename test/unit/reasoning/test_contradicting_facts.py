@@ -4,11 +4,10 @@ from itertools import combinations
 
 import pytest
 from clingo import parse_term
-from core_driver import Driver, shortest
+from core_driver import Driver, halting, shortest
 from core_scripts import play, scripts
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from test_recovery import halting
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, Statement, StreamUpdate, fact, parse_atom, parse_updates
 from rosoclingo.reasoning.events import UpdateSent

@@ -4,8 +4,8 @@ import re
 from itertools import combinations
 
 import pytest
-from core_driver import ERRANDS, Driver
-from core_programs import BATTERY, DARK
+from core_driver import ERRANDS, Driver, halting
+from core_programs import BATTERY, DARK, rooms
 from core_scripts import play, scripts
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,7 +17,6 @@ from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning.events import GoalUnmet
-from rosoclingo.reasoning.stream_planner import Halt
 
 #: ``lock`` and ``open`` exclude each other.
 EXCLUSIVE = (
@@ -48,57 +47,10 @@ done(I,t) :- left(I,1,t), _action_lib(go,I,t).
 #: A program that ignores cancels.
 STUBBORN = ERRANDS.replace("done(I,t) :- _request(cancel(I),t).", "")
 
-#: Goals ``reach(Room,Id)``: doors, which ``_shut(D)`` closes for good, lead to rooms. A room is entered at most once
-#: where that failed, and never after a room that it clashes with.
-ROOMS = """
-#external _request/2. #external _return/3. #external _shut/1.
-#program base.
-{doors}
-{clashes}
-#program cumulative(t).
-asked(R,I,t) :- _request(reach(R,I),t+1).
-open(R,I,t) :- asked(R,I,t), not gone(I,t).
-open(R,I,t) :- open(R,I,t-1), not entered(R,t-1), not gone(I,t).
-gone(I,t) :- _request(cancel(I),t).
-failed(R,t) :- _return(enter,V,t), V != R, _action_lib(enter,R,t).
-entered(R,t) :- _action_lib(enter,R,t), not failed(R,t).
-lost(R,t) :- failed(R,t).
-lost(R,t) :- lost(R,t-1).
-barred(R) :- door(R,D), _shut(D).
-{{ _action_lib(enter,R,t) : open(R,I,t), not lost(R,t-1), not barred(R) }} 1.
-been(R,t) :- entered(R,t).
-been(R,t) :- been(R,t-1).
-:- been(R,t), been(S,t), clash(R,S).
-{words}
-#program volatile(t).
-:- open(R,I,t), not entered(R,t).
-#program base.
-#show _action_lib/3. #show _explain/3.
-#defined door/2. #defined clash/2. #defined _explain/3.
-"""
-
 WORDS = """
 _explain(I,(R," is unreachable"),t) :- asked(R,I,t).
 _explain(_return(enter,V,t),("the way to ",R," was ",V," in cycle ",t),t) :- failed(R,t), _return(enter,V,t).
 """
-
-
-def rooms(doors=(), clashes=(), words=""):
-    return ROOMS.format(
-        doors=" ".join(f"door({room},{door})." for room, door in doors),
-        clashes=" ".join(f"clash({one},{other})." for one, other in clashes),
-        words=words,
-    )
-
-
-def halting(looks):
-    """A watch that ends a search after a number of calls."""
-
-    def watch():
-        left = iter([None] * looks)
-        return lambda: next(left, Halt("the test"))
-
-    return watch
 
 
 #: The program, the bounds of the search for reasons, and the script.

@@ -6,6 +6,7 @@ from functools import partial
 
 import pytest
 from core_driver import ERRANDS, shortest, soon
+from core_programs import rooms
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stream_logs import text_of
@@ -150,6 +151,21 @@ SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
 @given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
 def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, cuts):
     compare(ReactiveProgram.from_text(BELIEVED), solver, script, cuts)
+
+
+def test_resumed_core_names_facts_of_its_predecessor_as_reasons():
+    program, disk, events = ReactiveProgram.from_text(rooms(doors=[("hall", "d")])), Disk(), []
+    first = Core(program, lambda: shortest(program), events.append, SETTINGS)
+    first.start()
+    first.receive("sensor", ["_shut(d)"])
+    assert first.advance(0.0)
+    disk.write(first.state())
+    core = Core(program, lambda: shortest(program), events.append, SETTINGS, record=disk.read())
+    core.add_goal("a", "reach(hall,1)")
+    while core.advance(0.0):
+        pass
+    (end,) = [one for one in events if isinstance(one, GoalChanged) and one.outcome is not None]
+    assert end.message == "reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"
 
 
 def test_resumed_core_answers_queries_of_its_node():
