@@ -12,7 +12,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoGoal, ROSoClingoResult
 
 from rosoclingo.common.action_servers import start_server
-from rosoclingo.nodes.core import goal_handles
+from rosoclingo.nodes.core import board, goal_handles
 from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, GoalServer
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
@@ -45,6 +45,16 @@ class Core:
     def keep(self):
         """Record the content of the journal."""
         self.journal = [one.get_goal_id().id for one in self.handles]
+
+
+def ended_goal(key):
+    """Return the handle of a goal that is met."""
+    status = GoalStatus(goal_id=GoalID(id=key), status=GoalStatus.SUCCEEDED)
+    return mock.Mock(
+        get_goal=lambda: ROSoClingoGoal("do(walk,1)"),
+        get_goal_id=lambda: status.goal_id,
+        get_goal_status=lambda: status,
+    )
 
 
 class Statuses:
@@ -153,8 +163,8 @@ class GoalServerTest(unittest.TestCase):
 
     def test_open_goals_of_one_node_are_bounded(self):
         core, client, _ = self.start("crowds")
-        board = []
-        rospy.Subscriber("~goals", GoalStates, board.append)
+        found = []
+        rospy.Subscriber("~goals", GoalStates, found.append)
         with mock.patch.object(goal_handles, "MOST_OPEN", 2):
             handles = goal_handles.GoalHandles()
             texts = ["do(walk,1)", "do({},2)".format("x" * 50000), "do(walk,3)"]
@@ -165,10 +175,23 @@ class GoalServerTest(unittest.TestCase):
             self.assertEqual(len(goals[0].ends_as(GoalStatus.REJECTED)), 50000)
             self.admit(core, client, handles, "do(walk,4)")
         handles.board.flush()
-        wait_until(lambda: board and len(board[-1].goals) == 3, "the goals that were admitted")
-        for one in board[-1].goals:
+        wait_until(lambda: found and len(found[-1].goals) == 3, "the goals that were admitted")
+        for one in found[-1].goals:
             self.assertLess(len(one.request) + len(one.reason), 1200)
-        self.assertIn("(50006 characters)", board[-1].goals[1].request)
+        self.assertIn("(50006 characters)", found[-1].goals[1].request)
+
+    def test_each_end_is_published_despite_the_limit(self):
+        found = []
+        rospy.Subscriber("~goals", GoalStates, lambda one: found.append([goal.id.id for goal in one.goals]))
+        with mock.patch.object(board, "ENDED", 2):
+            goals = board.GoalBoard()
+            for key in "abcd":
+                goals.add(key, ended_goal(key))
+            goals.flush()
+            wait_until(lambda: ["a", "b", "c", "d"] in found, "all ends")
+            goals.add("e", ended_goal("e"))
+            goals.flush()
+            wait_until(lambda: found[-1] == ["c", "d", "e"], "the latest ends")
 
     def admit(self, core, client, handles, text):
         """Send a goal, and take it as the core's node does if there is room."""

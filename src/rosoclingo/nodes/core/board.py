@@ -11,7 +11,7 @@ from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import GoalState, GoalStates
 from rosoclingo.reasoning.keywords import shortened
 
-#: Limit of ended goals in a message.
+#: Limit of ended goals that are published again; the end of each goal is in one message at least.
 ENDED = 100
 
 #: Limit of characters of a goal's request and of its reason; longer texts are shortened in the middle.
@@ -66,14 +66,6 @@ class GoalBoard:
             ended=now if ended else rospy.Time(),
         )
         self._changed |= self._goals[key] != before
-        if ended:
-            self._forget()
-
-    def _forget(self) -> None:
-        """Remove the oldest ended goals above the limit."""
-        ended = [key for key, goal in self._goals.items() if goal.status not in _OPEN]
-        for key in ended[:-ENDED]:
-            del self._goals[key]
 
     def tick(self) -> None:
         """Publish changes, at most every TOGETHER seconds; call this often."""
@@ -90,3 +82,6 @@ class GoalBoard:
         message = GoalStates(goals=list(self._goals.values()))
         message.header.stamp = rospy.Time.now()
         self._topic.publish(message)
+        ended = [key for key, goal in self._goals.items() if goal.status not in _OPEN]
+        for key in ended[:-ENDED]:
+            del self._goals[key]

@@ -232,8 +232,10 @@ class CoreNode:
         """Restore the goals of a killed core before the server publishes a status."""
         for key, client in self._keeper.clients.items():
             status = status_of(client, self._core.goal(key))
-            handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status)
+            reason = "" if client.ending is None else client.ending.message
+            handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status, reason)
             if client.ending is not None:
+                self._handles.board.add(key, handle)  # its end can have reached no node yet
                 result = ROSoClingoResult(int(client.ending.outcome), client.ending.message)
                 self._results.add(handle.get_goal_status(), result)
                 continue

@@ -123,12 +123,12 @@ class GoalServer(ActionServer):  # type: ignore[misc]
             finally:
                 self._published = False
 
-    def restore(self, key: str, text: str, stamp: rospy.Time, status: int) -> ServerGoalHandle:
+    def restore(self, key: str, text: str, stamp: rospy.Time, status: int, reason: str = "") -> ServerGoalHandle:
         """Restore a goal of a previous process, for the first status message; call this before the server starts."""
         goal = ROSoClingoActionGoal(goal_id=GoalID(id=key, stamp=stamp))
         goal.goal.request = text
         tracker = StatusTracker(None, None, goal)
-        tracker.status = GoalStatus(goal_id=goal.goal_id, status=status)
+        tracker.status = GoalStatus(goal_id=goal.goal_id, status=status, text=reason)
         tracker.handle_tracker = HandleTrackerDeleter(self, tracker)
         self.status_list.append(tracker)
         return ServerGoalHandle(tracker, self, tracker.handle_tracker)
