@@ -21,7 +21,6 @@ from rosoclingo.interfaces.facts import (
     InterfaceCommand,
     Sender,
     SentActions,
-    Verb,
     parse_command,
     return_text,
 )
@@ -152,13 +151,13 @@ class Interface(abc.ABC):
 
     def _obey(self, command: InterfaceCommand, sender: Sender) -> None:
         attempt = self._attempts.get(command.action)
-        if command.verb is Verb.RUN and attempt is None:
+        if attempt is None and command.cancels:
+            rospy.logwarn("%s: cannot cancel %s: it is not running", self.name, command.action.atom)
+        elif attempt is None:
             self._begin(command.action, sender)
-        elif command.verb is Verb.RUN and attempt is not None:
+        elif not command.cancels:
             attempt.sender = attempt.sender if sender.run is None else sender
             rospy.loginfo("%s: %s is already running", self.name, command.action.atom)
-        elif attempt is None:
-            rospy.logwarn("%s: cannot cancel %s: it is not running", self.name, command.action.atom)
         elif not sender.can_cancel(attempt.sender):
             text = "%s: ignored the cancel of %s: its sender is a core that has been replaced"
             rospy.logwarn(text, self.name, command.action.atom)

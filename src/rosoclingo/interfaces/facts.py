@@ -1,6 +1,5 @@
 """Facts between the core and the interfaces: parse commands, write returns.  No ROS."""
 
-import enum
 from collections import deque
 from typing import Callable, Deque, Iterable, NamedTuple, Optional
 
@@ -25,31 +24,24 @@ class CommandError(ValueError):
     """A fact that is not a command; the message has the text and its fault."""
 
 
-class Verb(enum.Enum):
-    """The kinds of commands."""
-
-    RUN = ACTION_LIB
-    CANCEL = CANCEL_ACTION
-
-
 class InterfaceCommand(NamedTuple):
     """A command from out_rosoclingo: run an action, or cancel a running action."""
 
-    verb: Verb
     action: Action
+    cancels: bool = False
 
 
 def parse_command(text: str, interface: str) -> InterfaceCommand:
     """Parse `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises CommandError."""
     try:
         atom = read_atom(text)
-        verb = Verb.CANCEL if is_keyword(atom, CANCEL_ACTION) else Verb.RUN
-        action = action_of(Function(ACTION_LIB, atom.arguments) if verb is Verb.CANCEL else atom)
+        cancels = is_keyword(atom, CANCEL_ACTION)
+        action = action_of(Function(ACTION_LIB, atom.arguments) if cancels else atom)
     except (TermError, KeywordError) as error:
         raise CommandError(str(error)) from error
     if action.interface_name != interface:
         raise CommandError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
-    return InterfaceCommand(verb, action)
+    return InterfaceCommand(action, cancels)
 
 
 class Sender(NamedTuple):
@@ -76,7 +68,7 @@ class SentActions:
 
     def add(self, commands: Iterable[InterfaceCommand]) -> None:
         """Remember the actions of the commands to run."""
-        self._actions.extend(command.action for command in commands if command.verb is Verb.RUN)
+        self._actions.extend(command.action for command in commands if not command.cancels)
 
     def clear(self) -> None:
         """Forget all actions, when another run begins."""

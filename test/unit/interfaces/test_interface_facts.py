@@ -7,7 +7,7 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import CommandError, Sender, SentActions, Verb, parse_command, return_text
+from rosoclingo.interfaces.facts import CommandError, Sender, SentActions, parse_command, return_text
 from rosoclingo.interfaces.values import (
     TermError,
     as_boolean,
@@ -26,7 +26,7 @@ OFFICE2 = Function("office2")
 
 def test_facts_action_is_read_and_answered():
     command = parse_command("_action_lib(move_base,office2,1)", "move_base")
-    assert command == (Verb.RUN, Action(Function("move_base"), OFFICE2, 1))
+    assert command == (Action(Function("move_base"), OFFICE2, 1), False)
     assert return_text(command.action, OFFICE2) == "_return(move_base,office2,1)"
     assert return_text(command.action, Function("failed")) == "_return(move_base,failed,1)"
 
@@ -117,7 +117,7 @@ def test_facts_run_is_read():
 def test_facts_cancellation_names_the_same_action():
     run = parse_command("_action_lib(arm(left),pose(1,up),12).", "arm(left)")
     cancel = parse_command("_cancel(arm(left), pose(1, up), 12)", "arm(left)")
-    assert cancel.verb is Verb.CANCEL
+    assert cancel.cancels
     assert cancel.action == run.action
 
 
