@@ -16,6 +16,7 @@ function figures(model) {
   const last = model.poseAt(Infinity);
   return {
     ends,
+    ended: [...ends].map(([word, number]) => `${number} ${model.said(word)}`).join(", "),
     waits: model.goals.filter((goal) => goal.ended !== null).map((goal) => goal.ended - goal.sent),
     responses: model.goals.map((goal) => model.response(goal)).filter((value) => value !== null),
     metres: last ? last.metres : null,

@@ -177,8 +177,7 @@ class MapView {
   }
 
   labels(time) {
-    const lying = new Map();
-    for (const [name, place] of this.model.packagesAt(time)) lying.set(place, [...(lying.get(place) || []), name]);
+    const lying = this.model.thingsAt(time);
     const troubles = this.whole ? new Map() : this.model.troublesAt(time);
     const marks = this.model.marksAt(time);
     return Object.entries(this.model.about.labels).map(([name, point]) => {
@@ -218,7 +217,7 @@ class MapView {
   robotShape(time, { name, x: east, y: north, yaw, colour }) {
     const [x, y] = this.at(east, north);
     const size = Math.max(9 * this.unit, 0.18 * this.scale);
-    const carried = this.model.packagesAt(time).filter(([, place]) => place === name).map(([thing]) => thing);
+    const carried = this.model.thingsAt(time).get(name) || [];
     return [
       name ? this.text(name, [east, north], -size / this.unit - 5, `robotname ${colour}`) : null,
       svg(
@@ -248,8 +247,8 @@ class MapView {
   }
 
   load(time, robot) {
-    const load = this.model.packagesAt(time).filter(([, place]) => place === robot).map(([thing]) => thing);
-    return load.length ? `, carries ${load.join(", ")}` : "";
+    const load = this.model.thingsAt(time).get(robot);
+    return load ? `, carries ${load.join(", ")}` : "";
   }
 
   /** What a robot does now and next. */
@@ -262,8 +261,7 @@ class MapView {
 
   words(time, robots) {
     const names = robots.map(({ name }) => name);
-    const lying = new Map();
-    for (const [name, where] of this.model.packagesAt(time)) lying.set(where, [...(lying.get(where) || []), name]);
+    const lying = this.model.thingsAt(time);
     const carried = lying.get("");
     for (const name of ["", ...names]) lying.delete(name);
     const parts = names[0] ? [] : [this.only(time)];

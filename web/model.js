@@ -25,6 +25,16 @@ function median(values) {
   return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
 }
 
+/** Pairs of a key and a value as a Map of each key to its values. */
+function grouped(pairs) {
+  const found = new Map();
+  for (const [key, value] of pairs) {
+    if (!found.has(key)) found.set(key, []);
+    found.get(key).push(value);
+  }
+  return found;
+}
+
 /** The text by which the records of an action are found. */
 function wordOf(action) {
   return `${action.interface}(${action.parameter},${action.cycle})`;
@@ -102,11 +112,7 @@ class RunModel {
     const known = [this.poses.length, this.born].join();
     if (this.tracked !== known) {
       this.tracked = known;
-      this.byRobot = new Map();
-      for (const one of this.poses) {
-        if (!this.byRobot.has(one.robot)) this.byRobot.set(one.robot, []);
-        this.byRobot.get(one.robot).push(one);
-      }
+      this.byRobot = grouped(this.poses.map((one) => [one.robot, one]));
     }
     return this.byRobot;
   }
@@ -202,14 +208,9 @@ class RunModel {
 
   /** How long actions took until a moment: a function from an action to the median of the same ones, of its kind, or of all. */
   usualAt(time) {
-    const lengths = new Map();
-    for (const one of this.actionsAt(time)) {
-      if (one.state !== "done") continue;
-      for (const key of [`=${one.word.words}`, one.word.kind, ""]) {
-        if (!lengths.has(key)) lengths.set(key, []);
-        lengths.get(key).push(one.ended - one.begun);
-      }
-    }
+    const done = this.actionsAt(time).filter((one) => one.state === "done");
+    const keys = ({ words, kind }) => [`=${words}`, kind, ""];
+    const lengths = grouped(done.flatMap((one) => keys(one.word).map((key) => [key, one.ended - one.begun])));
     return (action) => median(lengths.get(`=${action.words}`) || lengths.get(action.kind) || lengths.get("") || [5]);
   }
 
@@ -268,6 +269,11 @@ class RunModel {
     });
   }
 
+  /** The names of the things at a place, by place: a label, or a robot's name ("" for the only robot). */
+  thingsAt(time) {
+    return grouped(this.packagesAt(time).map(([name, place]) => [place, name]));
+  }
+
   /** Several robots: {name, pose ([x, y, yaw])}; the pose of a robot without a recorded one is its label. */
   robotsAt(time) {
     const found = new Map();
@@ -306,11 +312,7 @@ class RunModel {
 
   /** Texts at labels: Map of label to a list of texts. */
   marksAt(time) {
-    const marks = new Map();
-    for (const { kind, labels, text } of this.drawnAt(time)) {
-      if (kind === "mark") marks.set(labels[0], [...(marks.get(labels[0]) || []), text]);
-    }
-    return marks;
+    return grouped(this.drawnAt(time).filter(({ kind }) => kind === "mark").map(({ labels, text }) => [labels[0], text]));
   }
 
   /** The robot's label by the program's beliefs, "" if unknown. */

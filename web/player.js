@@ -40,9 +40,8 @@ class Player {
     document.title = title || "A run";
     say(document.getElementById("title"), title || "A run");
     const found = figures(this.model);
-    const ends = [...found.ends].map(([word, number]) => `${number} ${this.model.said(word)}`).join(", ");
     const words = [
-      `${count(this.model.goals.length, "goal", "goals")}${ends ? `: ${ends}` : ""}`,
+      `${count(this.model.goals.length, "goal", "goals")}${found.ended ? `: ${found.ended}` : ""}`,
       seconds(this.model.seconds),
       count(this.model.cycles.length, "cycle", "cycles"),
       found.metres === null ? null : `${found.metres.toFixed(1)} m driven`,

@@ -87,9 +87,9 @@ class PlanView {
 
   /** The whole run in figures. */
   overview() {
-    const { ends, metres, total, longest, waits } = figures(this.model);
+    const { ended, metres, total, longest, waits } = figures(this.model);
     const rows = [
-      ["goals", [...ends].map(([word, number]) => `${number} ${this.model.said(word)}`).join(", ") || "none"],
+      ["goals", ended || "none"],
       ["time", [seconds(this.model.seconds), this.model.paceWords()].filter(Boolean).join(", ")],
       waits.length ? ["goals took", spread(waits)] : null,
       ["actions", actionCounts(this.model)],
