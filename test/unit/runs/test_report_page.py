@@ -504,36 +504,37 @@ def test_report_page_cut_labels_have_titles(opened):
 
 
 HOSTILE_WORDS = [
-    *("<script>window.broken = 1</script>", "<img src=x onerror='window.broken = 1'>", '" onclick="window.broken = 1'),
-    *(
-        "x" * 3000,
-        "\u202eright to left\u202c",
-        "\u0627\u0644\u0645\u0637\u0628\u062e",
-        "two\nlines",
-        "{{constructor}}",
-        "${1}",
-    ),
+    "<script>window.broken = 1</script>",
+    "<img src=x onerror='window.broken = 1'>",
+    '" onclick="window.broken = 1',
+    "x" * 3000,
+    "\u202eright to left\u202c",
+    "\u0627\u0644\u0645\u0637\u0628\u062e",
+    "two\nlines",
+    "{{constructor}}",
+    "${1}",
 ]
 
 
 @pytest.mark.parametrize("text", HOSTILE_WORDS)
-@pytest.mark.parametrize("width", [390, 1280])
-def test_report_page_sentences_and_titles_are_only_text(opened, page, text, width):
+def test_report_page_sentences_and_titles_are_only_text(opened, page, text):
     quoted = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     says = f'_says(move_base,"{quoted} {{}}"). _says("goal(F,T,I)","{quoted} {{I}} {{F}}"). _says(pickup,"{quoted}").'
-    page.size(width, 740)
+    view = delivery(worded(says, office1=text, office2=text))
+    view.goal(140.0, "b", "goal(office1,office2,2)")
+    view.status(141.0, "b", 4, f"goal(office1,office2,2) cannot be met together with {GOAL}")
+    view.pose(132.0, 1.0, 1.0, 0.0, text)
+    view.finish()
     try:
-        view = delivery(worded(says, office1=text, office2=text))
-        view.goal(140.0, "b", "goal(office1,office2,2)")
-        view.status(141.0, "b", 4, f"goal(office1,office2,2) cannot be met together with {GOAL}")
-        view.pose(132.0, 1.0, 1.0, 0.0, text)
-        view.finish()
         opened(view)
-        for time in (None, 10.5, 40.5):
-            if time is not None:
+        for width in (390, 1280):
+            page.size(width, 740)
+            for time in (0.0, 10.5, 40.5):
                 move(page, time)
-            assert page.run("window.broken") is None
+                assert page.run("document.documentElement.scrollWidth") <= width
+            page.click("#whole")
             assert page.run("document.documentElement.scrollWidth") <= width
+        assert page.run("window.broken") is None
         assert page.run("document.querySelectorAll('main script, main img, main b').length") == 0
         shown = page.texts("#goals summary")
         assert [len(one) <= 2100 for one in shown] == [True, True]
