@@ -1,6 +1,7 @@
 """One client of the service: its socket, pending requests and unsent data."""
 
 import socket
+from itertools import chain
 from typing import Iterator, Optional
 
 from rosoclingo.oclingo.service.protocol import GREETING, MessageBuffer, Request, requests
@@ -25,10 +26,10 @@ class ClientConnection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._connection = connection
         self.hung_up = False
-        self._is_broken = self._is_leaving = False
+        self._is_leaving = False
         self._received = MessageBuffer()
-        self._requests: Iterator[Request] = iter(())  # of the current message
-        self._next: Optional[Request] = None
+        self._request: Optional[Request] = None  # the next one
+        self._requests: Iterator[Request] = iter(())  # those after it
         self._unsent = bytearray(GREETING)
 
     def fileno(self) -> int:
@@ -37,8 +38,8 @@ class ClientConnection:
 
     @property
     def reads(self) -> bool:
-        """Whether to read from the client."""
-        return not self.hung_up and not self._received.is_full and len(self._unsent) < UNSENT_LIMIT
+        """Whether to read from the client: no request is pending, and the client reads its answers."""
+        return not self.hung_up and self._request is None and len(self._unsent) < UNSENT_LIMIT
 
     @property
     def writes(self) -> bool:
@@ -57,12 +58,12 @@ class ClientConnection:
 
     def take(self) -> Request:
         """Return the next request; requires :attr:`waits`."""
-        request, self._next = self._request, None
+        request, self._request = self._request, next(self._requests, None)
         assert request is not None
         return request
 
     def read(self) -> None:
-        """Read the available data."""
+        """Read the available data; requires :attr:`reads`."""
         try:
             data = self._connection.recv(_CHUNK)
         except BlockingIOError:
@@ -72,17 +73,17 @@ class ClientConnection:
             return
         self.hung_up = not data
         if not self._is_leaving:
-            self._received.add(data)
+            self._requests = chain.from_iterable(map(requests, self._received.add(data)))
+            self._request = next(self._requests, None)
 
     def send(self, data: bytes) -> None:
-        """Queue ``data`` for the client; drop it if the connection is broken."""
-        if not self._is_broken:
-            self._unsent += data
+        """Queue ``data`` for the client."""
+        self._unsent += data
 
     def write(self) -> None:
         """Send as much as the socket accepts; after :meth:`leave`, shut down once everything is sent."""
         try:
-            del self._unsent[: self._connection.send(memoryview(self._unsent)[:UNSENT_LIMIT])]
+            del self._unsent[: self._connection.send(self._unsent)]
             if self._is_leaving and not self._unsent:
                 self._connection.shutdown(socket.SHUT_WR)
         except BlockingIOError:
@@ -92,27 +93,14 @@ class ClientConnection:
 
     def leave(self) -> None:
         """Drop the pending requests, and shut down once everything is sent."""
-        self._is_leaving, self._next = True, None
-        self._requests, self._received = iter(()), MessageBuffer()
+        self._is_leaving, self._request, self._requests = True, None, iter(())
         self.write()
 
     def close(self) -> None:
         """Close the connection."""
         self._connection.close()
 
-    @property
-    def _request(self) -> Optional[Request]:
-        """The next request, parsed on demand; None if no message is complete."""
-        while self._next is None:
-            self._next = next(self._requests, None)
-            if self._next is None:
-                message = self._received.next_message()
-                if message is None:
-                    return None
-                self._requests = requests(message)
-        return self._next
-
     def _break(self) -> None:
         """Stop sending; the solver still processes the complete messages received so far."""
-        self._is_broken = self.hung_up = True
+        self.hung_up = True
         self._unsent.clear()

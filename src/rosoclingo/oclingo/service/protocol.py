@@ -5,7 +5,7 @@ warnings, the answers, and a final item: ``End of Step.``, ``UNSAT at step N`` o
 sends ``Input:`` once more.
 """
 
-from typing import Iterator, Optional, Union
+from typing import Iterator, Union
 
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.progression.parser import iterate_updates
@@ -85,35 +85,33 @@ class MessageBuffer:
 
     def __init__(self) -> None:
         self._data = bytearray()
-        self._is_skipping = False
+        self._is_skipping = False  # the rest of an oversized message
 
-    @property
-    def is_full(self) -> bool:
-        """Whether the size limit of a message is reached."""
-        return len(self._data) >= MESSAGE_LIMIT
+    def add(self, data: bytes) -> Iterator[Message]:
+        """Append ``data`` and yield the messages that are now complete or too long."""
+        *ended, rest = data.split(END)
+        for piece in ended:
+            self._data += piece
+            if not self._is_skipping:
+                yield _decoded(self._data) if len(self._data) < MESSAGE_LIMIT else _too_long()
+            self._data.clear()
+            self._is_skipping = False
+        if not self._is_skipping:
+            self._data += rest
+        if len(self._data) >= MESSAGE_LIMIT:
+            self._data.clear()
+            self._is_skipping = True
+            yield _too_long()
 
-    def add(self, data: bytes) -> None:
-        """Append ``data``, except the rest of an oversized message."""
-        if self._is_skipping:
-            _, end, data = data.partition(END)
-            self._is_skipping = not end
-        self._data += data
 
-    def next_message(self) -> Optional[Message]:
-        """Remove and return the next message, None if it is incomplete."""
-        end = self._data.find(END, 0, MESSAGE_LIMIT)
-        if end < 0 and not self.is_full:
-            return None
-        if end < 0:
-            end = self._data.find(END)
-            self._is_skipping = end < 0
-            del self._data[: end + 1 if end >= 0 else None]
-            return ProgressionError(1, 1, f"a message of {MESSAGE_LIMIT} bytes or more; send it in several updates")
-        data = bytes(self._data[:end])
-        del self._data[: end + 1]
-        try:
-            return data.decode("utf-8")
-        except UnicodeDecodeError as fault:
-            before = data[: fault.start].decode("utf-8")
-            line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
-            return ProgressionError(line, column, f"not UTF-8: byte 0x{data[fault.start]:02x}, {fault.reason}")
+def _too_long() -> ProgressionError:
+    return ProgressionError(1, 1, f"a message of {MESSAGE_LIMIT} bytes or more; send it in several updates")
+
+
+def _decoded(data: bytearray) -> Message:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as fault:
+        before = data[: fault.start].decode("utf-8")
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        return ProgressionError(line, column, f"not UTF-8: byte 0x{data[fault.start]:02x}, {fault.reason}")

@@ -116,23 +116,24 @@ class Service:
 
     def _solve(self, client: ClientConnection, update: StreamUpdate) -> None:
         bounded = self._bounded if update.step is None else update.bound is not None
-        search = SearchWatch(time.monotonic(), bounded, self._time_limit)
+        start, reason = time.monotonic(), ""
 
         def stopped() -> bool:
+            nonlocal reason
             self._pump(0)
-            return search.must_end(time.monotonic(), any(one.waits for one in self._clients), client.hung_up)
+            elapsed, is_awaited = time.monotonic() - start, any(one.waits for one in self._clients)
+            reason = reason or reason_to_end(elapsed, bounded, self._time_limit, is_awaited, client.hung_up)
+            return bool(reason)
 
         try:
             result = self._solver.update(update, stopped)
         except SolverError as error:
-            why = f" ({search.ended_by})" if search.ended_by else ""
-            client.send(protocol.error(f"{error}{why}"))
+            client.send(protocol.error(f"{error} ({reason})" if reason else str(error)))
             return
         self._bounded = bounded
         if result.outcome is SolveOutcome.INTERRUPTED:
-            why = search.ended_by or "it was interrupted"
-            text = f"The search for step {result.step} ended at horizon {result.horizon} without an answer: {why}. "
-            client.send(protocol.warning(text + "The update stays in force."))
+            text = f"The search for step {result.step} ended at horizon {result.horizon} without an answer: "
+            client.send(protocol.warning(f"{text}{reason or 'it was interrupted'}. The update stays in force."))
         for data in protocol.reply(result):
             client.send(data)
 
@@ -146,31 +147,15 @@ class Service:
             self._pump(0.1)
 
 
-class SearchWatch:
-    """Decides when a search must end.
+def reason_to_end(
+    elapsed: float, is_bounded: bool, time_limit: Optional[float], is_awaited: bool, is_orphaned: bool
+) -> str:
+    """Return why a search must end after ``elapsed`` seconds; empty if it can continue.
 
-    Attributes:
-        ended_by: the reason; empty while the search can continue.
-
+    Another update waits if it ``is_awaited``; the client of its update has hung up if it ``is_orphaned``.
     """
-
-    def __init__(self, start: float, bounded: bool, time_limit: Optional[float]) -> None:
-        self._start, self._time_limit = start, time_limit
-        self._grace = GRACE_BOUNDED if bounded else GRACE
-        self.ended_by = ""
-
-    def must_end(self, now: float, waiting: bool, orphaned: bool) -> bool:
-        """Return whether the search must end ``now``.
-
-        ``waiting``: another update waits; ``orphaned``: the client of this update has hung up.
-        """
-        elapsed = now - self._start
-        if self.ended_by:
-            return True
-        if self._time_limit is not None and elapsed >= self._time_limit:
-            self.ended_by = f"the time limit of {self._time_limit:g} s was reached"
-        elif waiting and elapsed >= self._grace:
-            self.ended_by = "another update waits"
-        elif orphaned and elapsed >= GRACE_ORPHANED:
-            self.ended_by = "its client has hung up"
-        return bool(self.ended_by)
+    if time_limit is not None and elapsed >= time_limit:
+        return f"the time limit of {time_limit:g} s was reached"
+    if is_awaited and elapsed >= (GRACE_BOUNDED if is_bounded else GRACE):
+        return "another update waits"
+    return "its client has hung up" if is_orphaned and elapsed >= GRACE_ORPHANED else ""

@@ -309,8 +309,7 @@ def test_update_with_endless_grounding_is_dropped():
         (False, False, False, None),
     ],
 )
-def test_search_watch_ends_searches_after_their_grace(bounded, waiting, orphaned, expected):
-    search = service.SearchWatch(100.0, bounded, None)
+def test_searches_end_after_their_grace(bounded, waiting, orphaned, expected):
     times = [tick / 10 for tick in range(200)]
-    ended = [time for time in times if search.must_end(100.0 + time, waiting, orphaned)]
+    ended = [time for time in times if service.reason_to_end(time, bounded, None, waiting, orphaned)]
     assert ended[:1] == ([] if expected is None else [expected])
