@@ -66,8 +66,10 @@ class ProgramScope:
         self.seen_variables: Set[str] = set()
 
 
-def translate_sources(sources: Sequence[SourceFile], undecided: Dialect) -> List[Tuple[str, Tuple[str, ...], Dialect]]:
-    """Return the translation, the warnings and the language of each file.
+def translate_sources(
+    sources: Sequence[SourceFile], undecided: Dialect
+) -> List[Tuple[str, Tuple[Fault, ...], Dialect]]:
+    """Return the translation, the remarks and the language of each file.
 
     An ambiguous file has the language of the other files if they agree, otherwise the ``undecided`` language. Raises
     TranslationError.
@@ -84,8 +86,8 @@ def translate_sources(sources: Sequence[SourceFile], undecided: Dialect) -> List
     results = []
     for one, in_gringo3, dialect in zip(found, old, dialects):
         differs = dialect is None and in_gringo3.own_text != one.source.text
-        warnings = [*one.warnings, *([_undecided(in_gringo3, undecided)] if differs else [])]
-        results.append((one.text, tuple(warnings), dialect or (undecided if differs else Dialect.EITHER)))
+        remarks = [*one.remarks, *([_undecided(in_gringo3, undecided)] if differs else [])]
+        results.append((one.text, tuple(remarks), dialect or (undecided if differs else Dialect.EITHER)))
     return results
 
 
@@ -100,14 +102,14 @@ def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> 
     return translators
 
 
-def _undecided(translator: "FileTranslator", dialect: Dialect) -> str:
+def _undecided(translator: "FileTranslator", dialect: Dialect) -> Fault:
     """Return a warning about the first line that has another meaning in gringo 3."""
     old, new = translator.source.text, translator.own_text
     place = next((n for n, (one, other) in enumerate(zip(old, new)) if one != other), min(len(old), len(new)))
     line, column = old.count("\n", 0, place) + 1, place - old.rfind("\n", 0, place)
-    reading, name = new.split("\n")[line - 1].strip(), translator.source.name
-    how = f"gringo 3 reads this line as '{reading}'; read as {dialect.value}"
-    return f"{name}:{line}:{column}: {how} (add '% dialect: {dialect.value}' to confirm this)"
+    reading, remedy = new.split("\n")[line - 1].strip(), f"add '% dialect: {dialect.value}' to confirm this"
+    message = f"gringo 3 reads this line as '{reading}'; read as {dialect.value}"
+    return Fault(translator.source.name, line, column, message, remedy, "translation")
 
 
 class FileTranslator:
@@ -116,7 +118,7 @@ class FileTranslator:
     Attributes:
         source: the file.
         own_text: the translation without ``#show`` and ``#hide`` statements.
-        warnings: the warnings about the file.
+        remarks: the warnings about the file.
         faults: the statements that cannot be translated, with reasons.
 
     """
@@ -126,7 +128,7 @@ class FileTranslator:
         self.source = evidence.source
         self._name, self._file = self.source.name, PurePath(self.source.name).name
         self.rewriting = Rewriting(self.source.text, self.source.tokens)
-        self.warnings: List[str] = []
+        self.remarks: List[Fault] = []
         self.faults: List[Fault] = []
         self.own_text = ""
         self._rules = RuleWriter(program.naming)
@@ -222,7 +224,7 @@ class FileTranslator:
         early = [name for name in names if name in self._program.seen_variables]
         if early:
             message = f"#domain does not apply to earlier statements that use {', '.join(early)}"
-            self.warnings.append(f"{self._name}:{domain.line}:{domain.column}: {message}")
+            self.remarks.append(Fault(self._name, domain.line, domain.column, message, kind="translation"))
         self._program.domains.append((show(literal), names))
         return ""
 

@@ -7,17 +7,23 @@ directives, with the separators of clingo 5 inside.
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
+from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.dialect import Dialect, SourceFile
 from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 
 
 @dataclass(frozen=True)
 class TranslationResult:
-    """A program in clingo 5's language, the warnings of the translation, and the original language."""
+    """A program in clingo 5's language, the remarks of the translation, and the original language."""
 
     text: str
-    warnings: Tuple[str, ...] = ()
+    remarks: Tuple[Fault, ...] = ()
     dialect: Dialect = Dialect.EITHER
+
+    @property
+    def warnings(self) -> Tuple[str, ...]:
+        """The remarks as texts."""
+        return tuple(map(str, self.remarks))
 
 
 def translate(text: str, filename: str, undecided: Dialect = Dialect.CLINGO5) -> TranslationResult:

@@ -52,15 +52,6 @@ class Messages:
         """Record a message."""
         self.received.append((code, text.strip()))
 
-    def clear(self) -> None:
-        """Discard all messages."""
-        self.received.clear()
-        self.reported = 0
-
-    def text(self) -> str:
-        """Return all messages as one text."""
-        return "\n".join(text for _, text in self.received)
-
     def faults(
         self,
         error: RuntimeError,

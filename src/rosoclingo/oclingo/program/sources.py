@@ -67,8 +67,7 @@ def read_sources(
     try:
         results = translate_program([(one.source.name, one.text) for one in collector.files])
         texts = [result.text for result in results]
-        for one, result in zip(collector.files, results):
-            remarks.extend(_remark(one.source.name, warning) for warning in result.warnings)
+        remarks.extend(remark for result in results for remark in result.remarks)
     except ProgramError as error:
         faults.extend(error.faults)
     pairs = zip(collector.files, texts)
@@ -206,12 +205,6 @@ def _parse_text(text: str, place: Callable[[Position], Position]) -> List[Node]:
     for statement in statements:
         statement.move(place)
     return statements
-
-
-def _remark(name: str, text: str) -> Fault:
-    """Return a warning of the translation, NAME:LINE:COLUMN: MESSAGE, as a fault."""
-    line, column, message = text[len(name) + 1 :].split(":", 2)
-    return Fault(name, int(line), int(column), message.strip(), kind="translation")
 
 
 def _named(fault: Fault, name: str) -> Fault:
