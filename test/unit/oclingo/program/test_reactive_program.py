@@ -15,40 +15,59 @@ def faults(text, **constants):
     return [(fault.file, fault.line, str(fault)) for fault in caught.value.faults]
 
 
-def answers(text, update="#step 1 : 0. #endstep.", constants=None):
+def answers(text, update, constants=None):
     result = ReactiveSolver(ReactiveProgram.from_text(text, constants=constants), models=0).update(parse_update(update))
     return sorted(" ".join(sorted(map(str, answer))) for answer in result.answers)
 
 
-def test_program_accepts_both_forms_of_parts():
-    old = "a. #cumulative t. b(t). #volatile k. c(k). #base. d."
-    new = "a. #program cumulative(t). b(t). #program volatile(k). c(k). #program base. d."
-    assert answers(old) == answers(new) == ["a b(1) c(1) d"]
+NAMES = "#external not_p/1. #external -p/1. #external p_1/0. #external p/1. #cumulative t."
+BC = "#program cumulative(t). b(t). #program volatile(t). c(t). "
 
 
-def test_program_joins_parts_with_different_parameters():
-    assert answers("#cumulative t. b(t). #base. a. #cumulative k. c(k+1).") == ["a b(1) c(2)"]
+@pytest.mark.parametrize(
+    ("text", "step", "answer"),
+    [
+        # parts
+        ("a. #cumulative t. b(t). #volatile k. c(k). #base. d.", "1 : 0.", "a b(1) c(1) d"),
+        ("a. #program cumulative(t). b(t). #program volatile(k). c(k). #program base. d.", "1 : 0.", "a b(1) c(1) d"),
+        ("#cumulative t. b(t). #base. a. #cumulative k. c(k+1).", "1 : 0.", "a b(1) c(2)"),
+        ("#iinit -1. #cumulative t. b(t).", "1 : 0.", "b(-1) b(0) b(1)"),
+        ("#const w=3. #iinit 2-w. #cumulative t. b(t).", "1 : 0.", "b(-1) b(0) b(1)"),
+        ("#iinit 0. #iinit (2 - |-3|)/2 + 1. #cumulative t. b(t).", "1 : 0.", "b(1)"),
+        # comments and strings
+        ('a("#base. %*"). % #iinit 0.\n%* #volatile t. *% #cumulative t. b(t).', "1 : 0.", 'a("#base. %*") b(1)'),
+        ('%* § "%* x *% y § *% a("§"). % §\n#cumulative t. b(t).', "1 : 0.", 'a("§") b(1)'),
+        # externals
+        (
+            "d(1..2). #cumulative t. #external e(X) : d(X), t = 1. c(t) :- e(t+1). #volatile t.",
+            "1 : 0. e(2).",
+            "c(1) d(1) d(2) e(2)",
+        ),
+        (NAMES, "1. -p(x). not_p(y) :- p(z).", "-p(x)"),
+        (NAMES, "1. not_p(x). -p(y) :- p(z).", "not_p(x)"),
+        (NAMES, "1. p(1). p_1 :- p(z).", "p(1)"),
+        # anonymous variables
+        ("p(1,2). #program cumulative(t). q(t) :- p(_,_), not r(_). r(2) :- t = 0.", "1 : 0.", "p(1,2) q(1)"),
+        # volatile parts
+        ("#const n = 2. #cumulative t. #volatile t : n+1. b(t).", "4 : 0.", "b(2) b(3) b(4)"),
+        *(
+            (f"#program cumulative(t). b(t). {part} c(t) :- b(t).", "3 : 0.", "b(1) b(2) b(3) c(3)")
+            for part in ("#program volatile(t).", "#volatile t.", "#volatile t : 1.", "#volatile t : 4/3.")
+        ),
+        (BC + "#show.", "2 : 0.", ""),
+        (BC + "#show. #show b/1.", "2 : 0.", "b(1) b(2)"),
+        (BC + "#show. #show x(t) : b(t).", "2 : 0.", "x(2)"),
+        (BC + "#show x(t) : b(t).", "2 : 0.", "b(1) b(2) c(2) x(2)"),
+        (BC + "#external b(t).", "2 : 0.", "b(1) b(2) c(2)"),
+        (BC + "#defined q/1. #const n = 1. #project b/1.", "2 : 0.", "b(1) b(2) c(2)"),
+    ],
+)
+def test_program_has_the_expected_answer(text, step, answer):
+    assert answers(text, f"#step {step} #endstep.") == [answer]
 
 
 def test_program_replaces_constants_by_given_terms():
     assert answers("#const n = 2. #cumulative t. a(n).", "#step 1 : 0. #endstep.", {"n": "f(x)"}) == ["a(f(x))"]
-    assert answers("#const n = 2. #cumulative t. #volatile t : n+1. b(t).", "#step 4 : 0. #endstep.") == [
-        "b(2) b(3) b(4)"
-    ]
-
-
-def test_iinit_sets_the_first_step():
-    assert answers("#iinit -1. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(-1) b(0) b(1)"]
-    assert answers("#const w=3. #iinit 2-w. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(-1) b(0) b(1)"]
-    assert answers("#iinit 0. #iinit (2 - |-3|)/2 + 1. #cumulative t. b(t).", "#step 1 : 0. #endstep.") == ["b(1)"]
-
-
-def test_program_ignores_directives_in_comments_and_strings():
-    assert answers('a("#base. %*"). % #iinit 0.\n%* #volatile t. *% #cumulative t. b(t).') == ['a("#base. %*") b(1)']
-
-
-def test_program_accepts_any_characters_in_comments_and_strings():
-    assert answers('%* § "%* x *% y § *% a("§"). % §\n#cumulative t. b(t).') == ['a("§") b(1)']
 
 
 def test_invalid_characters_are_reported_with_their_place():
@@ -139,44 +158,6 @@ def test_redefinitions_are_reported_at_rules_of_steps():
     assert reported == [(9, "u"), (8, "v"), (7, "w")]
 
 
-def test_external_of_a_step_needs_no_step_argument():
-    text = "d(1..2). #cumulative t. #external e(X) : d(X), t = 1. c(t) :- e(t+1). #volatile t."
-    assert answers(text, "#step 1 : 0. e(2). #endstep.") == ["c(1) d(1) d(2) e(2)"]
-
-
-def test_open_externals_with_similar_names_are_distinct():
-    text = "#external not_p/1. #external -p/1. #external p_1/0. #external p/1. #cumulative t. #volatile t."
-    for update, answer in (
-        ("-p(x). not_p(y) :- p(z).", "-p(x)"),
-        ("not_p(x). -p(y) :- p(z).", "not_p(x)"),
-        ("p(1). p_1 :- p(z).", "p(1)"),
-    ):
-        assert answers(text, f"#step 1. {update} #endstep.") == [answer]
-
-
-@pytest.mark.parametrize(
-    ("statement", "answer"),
-    [
-        ("#show.", ""),
-        ("#show. #show b/1.", "b(1) b(2)"),
-        ("#show. #show x(t) : b(t).", "x(2)"),
-        ("#show x(t) : b(t).", "b(1) b(2) c(2) x(2)"),
-        ("#external b(t).", "b(1) b(2) c(2)"),
-        ("#defined q/1. #const n = 1. #project b/1.", "b(1) b(2) c(2)"),
-    ],
-)
-def test_volatile_part_accepts_statements_other_than_rules(statement, answer):
-    program = f"#program cumulative(t). b(t). #program volatile(t). c(t). {statement}"
-    assert answers(program, "#step 2 : 0. #endstep.") == [answer]
-
-
-@pytest.mark.parametrize("part", ["#program volatile(t).", "#volatile t.", "#volatile t : 1.", "#volatile t : 4/3."])
-def test_volatile_rule_holds_only_at_the_horizon(part):
-    assert answers(f"#program cumulative(t). b(t). {part} c(t) :- b(t).", "#step 3 : 0. #endstep.") == [
-        "b(1) b(2) b(3) c(3)"
-    ]
-
-
 class _Rules(clingo.backend.Observer):
     """Counts the grounded rules."""
 
@@ -197,11 +178,6 @@ def test_anonymous_variable_does_not_reground_earlier_steps():
         control.ground([("cumulative", [clingo.Number(step)])])
         counts.append(rules.count)
     assert counts[1] == counts[2] == counts[3]
-
-
-def test_anonymous_variables_of_a_rule_are_independent():
-    text = "p(1,2). #program cumulative(t). q(t) :- p(_,_), not r(_). r(2) :- t = 0. #program volatile(t)."
-    assert answers(text) == ["p(1,2) q(1)"]
 
 
 def test_program_reports_invalid_names_and_values_of_constants():

@@ -141,7 +141,7 @@ def test_command_passes_options_to_the_solver(files, capsys):
 
 
 @pytest.mark.slow
-def test_time_limit_interrupts_an_endless_search(files, capsys):
+def test_time_limit_interrupts_an_unbounded_search(files, capsys):
     (files / "updates.str").write_text("#step 1. #endstep. #step 1. e(1). :- not c(1). #endstep.", encoding="utf-8")
     code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
     assert code == 0
@@ -160,8 +160,6 @@ def test_bound_option_applies_to_unbounded_updates(files, capsys):
     code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str")
     assert code == 20
     assert output == "#step 1.\n#end step.\nUNSAT at step 101\n\n"
-    code, output, _ = play(capsys, "endless.lp", "--stream", "updates.str", "--bound", "0", "--time-limit", "0.1")
-    assert (code, "Interrupted at horizon " in output) == (0, True), "--bound 0 removes the bound"
 
 
 def test_progress_reports_step_and_seconds_of_searches():
@@ -229,6 +227,8 @@ def test_command_reports_invalid_files_and_options(files, capsys, words, message
         (["program.lp", "--stream", "a", "--interactive"], "not allowed with"),
         (["-", "--stream", "-"], "standard input contains the updates"),
         (["-", "-"], "standard input can be read only once"),
+        (["program.lp", "--stream", "a", "--plan-time", "1"], "--plan-time needs --shortest"),
+        (["program.lp", "--stream", "a", "--plan-time", "-1"], "not a time"),
         (["--what"], "--what"),
     ],
     ids=lambda words: " ".join(words) if isinstance(words, list) else "",
@@ -333,9 +333,7 @@ def test_command_ends_quietly_after_a_broken_pipe(files):
 def test_script_runs_the_oclingo_command():
     assert os.access(SCRIPT, os.X_OK)
     code, output, error = run("--help")
-    assert (code, error) == (0, "")
-    for word in ("--stream", "--json", "--interactive", "--port", "--host", "--imax", "--const", "MODELS"):
-        assert word in output
+    assert (code, error, "MODELS" in output) == (0, "", True)
 
 
 @pytest.mark.slow
@@ -350,16 +348,6 @@ def test_plan_time_limits_the_proof_of_shortness(files, capsys):
     assert [one["outcome"] for one in found] == 3 * ["satisfiable"]
     assert [one["shortest"] for one in found] == [True, False, True]
     assert found[0]["horizon"] == found[2]["horizon"] <= found[1]["horizon"]
-
-
-def test_plan_time_requires_the_shortest_option(files, capsys):
-    for words, message in (
-        (["--plan-time", "1"], "--plan-time needs --shortest"),
-        (["--plan-time", "-1"], "not a time"),
-    ):
-        with pytest.raises(SystemExit):
-            main(["program.lp", "--stream", "updates.str", *words])
-        assert message in capsys.readouterr().err
 
 
 def test_service_page_documents_all_command_options(capsys):

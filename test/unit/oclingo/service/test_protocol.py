@@ -17,10 +17,6 @@ def replied(*arguments, **options):
     return b"".join(protocol.reply(result(*arguments, **options)))
 
 
-def test_greeting_matches_that_of_oclingo():
-    assert protocol.GREETING == b"Input:\n\0End of Step.\n\0"
-
-
 def test_reply_lists_answers_and_ends_the_step():
     assert replied(SolveOutcome.SATISFIABLE, ["e(1)"], []) == b"Step: 3\ne(1) \0Step: 3\n\0End of Step.\n\0"
     (item, end) = protocol.reply(result(SolveOutcome.SATISFIABLE, ["-p", 'q("a b")']))

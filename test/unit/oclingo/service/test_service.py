@@ -14,7 +14,6 @@ from rosoclingo.oclingo.service import server as service
 
 ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n#volatile t.\n"
 GOAL = ECHO + ":- not c(t).\n"  # a search is endless until an update asserts e(t)
-STEP = "#step {0} : 0. e({0}). #endstep."
 
 
 @pytest.fixture(scope="module")
@@ -82,20 +81,10 @@ def test_service_sends_the_exact_bytes_of_oclingo():
     ]
 
 
-def test_service_accepts_an_update_byte_by_byte(client):
-    for byte in (STEP.format(1) + "\0").encode():
-        client.socket.sendall(bytes([byte]))
-    assert client.reply().end == "end"
-
-
-def test_service_answers_several_messages_sent_together(client):
+def test_service_answers_several_updates_sent_together(client):
     client.send(*[f"#step {step} : 0. #endstep." for step in range(100, 120)])
-    assert [client.reply().horizons for _ in range(20)] == [[step] for step in range(100, 120)]
-
-
-def test_service_answers_several_updates_in_one_message(client):
     client.send("#step 120 : 0. #endstep.\n#step 121 : 0. #endstep. #step 122. #end step.")
-    assert [client.reply().horizons for _ in range(3)] == [[120], [121], [122]]
+    assert [client.reply().horizons for _ in range(23)] == [[step] for step in range(100, 123)]
 
 
 @pytest.mark.parametrize(
