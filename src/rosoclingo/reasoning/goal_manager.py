@@ -144,7 +144,7 @@ class GoalManager(PersistentPart):
         """Feed the requests of live goals again, to a program that has forgotten them."""
         for goal in goals:
             if goal.live:
-                goal.forget()
+                goal.request_cycle = None
                 self._feeder.add_goal(goal)
 
     def reject_undeclared(self, goals: Iterable[Goal], warnings: Sequence[str]) -> None:
@@ -202,7 +202,7 @@ class GoalManager(PersistentPart):
         for goal in goals:
             goal.waits = True
             self._feeder.withdraw(goal)
-            goal.forget()
+            goal.request_cycle = None
         self.report_wait(goals, why)
         self._admit()
 

@@ -149,14 +149,6 @@ class Goal:
         """Whether the program knows the request."""
         return self.request_cycle is not None
 
-    def feed(self, cycle: int) -> None:
-        """Record that the solver has accepted the request, for ``cycle``."""
-        self.request_cycle = cycle
-
-    def forget(self) -> None:
-        """Record that the program no longer has the request."""
-        self.request_cycle = None
-
     @property
     def cancelling(self) -> bool:
         """Whether a client has cancelled the goal and it has not ended yet."""

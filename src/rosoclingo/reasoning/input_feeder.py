@@ -298,7 +298,7 @@ class InputFeeder(PersistentPart):
         kept = [one for one in batch.requests if not isinstance(one, Goal) and one in self._rejected]
         self._rejected, self._executed, self._waits, self._withdrawn = kept, (), None, frozenset()
         for goal in batch.goals:
-            goal.feed(batch.request_cycle)
+            goal.request_cycle = batch.request_cycle
         return self._omit([one for one in batch.facts if not one.is_return and one.atom not in present], batch, refused)
 
     def _omit(self, omitted: Sequence[Observation], batch: Batch, refused: bool) -> List[Observation]:

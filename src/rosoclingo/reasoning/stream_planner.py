@@ -139,7 +139,7 @@ class Planner:
     @property
     def stream(self) -> Stream:
         """The last update and the history before it, for explanations."""
-        return Stream(self._before or History(), self.last_update, self.lookahead)
+        return Stream(self.log.before_update or History(), self.last_update, self.lookahead)
 
     def ends_later(self, step: int) -> bool:
         """Return whether each answer ends later than at ``step``."""
@@ -246,7 +246,7 @@ class Planner:
 
     def restarted(self, without: FrozenSet[Symbol] = frozenset()) -> "Planner":
         """Return another planner with the same history, except for the facts ``without``, and with a short horizon."""
-        before, last = self._before, self.last_update
+        before, last = self.log.before_update, self.last_update
         if before is None:
             return self.with_log(self.log.withdraw(without))
         entry = AcceptedUpdate(last.without_facts(without), last.step or before.step)
@@ -258,7 +258,7 @@ class Planner:
 
     def before_update(self) -> "Planner":
         """Return another planner without the last update."""
-        return self.with_log(self._before or History())
+        return self.with_log(self.log.before_update or History())
 
     def replace_update(self, update: StreamUpdate) -> Tuple["Planner", SolveResult]:
         """Return another planner with ``update`` in place of the last one, and its result."""
@@ -288,11 +288,6 @@ class Planner:
             result = planner.update(StreamUpdate(now, items=tuple(items)))
             fed.append(planner.last_update)
         return planner, fed, result
-
-    @property
-    def _before(self) -> Optional[History]:
-        """The history before the last update, None if there is none."""
-        return self.log.before_update
 
     def _whole(self, update: StreamUpdate, lookahead: int) -> StreamUpdate:
         return _whole(self.log, update, lookahead, self.running())

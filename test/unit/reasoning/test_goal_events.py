@@ -32,7 +32,7 @@ def a_goal(state):
     manager = GoalManager(PROGRAM, InputFeeder(), events.append, lambda: 5, CoreSettings())
     manager.add("key", "go(1)")
     goal = manager.live[0]
-    goal.feed(4)
+    goal.request_cycle = 4
     steps = {
         "pending": [],
         "recalling": [GoalEvent.CANCEL_REQUEST],

@@ -16,7 +16,7 @@ def answer(*atoms):
 
 def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=False, has_rules=False, known=False):
     goal = Goal("key", parse_term("go(1)"))
-    goal.feed(request_cycle)
+    goal.request_cycle = request_cycle
     goal.known = known
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)
