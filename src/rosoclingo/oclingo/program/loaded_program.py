@@ -97,7 +97,7 @@ class LoadedProgram:
 
     def open_part(self, atom: clingo.Symbol, fact: bool) -> Tuple[str, List[clingo.Symbol]]:
         """Return the program part that makes ``atom`` an external or a fact, with its arguments."""
-        return open_part(signature_of(atom), fact).name, atom.arguments
+        return open_part(signature_of(atom), fact)[0], atom.arguments
 
     def guard(self, window: int, step: int) -> clingo.Symbol:
         """Return the guard of the volatile instance of ``step`` with length ``window``."""

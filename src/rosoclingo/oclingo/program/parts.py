@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Iterator, List, Sequence, Tuple
 
 from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer
 
@@ -11,7 +11,7 @@ from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.directives import VOLATILE_PREFIX, Directives
 from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
-from rosoclingo.oclingo.program.sources import ParsedSource
+from rosoclingo.oclingo.program.sources import LoadedFile
 from rosoclingo.oclingo.progression.terms import Signature
 
 PARTS = ("base", "cumulative", "volatile")
@@ -58,7 +58,7 @@ class Part:
         return ((statement, one) for statement, found in self.found for one in found)
 
 
-def rewrite(parsed: Sequence[ParsedSource], directives: Directives) -> List[Part]:
+def rewrite(parsed: Sequence[LoadedFile], directives: Directives) -> List[Part]:
     """Return the parts of the parsed sources in order; raise :class:`ProgramError` for unknown parts."""
     parts: List[Part] = []
     faults: List[Fault] = []
@@ -134,22 +134,15 @@ def _add(part: Part, statement: Node) -> None:
     part.statements.append(statement)
 
 
-class OpenPart(NamedTuple):
-    """A program part that makes one atom of an open signature an external or a fact; its arguments are parameters.
+def open_part(signature: Signature, fact: bool) -> Tuple[str, List[str], str]:
+    """Return name, parameters and text of a part that makes one atom of ``signature`` an external or a fact.
 
-    Atoms that are added through clingo's backend do not work: the grounder omits some rule instances with them.
+    The parameters are the atom's arguments. Atoms that are added through clingo's backend do not work: the grounder
+    omits some rule instances with them.
     """
-
-    name: str
-    parameters: List[str]
-    text: str
-
-
-def open_part(signature: Signature, fact: bool) -> OpenPart:
-    """Return the part for atoms of ``signature``."""
     # the sign is included, so that the names for two signatures always differ
     name = f"__oclingo_{'fact' if fact else 'open'}_{int(signature.positive)}_{signature.name}_{signature.arity}"
     parameters = [f"x{number}" for number in range(signature.arity)]
     atom = ("" if signature.positive else "-") + signature.name
     atom += f"({','.join(parameters)})" if parameters else ""
-    return OpenPart(name, parameters, f"{atom}." if fact else f"#external {atom}.")
+    return name, parameters, f"{atom}." if fact else f"#external {atom}."

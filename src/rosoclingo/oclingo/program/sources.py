@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import Position
@@ -43,16 +43,9 @@ class Source:
             raise ProgramError([Fault(str(path), 0, 0, message, "save the file as UTF-8")]) from None
 
 
-class ParsedSource(NamedTuple):
-    """A source with its parsed statements."""
-
-    source: Source
-    statements: List[Node]
-
-
 def read_sources(
     sources: Sequence[Source], found: Directives, remarks: List[Fault], whole: bool = False
-) -> List[ParsedSource]:
+) -> List["LoadedFile"]:
     """Parse ``sources`` and the files that they include; add oClingo's directives to ``found``.
 
     The texts can be in any supported language. ``whole`` means that ``sources`` contain all included files. Raises
@@ -62,19 +55,17 @@ def read_sources(
     for source in sources:
         collector.add(source)
     collector.translate()
-    texts: Sequence[str] = ()
     faults = list(collector.faults)
     try:
         results = translate_program([(one.source.name, one.text) for one in collector.files])
-        texts = [result.text for result in results]
-        remarks.extend(remark for result in results for remark in result.remarks)
+        for one, result in zip(collector.files, results):
+            remarks.extend(result.remarks)
+            one.statements = _parse(one, result.text, found, faults)
     except ProgramError as error:
         faults.extend(error.faults)
-    pairs = zip(collector.files, texts)
-    parsed = [_parse(one.source, text, found, faults, one.translation) for one, text in pairs]
     if faults or found.faults:
         raise ProgramError([*found.faults, *faults])
-    return parsed
+    return collector.files
 
 
 @dataclass(eq=False)
@@ -87,6 +78,7 @@ class LoadedFile:
         text: the text in the language of clingo or gringo 3.
         translation: the origin of the lines of this text, if it was translated.
         includes: the included files, None for missing ones.
+        statements: the statements of the text.
 
     """
 
@@ -95,6 +87,7 @@ class LoadedFile:
     text: str
     translation: Optional[Translation] = None
     includes: List[Optional["LoadedFile"]] = field(default_factory=list)
+    statements: Sequence[Node] = ()
 
 
 class Collector:
@@ -175,18 +168,16 @@ class Collector:
         return sorted(found)
 
 
-def _parse(
-    source: Source, text: str, found: Directives, faults: List[Fault], translation: Optional[Translation] = None
-) -> ParsedSource:
-    name, plain = source.name, take_directives(text, source.name, found)
+def _parse(file: LoadedFile, text: str, found: Directives, faults: List[Fault]) -> Sequence[Node]:
+    name, plain = file.source.name, take_directives(text, file.source.name, found)
     try:
-        if translation is None:
-            return ParsedSource(source, [*_parse_file(plain, name)])
-        origin = translation.place
-        return ParsedSource(source, _parse_text(plain, lambda one: Position(name, *origin(one.line))))
+        if file.translation is None:
+            return _parse_file(plain, name)
+        origin = file.translation.place
+        return _parse_text(plain, lambda one: Position(name, *origin(one.line)))
     except ProgramError as error:
         faults.extend(locate_missing_dot(_named(fault, name), text) for fault in error.faults)
-        return ParsedSource(source, [])
+        return ()
 
 
 @lru_cache(maxsize=32)
