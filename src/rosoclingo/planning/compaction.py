@@ -44,7 +44,7 @@ def compacted(grounding: Grounding, snapshot: Snapshot) -> Optional[Snapshot]:
         return None
     grounding.forget(start, end - 1, base=False)
     statements = [one.statement for one in grounding.statements]
-    facts = {one.head for one in statements if one.head is not None and not one.body}
+    facts = {one.head for one in statements if one.head is not None and not one.body}.union(grounding.open_facts)
     heads = {one.head for one in statements}
     fixed = fixed_atoms(grounding, end, heads - facts)
     return _without_fixed_steps(grounding, snapshot, fixed, facts) if fixed.first > start else None
@@ -92,7 +92,7 @@ def _without_fixed_steps(
         shown.setdefault(atom, fixed.steps.get(atom, first - 1))
     kept = set(filter(matters, true))
     opened = set(filter(program.is_open_signature, kept & facts))  # base has to declare these
-    false = frozenset(filter(matters, grounding.closed_externals))
+    false = frozenset(filter(matters, grounding.definitions.false))
     # The last cycle can still get returns. Actions of earlier cycles are needed while later steps can define more.
     closed = {c: done for c, done in snapshot.closed.items() if c >= first - 1 or program.can_act(c, first)}
     recent = tuple((step, atom) for atom, step in shown.items() if step >= first - SHOWN_STEPS)

@@ -109,11 +109,12 @@ def _reground(grounding: Grounding, end: int) -> Tuple[_Rules, List[_Block]]:
     grounding.program.load_into(control)
     control.add(*PAST, "".join(f"{atom}.\n" for atom in grounding.past.facts))
     for steps, parts in grounding.ground_parts:
-        if steps and steps[-1] >= end:
+        name = parts[0][0]
+        if name == "cumulative" and steps[-1] >= end:
             break
         rules.heads, rules.others = set(), set()
         control.ground(parts)
-        if steps:
+        if name in ("base", "cumulative"):
             found.append((steps, rules.heads, rules.heads | rules.others))
     names = {one.literal: one.symbol for one in control.symbolic_atoms}
 

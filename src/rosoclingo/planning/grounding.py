@@ -6,14 +6,12 @@ A grounding never changes, except that its horizon grows. It can be dropped and 
 from typing import (
     Any,
     Callable,
-    Collection,
     FrozenSet,
     Iterable,
     Iterator,
     List,
     Optional,
     Sequence,
-    Set,
     Tuple,
 )
 from weakref import proxy
@@ -22,28 +20,23 @@ import clingo
 from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import DroppedError
-from rosoclingo.oclingo.program.action_rules import BEYOND, RUNNING, STEPS, no_plan_from, steps_claimed
-from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.parts import GUARD
+from rosoclingo.oclingo.program.action_rules import RUNNING, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
+from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
-from rosoclingo.oclingo.solving.atom_index import ExternalIndex
-from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, SearchLimits
+from rosoclingo.oclingo.solving.clasp_search import SearchLimits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
-from rosoclingo.oclingo.solving.definitions import HOLDS, BackendSession, Definitions
+from rosoclingo.oclingo.solving.definitions import HOLDS
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_facts
-from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
+from rosoclingo.oclingo.solving.stepwise_grounding import Parts, StepwiseGrounding
+from rosoclingo.oclingo.solving.stream_state import StateItem, TimedStatement
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import PredictedReturns, predict
 from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, never
 from rosoclingo.planning.return_rules import ReturnRules, return_rules
 from rosoclingo.planning.snapshot import Past, Snapshot
-
-Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
-"""Program parts with their arguments."""
 
 PIECE = 64
 """Greatest number of steps that are grounded in one call of clingo."""
@@ -54,43 +47,25 @@ PIECE_ATOMS = 50_000
 CLOSED_PIECE = 16
 """Number of steps with closed cycles that are grounded in one call of clingo."""
 
-BASE = range(-(2**31), 1 - 2**31)
-"""Stands for the base part in :attr:`Grounding.ground_parts`."""
-
-FIRST = range(1, 2)
-"""The step that externals of the base part belong to."""
-
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """Name and parameters of the program part with the facts of compacted steps."""
 
 RUNNING_ACTIONS = "#external _running(A,P,t) : _action_lib(A,P,t)."
 """Externals for the actions that can go on, so that updates about them need no regrounding."""
 
-HIDDEN = (Signature(GUARD, 2), BEYOND)
-"""Predicates of auxiliary atoms, which answers leave out."""
-
 _TOO_LATE = "Head {} comes too late: steps before {} are compacted. The entire rule will be ignored."
 
 
-class Grounding:
-    """Base part and the steps up to :attr:`horizon` of a program, with the statements of a snapshot.
-
-    It holds no reference to itself, so its memory is freed with the last reference of others.
+class Grounding(StepwiseGrounding):
+    """A grounding of a snapshot, which can be searched for any horizon up to the last grounded step.
 
     Attributes:
-        program: the reactive logic program.
         snapshot: the snapshot it was built from.
-        horizon: the last grounded step.
         warnings: warnings about ignored statements of the snapshot's last update.
-        messages: messages of clingo.
         past: the compacted steps.
-        ground_parts: the parts in the order in which they were grounded, each with its steps; :data:`BASE` for the
-            base part, an empty range for other parts without a step.
+        ground_parts: the parts in the order in which they were grounded, each with its steps.
         shown: the shown atoms of the last answer, None before the first answer.
-        definitions: the statements that define their heads.
         statements: the statements that were added.
-        deferred: statements whose heads are declared by later steps.
-        closed_externals: externals that no statement can define any more; they are false.
         is_cyclic: whether a statement closes a positive loop. clingo detects loops only among rules that are added
             together.
         grows: whether the grounding can grow after a search: it is not cyclic, and no later step can define an atom
@@ -118,7 +93,8 @@ class Grounding:
             predicts: whether replies contain predicted returns.
 
         """
-        self.program, self.snapshot, self.messages = program, snapshot, Messages()
+        super().__init__(program)
+        self.snapshot = snapshot
         self.is_cyclic = snapshot.closes_loops(program)
         defined = program.head_signatures.intersection(map(signature_of, snapshot.heads))
         self.grows = program.heads_apart and not self.is_cyclic and not defined
@@ -127,64 +103,41 @@ class Grounding:
         self.warnings = [*snapshot.warnings, *unused_facts(program, snapshot)]
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
         self.statements: List[TimedStatement] = []
-        self.deferred: List[TimedStatement] = []
-        self.closed_externals: Set[clingo.Symbol] = set()
         self.ground_parts: List[Tuple[range, Parts]] = []
         self._dropped, self._compacted = dropped, frozenset(atom for _, atom in self.past.shown)
         self._return_rules = return_rules(program) if predicts else None
-        self._hidden: Set[clingo.Symbol] = set()
         self._asserted: FrozenSet[clingo.Symbol] = frozenset()
-        self._control = clingo.Control(program.arguments(), logger=self.messages.log)
-        self._session = BackendSession(self._control)
-        self._externals = ExternalIndex(self._control, program)
-        self.definitions = Definitions(self._control, self._session, self._externals)
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
-        self._clasp = self._load()
+        self._clasp = self._load([] if self._return_rules is None else self._return_parts(self._return_rules))
         self._build(horizon)
 
     # ---- Building ----------------------------------------------------------------------------------------------------
 
-    def _load(self) -> ClaspSearch:
-        """Load the program and the rules for predicted returns; return the search."""
-        with refusing(self.messages, self.program):
-            self.program.load_into(self._control)
-            for rule in self._return_rules.texts if self._return_rules is not None else ():
-                self._control.add(*rule)
-            if self._return_rules is not None and RUNNING in self.program.open_signatures:
-                self._control.add("cumulative", ["t"], RUNNING_ACTIONS)
-        return ClaspSearch(self._control, self.program)
+    def _return_parts(self, rules: ReturnRules) -> List[Tuple[str, List[str], str]]:
+        """Return the program parts with the rules for predicted returns."""
+        running = RUNNING in self.program.open_signatures
+        return [*rules.texts, *([("cumulative", ["t"], RUNNING_ACTIONS)] if running else [])]
 
     def _build(self, horizon: int) -> None:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
         snapshot = self.snapshot
-        self._open_facts = self._declare_open()
-        self._ground([("base", [])], BASE, noted=FIRST)
+        opened = [one for one in self._new_open(snapshot) if not snapshot.is_too_late(self.program, one)]
+        facts = snapshot.permanent_facts(self.assumable)
+        self.open_facts = {one: facts[one] for one in opened if one in facts}
+        self._open(opened)
+        self._ground_base()
         base_atoms = len(self._control.symbolic_atoms)
-        self._externals.end_base()
         self._add_past(self.past.facts)
         self._ground_closed(horizon)
         self._step_atoms = base_atoms  # an estimate, until an open step is grounded
         for last in pieces(self.horizon + 1, horizon, self.piece, snapshot.keep_from):
-            self._ground_to(last)
+            self.ground_to(last)
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
-        self._add_entries(snapshot.items)
+        self._add_items(snapshot.items)
         self._ends.settle(min(snapshot.min_horizon, self.horizon))
-
-    def _declare_open(self) -> Set[clingo.Symbol]:
-        """Declare the heads of open signatures, as facts or as externals; return the facts."""
-        heads = dict.fromkeys(one.head for one in self.snapshot.statements if one.head is not None)
-        opened = [
-            head
-            for head in heads
-            if self.program.is_open_signature(head) and not self.snapshot.is_too_late(self.program, head)
-        ]
-        facts = self.snapshot.permanent_facts(self._assumables.facts)
-        self._externals.stepless.update(opened)
-        self._ground([self.program.open_part(atom, atom in facts) for atom in opened], noted=FIRST)
-        return facts.keys() & opened
 
     def _add_past(self, facts: Iterable[clingo.Symbol]) -> None:
         """Add the ``facts`` of compacted steps."""
@@ -192,37 +145,26 @@ class Grounding:
         text = "".join(f"#external {atom}.\n" if atom in assumable else f"{atom}.\n" for atom in facts)
         if text:
             self._control.add(*PAST, text)
-            self._ground([(PAST[0], [])], noted=range(self.past.first - 1, self.past.first))
+            self._ground([(PAST[0], [])], range(self.past.first - 1, self.past.first))
         for atom in assumable:
             self._add(TimedStatement(Statement(atom), FOREVER, 0))
 
-    def _ground(self, parts: Parts, steps: range = range(0), noted: Optional[range] = None) -> None:
-        """Ground the ``parts`` of ``steps``; their externals are registered for the steps ``noted`` if these differ."""
-        self._session.close()
-        with refusing(self.messages, self.program):
-            self._control.ground(parts)
+    def _ground(self, parts: Parts, steps: range) -> None:
+        super()._ground(parts, steps)
         self.ground_parts.append((steps, parts))
-        self._externals.note(noted or steps)
-        self._actions.expire()
         self._ends.expire()
-        for signature in HIDDEN:
-            self._hidden.update(one.symbol for one in self._control.symbolic_atoms.by_signature(*signature))
 
-    def _ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` in one call, which is much faster than a call for each step."""
+    def ground_to(self, last: int) -> None:
+        """Ground the steps up to ``last`` in one call; raises DroppedError."""
         if self._dropped():
             raise DroppedError("stopped while regrounding the program; the request was discarded")
-        steps, atoms = range(self.horizon + 1, last + 1), len(self._control.symbolic_atoms)
-        self.horizon = last
-        self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
-        self._step_atoms = (len(self._control.symbolic_atoms) - atoms) // len(steps)
-        for window in (one for one in self.program.windows if one > 0):
-            for step in steps:
-                guard = self._control.symbolic_atoms[self.program.guard(window, step)]
-                if guard is not None:
-                    self._ends.define_window(guard.literal, step, window)
+        steps, atoms = last - self.horizon, len(self._control.symbolic_atoms)
+        super().ground_to(last)
+        self._step_atoms = (len(self._control.symbolic_atoms) - atoms) // steps
         self._ends.link(last)
-        self.definitions.resolve_absent()
+
+    def _limit(self, guard: int, first: int, last: int) -> None:
+        self._ends.define_window(guard, first, last)
 
     def _ground_closed(self, horizon: int) -> None:
         """Ground the steps of closed cycles together with their actions, unless facts are assumable.
@@ -236,7 +178,7 @@ class Grounding:
         end = min(horizon, snapshot.closed_until(first))
         for last in pieces(first, end, lambda: CLOSED_PIECE, snapshot.keep_from):
             steps = range(self.horizon + 1, last + 1)
-            self._ground_to(last)
+            self.ground_to(last)
             for cycle in steps:
                 self._actions.close_cycle(cycle, snapshot.closed[cycle])
                 for action in sorted(committed & snapshot.closed[cycle]):
@@ -245,46 +187,14 @@ class Grounding:
 
     # ---- Statements --------------------------------------------------------------------------------------------------
 
-    def _add_entries(self, entries: Iterable[StateItem]) -> None:
-        """Apply ``entries`` of the snapshot in order."""
-        for one in entries:
-            if isinstance(one, ForgottenSteps):
-                self.forget(one.first, one.last, spared=one.spared)
-            elif isinstance(one, ClosedHeads):
-                self._close(one.atoms)
-            else:
-                self._add_or_defer(one)
-
-    def forget(self, first: int, last: int, base: bool = True, spared: Collection[clingo.Symbol] = ()) -> None:
-        """Close the undefined externals of steps ``first`` to ``last``, except the ``spared`` ones.
-
-        If ``base``, the base part counts as step 1.
-        """
-        self._close(atom for atom in self.undefined_between(first, last, base) if atom not in spared)
-
-    def _close(self, atoms: Iterable[clingo.Symbol]) -> None:
-        for atom in atoms:
-            self.definitions.close(atom)
-            self.closed_externals.add(atom)
-
-    def _add_or_defer(self, entry: TimedStatement) -> None:
-        """Add a statement, defer it to the step that declares its head, or ignore it with a warning."""
-        statement, known, head = entry.statement, self.definitions, entry.statement.head
-        if head is None or (
-            head not in self._open_facts and (known.is_open(head, entry.update) or self._is_unmentioned(head))
-        ):
-            self._add(entry)
-        elif head in self._open_facts:  # already a fact, which is stronger
-            if not statement.body and entry.lifetime == FOREVER:
-                self.statements.append(entry)
-        elif not statement.body and known.is_true(head):
-            return
-        elif self.snapshot.is_too_late(self.program, head):
-            self._warn(entry, _TOO_LATE.format(head, self.past.first))
-        elif not known.is_closed(head) and not known.knows(head) and self.program.can_declare(head, self.horizon + 1):
-            self.deferred.append(entry)
-        else:
-            self._warn(entry, NOT_EXTERNAL.format(head))
+    def _add_items(self, items: Iterable[StateItem]) -> None:
+        """Apply ``items`` of the snapshot; warn about ignored statements of its last update."""
+        for entry in self._apply(items):
+            head = entry.statement.head
+            if entry.update != self.snapshot.number or head is None or head in self.open_facts:
+                continue
+            late = self.snapshot.is_too_late(self.program, head)
+            self.warnings.append(_TOO_LATE.format(head, self.past.first) if late else NOT_EXTERNAL.format(head))
 
     def _add(self, entry: TimedStatement) -> None:
         self.statements.append(entry)
@@ -295,22 +205,7 @@ class Grounding:
             guards.append(self._ends.beyond(entry.lifetime + 1))
         self.definitions.add(entry, guards, assumed is not None)
 
-    def _warn(self, entry: TimedStatement, text: str) -> None:
-        if entry.update == self.snapshot.number:
-            self.warnings.append(text)
-
-    def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
-        """Return whether the program does not mention ``atom``; then any update can define it."""
-        signature, program = signature_of(atom), self.program
-        is_mentioned = signature in program.signatures or signature in program.open_signatures
-        return not is_mentioned and not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
-
     # ---- Inspection --------------------------------------------------------------------------------------------------
-
-    @property
-    def is_conflicting(self) -> bool:
-        """Whether the program is unsatisfiable for all values of externals and all horizons."""
-        return bool(self._control.is_conflicting)
 
     @property
     def atom_literals(self) -> Iterator[Tuple[clingo.Symbol, int]]:
@@ -332,11 +227,6 @@ class Grounding:
     def actions(self, first: int, last: int) -> List[clingo.Symbol]:
         """Return the ``_action_lib`` atoms of the cycles ``first`` to ``last`` that are not closed."""
         return self._actions.between(first, last)
-
-    def undefined_between(self, first: int, last: int, base: bool = True) -> List[clingo.Symbol]:
-        """Return the undefined externals of steps ``first`` to ``last``; if ``base``, the base part is step 1."""
-        found = self._externals.between(first, last, base)
-        return [atom for atom in found if self.definitions.is_undefined(atom) and atom.name != GUARD]
 
     def claimed_steps(self) -> int:
         """Return the lower bound that the program claims for the length of a plan; 0 for no claim.
@@ -369,15 +259,9 @@ class Grounding:
 
     def grow_to(self, last: int) -> None:
         """Ground the steps up to ``last``, and add deferred statements; raises like the constructor."""
-        self._ground_to(last)
-        deferred, self.deferred = self.deferred, []
-        for entry in deferred:
-            assert entry.statement.head is not None
-            if self.definitions.is_open(entry.statement.head, entry.update):
-                self._add(entry)
-            else:
-                self.deferred.append(entry)
-        self._add_entries(self.snapshot.with_horizon(last, self.program).items[len(self.snapshot.items) :])
+        self.ground_to(last)
+        self._accept_deferred()
+        self._add_items(self.snapshot.with_horizon(last, self.program).items[len(self.snapshot.items) :])
 
     @property
     def _is_complete(self) -> bool:

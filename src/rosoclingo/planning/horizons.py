@@ -48,10 +48,10 @@ class HorizonLiterals:
                 backend.add_rule([], [self._beyond[self._last - 1], -literal])
         return self._beyond[step]
 
-    def define_window(self, guard: int, step: int, window: int) -> None:
-        """Define ``guard``: true iff the horizon lies in step..step+window-1."""
-        end = self.beyond(step + window)
-        self._session.backend.add_rule([guard], [end, -self.beyond(step)])
+    def define_window(self, guard: int, first: int, last: int) -> None:
+        """Define ``guard``: true iff the horizon lies in first..last."""
+        end = self.beyond(last + 1)
+        self._session.backend.add_rule([guard], [end, -self.beyond(first)])
 
     def link(self, last: int) -> None:
         """Link the atoms in rules to the literals; all steps after ``last``, the last grounded step, lie beyond."""

@@ -46,7 +46,8 @@ A minimal version of its loop, which a test runs on the lift of doc/oclingo_serv
             atom = self.control.symbolic_atoms[one.atom]
             return atom.literal if one.positive else -atom.literal
 
-reactive_solver.py extends this class by bounds and time limits. stream_state.py is a pure fold of the updates;
-reactive_grounding.py owns the clingo control and follows the state. clasp_search.py runs interruptible searches, and
-definitions.py adds rules to the control through its backend. The planner is in rosoclingo.planning.
+reactive_solver.py extends this class by bounds and time limits. stream_state.py is a pure fold of the updates.
+stepwise_grounding.py owns the clingo control and grounds step by step, also for the planner in rosoclingo.planning;
+reactive_grounding.py follows the state in place. clasp_search.py runs interruptible searches, and definitions.py adds
+rules to the control through its backend.
 """

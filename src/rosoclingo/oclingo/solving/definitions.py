@@ -1,6 +1,6 @@
 """Adds the statements of a stream to a control, and tracks which externals are open to further definitions."""
 
-from typing import Collection, ContextManager, Dict, Iterable, Optional, Set
+from typing import Collection, ContextManager, Dict, Iterable, Iterator, Optional, Set
 
 import clingo
 from clingo.backend import Backend
@@ -106,6 +106,11 @@ class Definitions:
     def is_in_body(self, atom: clingo.Symbol) -> bool:
         """Return whether the body of a statement contains ``atom``."""
         return atom in self._in_bodies
+
+    @property
+    def false(self) -> Iterator[clingo.Symbol]:
+        """The atoms that were closed without a definition."""
+        return (atom for atom, update in self._closed.items() if update == _NEVER)
 
     @property
     def absent(self) -> Collection[clingo.Symbol]:

@@ -1,71 +1,36 @@
-"""The grounding of the incremental solver, which grows step by step and is updated in place."""
+"""The grounding of the incremental solver, which is updated in place."""
 
-from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, List, Optional, Tuple
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import BEYOND
-from rosoclingo.oclingo.program.clingo_messages import Messages
-from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.progression.terms import signature_of
-from rosoclingo.oclingo.solving.atom_index import ExternalIndex
-from rosoclingo.oclingo.solving.clasp_search import ClaspSearch, SearchLimits
+from rosoclingo.oclingo.solving.clasp_search import SearchLimits
 from rosoclingo.oclingo.solving.cycles import ActionIndex
-from rosoclingo.oclingo.solving.definitions import HOLDS, BackendSession, Definitions
+from rosoclingo.oclingo.solving.definitions import HOLDS
 from rosoclingo.oclingo.solving.results import Answer, refusing
-from rosoclingo.oclingo.solving.stream_state import ForgottenSteps, StateItem, StreamState, TimedStatement
-
-Parts = Sequence[Tuple[str, Sequence[clingo.Symbol]]]
-"""Program parts with their arguments."""
+from rosoclingo.oclingo.solving.stepwise_grounding import StepwiseGrounding
+from rosoclingo.oclingo.solving.stream_state import StateItem, StreamState, TimedStatement
 
 
-class ReactiveGrounding:
-    """A control with base, the steps up to :attr:`horizon`, and the items of a stream's state.
-
-    It can be dropped and rebuilt from the state at any time. It contains no reference cycle, so its memory is freed
-    with the last reference to it. Methods raise SolverError if clingo rejects the program.
-
-    Attributes:
-        horizon: the last grounded step; first step - 1 while only base is grounded.
-        messages: messages of clingo.
-
-    """
+class ReactiveGrounding(StepwiseGrounding):
+    """A grounding that follows the state of a stream; each search has the last grounded step as its horizon."""
 
     def __init__(self, program: ReactiveProgram, state: StreamState) -> None:
         """Ground base; heads of open signatures in ``state`` become externals or facts."""
-        self.program, self.messages = program, Messages()
-        self.horizon = program.first_step - 1
-        self._control = clingo.Control(program.arguments(), logger=self.messages.log)
-        self._session = BackendSession(self._control)
-        self._externals = ExternalIndex(self._control, program)
-        self._definitions = Definitions(self._control, self._session, self._externals, reopens=True)
+        super().__init__(program, reopens=True)
         self._actions = ActionIndex(self._control, self._session)
-        self._clasp = ClaspSearch(self._control, program)
         self._items: Dict[int, StateItem] = {}  # the applied items of the state, by identity
         self._guards: Dict[int, int] = {}  # identity of a lapsing statement -> its guard literal
-        self._deferred: List[TimedStatement] = []  # statements whose heads are declared by later steps
         self._closed: Dict[int, FrozenSet[clingo.Symbol]] = {}  # closed cycle -> its executed actions
-        self._opened: Set[clingo.Symbol] = set()  # the known atoms of open signatures
-        self._windows: List[Tuple[clingo.Symbol, int, int]] = []  # guards of volatile rules, first and last horizon
-        self._hidden: Set[clingo.Symbol] = set()  # auxiliary atoms, left out of answers
+        self._windows: List[Tuple[int, range]] = []  # guards of volatile rules with the horizons at which they hold
         self._was_searched = False
-        with refusing(self.messages, program):
-            program.load_into(self._control)
-        permanent, heads = state.permanent_facts(), self._new_open(state)
-        self._facts = {one: permanent[one] for one in heads if one in permanent}  # they need no defining statement
+        self._clasp = self._load()
+        permanent = state.permanent_facts()
+        self.open_facts = {one: permanent[one] for one in self._new_open(state) if one in permanent}
         self.open_heads(state)
-        self._ground([("base", [])], range(1, 2))
-        self._externals.end_base()
-
-    def _ground(self, parts: Parts, steps: range) -> None:
-        self._session.close()
-        with refusing(self.messages, self.program):
-            self._control.ground(parts)
-        self._externals.note(steps)
-        self._actions.expire()
-        self._definitions.resolve_absent()
+        self._ground_base()
 
     # ---- Following the state -----------------------------------------------------------------------------------------
 
@@ -86,25 +51,7 @@ class ReactiveGrounding:
 
     def open_heads(self, state: StreamState) -> None:
         """Declare new heads of open signatures as externals or facts, visible to the steps grounded later."""
-        atoms = self._new_open(state)
-        if not atoms:
-            return
-        self._opened.update(atoms)
-        self._externals.stepless.update(atoms)
-        self._ground([self.program.open_part(atom, atom in self._facts) for atom in atoms], range(1, 2))
-
-    def ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` in one call, which is much faster than one by one."""
-        steps = range(self.horizon + 1, last + 1)
-        self.horizon = last
-        self._ground([(part, [clingo.Number(step)]) for step in steps for part in ("cumulative", "volatile")], steps)
-        for step in steps:
-            self._windows += [(self.program.guard(one, step), step, step + one - 1) for one in self.program.windows]
-        self._hidden.update(guard for guard, *_ in self._windows)
-        self._hidden.update(one.symbol for one in self._control.symbolic_atoms.by_signature(*BEYOND))
-        for guard, first, end in self._windows:
-            self._control.assign_external(guard, first <= last <= end)
-        self._windows = [one for one in self._windows if one[2] >= last]
+        self._open(self._new_open(state))
 
     def follow(self, state: StreamState) -> List[TimedStatement]:
         """Apply the new items of ``state`` and release removed ones; return the ignored statements.
@@ -118,68 +65,29 @@ class ReactiveGrounding:
         for cycle in state.closed.keys() - self._closed.keys():
             self._closed[cycle] = state.closed[cycle]
             self._actions.close_cycle(cycle, state.closed[cycle])
-        deferred, self._deferred = self._deferred, []
-        for entry in deferred:
-            if id(entry) in self._items:
-                self._add_or_defer(entry)
-        ignored: List[TimedStatement] = []
-        for item in state.items:
-            if id(item) in self._items:
-                continue
-            self._items[id(item)] = item
-            if isinstance(item, ForgottenSteps):
-                self._forget(item)
-            elif isinstance(item, TimedStatement) and not self._add_or_defer(item):
-                ignored.append(item)
-        return ignored
+        self.deferred = [one for one in self.deferred if id(one) in self._items]
+        self._accept_deferred()
+        new = [one for one in state.items if id(one) not in self._items]
+        self._items.update((id(one), one) for one in new)
+        return self._apply(new)
 
     def _removed(self, state: StreamState) -> List[StateItem]:
         """Return the applied items that ``state`` no longer contains."""
         present = set(map(id, state.items))
         return [item for key, item in self._items.items() if key not in present]
 
-    def _new_open(self, state: StreamState) -> List[clingo.Symbol]:
-        """Return the heads of open signatures that are not known yet."""
-        return [one for one in state.heads if self.program.is_open_signature(one) and one not in self._opened]
+    def _add(self, entry: TimedStatement) -> None:
+        guards = [] if entry.lifetime == FOREVER else [self._session.new_external(HOLDS)]
+        self._guards.update((id(entry), guard) for guard in guards)
+        self.definitions.add(entry, guards)
 
-    def _add_or_defer(self, entry: TimedStatement) -> bool:
-        """Add a statement, or defer it to the step that declares its head; return False to ignore it."""
-        definitions, head = self._definitions, entry.statement.head
-        if head in self._facts:
-            return not entry.statement.body or entry.update == self._facts[head]
-        if head is None or definitions.is_open(head, entry.update) or self._is_unmentioned(head):
-            guards = [] if entry.lifetime == FOREVER else [self._session.new_external(HOLDS)]
-            self._guards.update((id(entry), guard) for guard in guards)
-            definitions.add(entry, guards)
-            return True
-        if not entry.statement.body and definitions.is_true(head):
-            return True
-        # clingo stops grounding once the program is permanently unsatisfiable: the next grounding decides
-        is_undecided = self.is_conflicting and signature_of(head) in self.program.external_signatures
-        can_be_declared = is_undecided or self.program.can_declare(head, self.horizon + 1)
-        if can_be_declared and not definitions.is_closed(head) and not definitions.knows(head):
-            self._deferred.append(entry)
-            return True
-        return False
+    def _limit(self, guard: int, first: int, last: int) -> None:
+        self._windows.append((guard, range(first, last + 1)))
 
-    def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
-        """Return whether the program does not mention ``atom``, so that any update can define it."""
-        known = self.program.signatures | self.program.open_signatures
-        is_unknown = signature_of(atom) not in known or '"' in str(atom)  # see strings_as_constants
-        return is_unknown and not self._definitions.knows(atom) and not self._definitions.is_closed(atom)
-
-    def _forget(self, steps: ForgottenSteps) -> None:
-        """Close the undefined externals of ``steps``; base counts as step 1."""
-        for atom in self._externals.between(steps.first, steps.last, base=True):
-            if self._definitions.is_open(atom) and atom not in steps.spared and atom.name != GUARD:
-                self._definitions.close(atom)
+    def _mentions(self, atom: clingo.Symbol) -> bool:
+        return '"' not in str(atom) and super()._mentions(atom)  # see strings_as_constants
 
     # ---- Searching ---------------------------------------------------------------------------------------------------
-
-    @property
-    def is_conflicting(self) -> bool:
-        """Whether the program is unsatisfiable for all values of externals and all horizons."""
-        return bool(self._control.is_conflicting)
 
     def search(self, models: int, stopped: Callable[[], bool]) -> Tuple[Optional[bool], Tuple[Answer, ...]]:
         """Search for up to ``models`` answers (0: all) at the horizon, until ``stopped`` returns true.
@@ -190,6 +98,9 @@ class ReactiveGrounding:
         self._was_searched = True
         self._actions.forbid_late()
         self._session.close()
+        for guard, horizons in self._windows:
+            self._control.assign_external(guard, self.horizon in horizons)
+        self._windows = [one for one in self._windows if one[1].stop > self.horizon]
         answers: List[Answer] = []
         hidden = self._hidden
 
