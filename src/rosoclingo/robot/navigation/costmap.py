@@ -145,21 +145,22 @@ class Costmap:
         span = round(beyond / self.resolution)
         dropped = self.marks > 0
         dropped[max(0, row - span) : max(0, row + span), max(0, column - span) : max(0, column + span)] = False
-        return self._drop(dropped)
-
-    def forget_under(self, x: float, y: float) -> None:
-        """Drop marks whose middle is within the robot's radius of its position (m)."""
-        cx, cy, radius = *self.to_cells(x, y), self.limits.robot_radius / self.resolution
-        rows, columns = (slice(max(0, math.floor(c - radius)), max(0, math.ceil(c + radius))) for c in (cy, cx))
-        if self.marks[rows, columns].any():
-            dropped = self.marks > 0
-            i, j = np.indices(self.grid.shape, sparse=True)
-            self._drop(dropped & (np.hypot(i + 0.5 - cy, j + 0.5 - cx) < radius))
-
-    def _drop(self, dropped: np.ndarray) -> bool:
         self.marks[dropped] = self._counts[dropped] = 0
         self._changed(_window_of(np.argwhere(dropped)))
         return bool(dropped.any())
+
+    def forget_under(self, x: float, y: float) -> None:
+        """Drop marks whose middle is within the robot's radius of its position (m)."""
+        radius, (row, column) = self.limits.robot_radius, self.grid.cell(x, y)
+        window = self._widened((row, row + 1, column, column + 1), math.ceil(radius / self.resolution))
+        part = (slice(window[0], window[1]), slice(window[2], window[3]))
+        if self.marks[part].any():
+            (cx, cy), (rows, columns) = self.to_cells(x, y), np.mgrid[part]
+            far = np.hypot(rows + 0.5 - cy, columns + 0.5 - cx) * self.resolution >= radius
+            if (self.marks[part] > far).any():
+                self.marks[part] *= far
+                self._counts[part] *= far
+                self._changed(window)
 
     def bar(self, x: float, y: float) -> None:
         """Close the area around a point (m) at which a path turned out to be blocked."""

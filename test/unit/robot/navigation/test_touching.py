@@ -75,6 +75,21 @@ def test_touching_discs_cover_footprint_edge_tightly():
     assert discs[:, 2].max() <= 0.0004
 
 
+def test_touching_marks_below_the_robot_are_forgotten():
+    costmap = Costmap(room())
+    for x in (3.0, 3.3):
+        angles = np.linspace(-0.01, 0.01, 5)
+        for _ in range(3):
+            costmap.observe(Pose2D(x - 1.0, 3.0), angles, np.full(5, 1.0), 6.0)
+    assert np.argwhere(costmap.marks[:, :64]).any()
+    costmap.forget_under(3.0, 3.0)
+    assert np.argwhere(costmap.marks)[:, 1].min() == 65
+    assert costmap.has_marks
+    costmap.forget_under(3.3, 3.0)
+    assert not costmap.has_marks
+    assert not costmap.occupied[60, 60:70].any()
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_touching_ghost_does_not_push_robot_into_wall(side):
     """A passage with 20 mm on either side, in which the laser wrongly sees a point at the robot's side."""
