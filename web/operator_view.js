@@ -82,10 +82,10 @@ class OperatorView {
   /** The present actions, or why there are none. */
   now(core) {
     if (!core) return "The core is not running";
-    const doing = this.model.actionsAt(this.model.seconds).filter((one) => one.state === "now").map(({ word }) => word.words);
-    const said = doing.join(", ");
+    const doing = this.model.actionsAt(this.model.seconds).filter((one) => one.state === "now").map(({ word }) => word);
+    const said = doing.map(({ words }) => words).join(", ");
     if (this.mode === "paused") return said ? `Paused after this: ${said}` : "Paused";
-    if (said) return capital(said);
+    if (said) return doing[0].robots.some((robot) => said.startsWith(robot)) ? said : capital(said);
     if (this.mode === "stopped") return "Stopped until the next order";
     const since = this.model.thinkingAt(this.model.seconds);
     if (since !== null) return `Searching for a plan for ${seconds(Math.floor(this.model.seconds - since))}`;
