@@ -6,6 +6,7 @@ It starts the house with a master of its own, and sends two orders from the page
 
 import base64
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -32,7 +33,7 @@ def main():
     given = {**os.environ, "ROS_MASTER_URI": f"http://localhost:{master}"}
     with running(*house, env=given, stdout=subprocess.DEVNULL), browser.Browser(path) as page:
         page.size(*SIZE)
-        wait_for(lambda: can_open(page, port), "the page")
+        open_live(page, port)
         for thing, room in ORDERS:
             page.wait_for(f"{FORM}?.elements.thing.options.length > 3")
             page.run(f"{FORM}.elements.thing.value = '{thing}'; {FORM}.elements.room.value = '{room}'")
@@ -43,10 +44,12 @@ def main():
     print(f"{PICTURE}: {PICTURE.stat().st_size // 1000} kB")
 
 
-def can_open(page, port):
-    """Open the page if its node serves it already, and return whether it does."""
-    page.call("Page.navigate", url=f"http://127.0.0.1:{port}/")
-    return page.run("typeof live !== 'undefined' && document.getElementById('connection').textContent === 'Live'")
+def open_live(page, port):
+    """Open the page once its node serves it, and wait for its data."""
+    with socket.socket() as probe:
+        wait_for(lambda: not probe.connect_ex(("127.0.0.1", port)), "the page")
+    page.open(f"http://127.0.0.1:{port}/")
+    page.wait_for("typeof live !== 'undefined' && document.getElementById('connection').textContent === 'Live'")
 
 
 if __name__ == "__main__":

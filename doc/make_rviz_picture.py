@@ -25,7 +25,7 @@ DISPLAY = ":93"
 SCREEN = "1280x900x24"
 REQUESTS = ("goal(office3,office2,1)", "goal(office2,office4,4)")
 BETWEEN = (6.4, 8.9)  # metres along the corridor: between office2 and office3
-PATIENCE = 240.0  # seconds
+PATIENCE = 600.0  # seconds
 
 
 def free_port():
@@ -43,7 +43,7 @@ def running(*command, **options):
         finally:
             process.send_signal(2)
             try:
-                process.wait(20)
+                process.wait(60)
             except subprocess.TimeoutExpired:
                 process.kill()
 
