@@ -199,8 +199,6 @@ TIGHT = {
         {"footprint": LONG}, [Pose2D(6.5, 6.5, 0.0), Pose2D(1.5, 6.5, 1.5), Pose2D(6.0, 2.0, -1.5)]),
     "around a gap that is too narrow": ((6.0, 6.0, 0.05, OTHERS), Pose2D(1.5, 1.2), {"footprint": ERRATIC},
         [Pose2D(4.5, 1.2, 1.0), Pose2D(1.5, 1.2, 3.0)]),
-    "straight into a gap, coarse": ((6.0, 4.0, 0.1, ASKEW), Pose2D(1.0, 3.0, 2.0), {"footprint": LONG},
-        [Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)]),
     "straight into a gap": ((6.0, 4.0, 0.05, ASKEW), Pose2D(1.0, 3.0, 2.0), {"footprint": LONG},
         [Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)]),
     "backwards out of a dead end": ((5.0, 5.0, 0.05, [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]),
@@ -216,7 +214,7 @@ def test_driving_passes_tight_places(name):
     place, start, body, goals = TIGHT[name]
     drive = Drive(simulation(room(*place), start, **body))
     for goal in goals:
-        assert drive.to(goal, 300.0 if "cannot" in name else 120.0).outcome is REACHED
+        assert drive.to(goal, 120.0).outcome is REACHED
     assert drive.collisions == []
 
 
@@ -233,18 +231,6 @@ def test_driving_passes_gaps_with_two_centimetres_margin(resolution, wide, radiu
         assert drive.to(goal, 120.0).outcome is REACHED
     assert drive.collisions == []
     assert drive.recoveries == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
-def test_driving_touches_no_tight_door(seed):
-    """Four and a half centimetres on either side, entered from any direction, to and fro."""
-    random = np.random.default_rng(seed)
-    low = 2.0 + 0.05 * random.integers(0, 20)
-    drive = Drive(simulation(room(6.0, 5.0, walls=gap(low, low + 0.45, 5.0)), START))
-    for goal in places(random, 4, 0.6, 4.4):
-        assert drive.to(goal).outcome is REACHED
-    assert drive.collisions == []
 
 
 @pytest.mark.slow
@@ -291,24 +277,7 @@ def test_driving_stops_before_a_turn(command, before, stops):
     assert found == VelocityCommand(FollowOutcome.DRIVING, STOP if stops else Velocity(*command))
 
 
-# ---- without a way on, and calls without a simulation
-# ---------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("limits", "turn", "outcome", "words"),
-    [
-        ({"progress_timeout": 5.0}, 0.0, NavigationOutcome.NO_PROGRESS, "has not become shorter"),
-        ({"oscillation_timeout": 5.0, "recovery_behavior_enabled": False}, 3.14, NavigationOutcome.OSCILLATING,
-         "moved less than 0.5 m"),
-    ],
-)  # fmt: skip
-def test_driving_ends_for_robot_that_cannot_move(limits, turn, outcome, words):
-    drive = Drive(simulation(room(), START, max_speed=0.0, max_turn=turn), NavigatorLimits(**limits))
-    result = drive.to(Pose2D(5.0, 1.0), limit=300.0)
-    assert result.outcome is outcome
-    assert words in result.message
+# ---- calls without a simulation -----------------------------------------------------------------------------------
 
 
 class Fixed:
@@ -335,19 +304,14 @@ def test_navigator_tick_without_goal_is_an_error():
 
 
 def test_navigator_stops_blind_robot_and_loses_patience():
-    fixed = Fixed(controller_patience=3.0).start()
+    """A new scan restores the patience."""
+    fixed = Fixed(controller_patience=3.0).start(-2.0)
+    fixed.blind(-2.0)
     assert fixed.tick(0.1).velocity != Velocity()
     for now in (1.0, 2.0, 4.0):
         assert fixed.blind(now) == (Velocity(), None)
     assert fixed.blind(4.1).result == (NavigationOutcome.LASER_LOST, "no scan")
     assert fixed.navigator.state is NavigatorState.IDLE
-
-
-def test_navigator_regains_patience_with_new_scans():
-    fixed = Fixed(controller_patience=3.0).start()
-    fixed.blind(1.0)
-    fixed.tick(3.0)
-    assert fixed.blind(5.0).result is None
 
 
 def test_navigator_loses_no_patience_when_time_jumps_back():

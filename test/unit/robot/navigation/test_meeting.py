@@ -33,12 +33,6 @@ def test_meeting_disc_brakes(velocity, point, expected):
     assert brake(Velocity(*velocity), HERE, np.array([point]), 0.2) == pytest.approx(expected)
 
 
-def test_meeting_footprint_turns_only_with_free_corners():
-    assert brake(Velocity(0.6, 0.5), HERE, np.array([(0.3, 0.0)]), 0.2, SQUARE) == Velocity(0.0, 0.5)
-    assert brake(Velocity(0.6, 0.5), HERE, np.array([(0.22, -0.15)]), 0.2, SQUARE) == Velocity()
-    assert brake(Velocity(0.6, 0.5), HERE, np.empty((0, 2)), 0.2, SQUARE) == Velocity(0.6, 0.5)
-
-
 BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
 
 
@@ -63,12 +57,21 @@ def test_meeting_footprint_sweeps_nothing_when_turning_on_spot(rate, point, stop
     assert brake(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
 
 
-def test_meeting_footprint_backs_away_without_swinging_a_corner():
-    behind = np.array([(-0.17, -0.14)])
-    assert brake(Velocity(-0.05, 1.0), HERE, behind, 0.1, BAR) == Velocity()
-    ahead = np.array([(0.35, 0.15)])
-    assert brake(Velocity(-0.1, 1.0), HERE, ahead, 0.1, BAR) == Velocity()
-    assert brake(Velocity(-0.1, 0.0), HERE, ahead, 0.1, BAR) == Velocity(-0.1, 0.0)
+@pytest.mark.parametrize(
+    ("velocity", "points", "radius", "footprint", "expected"),
+    [
+        ((0.6, 0.5), [(0.3, 0.0)], 0.2, SQUARE, (0.0, 0.5)),  # the corners are free
+        ((0.6, 0.5), [(0.22, -0.15)], 0.2, SQUARE, (0.0, 0.0)),
+        ((0.6, 0.5), [], 0.2, SQUARE, (0.6, 0.5)),
+        # backing away swings a corner
+        ((-0.05, 1.0), [(-0.17, -0.14)], 0.1, BAR, (0.0, 0.0)),
+        ((-0.1, 1.0), [(0.35, 0.15)], 0.1, BAR, (0.0, 0.0)),
+        ((-0.1, 0.0), [(0.35, 0.15)], 0.1, BAR, (-0.1, 0.0)),
+    ],
+)
+def test_meeting_footprint_turns_only_with_free_corners(velocity, points, radius, footprint, expected):
+    found = brake(Velocity(*velocity), HERE, np.array(points).reshape(-1, 2), radius, footprint)
+    assert found == Velocity(*expected)
 
 
 def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():

@@ -87,25 +87,27 @@ DRIVING, BLOCKED = Stubborn(FollowOutcome.DRIVING), Stubborn(FollowOutcome.BLOCK
 
 
 @pytest.mark.parametrize(
-    ("finds", "follower", "limits", "least", "outcome"),
+    ("finds", "follower", "limits", "least", "outcome", "words"),
     [
-        (False, DRIVING, {"planner_patience": 0.5}, 0.5, NavigationOutcome.NO_PLAN),
-        (False, DRIVING, {"planner_patience": 2.0}, 2.0, NavigationOutcome.NO_PLAN),
-        (True, BLOCKED, {"controller_patience": 1.0}, 1.0, NavigationOutcome.NO_CONTROL),
-        (True, BLOCKED, {"controller_patience": 3.0}, 3.0, NavigationOutcome.NO_CONTROL),
-        (True, DRIVING, {"progress_timeout": 3.0}, 7.0, NavigationOutcome.NO_PROGRESS),  # the rest of the path is 4 m
-        (True, DRIVING, {"progress_timeout": 8.0}, 12.0, NavigationOutcome.NO_PROGRESS),
-        (True, DRIVING, {"progress_timeout": 0.0}, None, None),
-        (True, DRIVING, {"oscillation_timeout": 2.0}, 2.0, NavigationOutcome.OSCILLATING),
-        (True, DRIVING, {"oscillation_timeout": 5.0}, 5.0, NavigationOutcome.OSCILLATING),
+        (False, DRIVING, {"planner_patience": 0.5}, 0.5, NavigationOutcome.NO_PLAN, ""),
+        (False, DRIVING, {"planner_patience": 2.0}, 2.0, NavigationOutcome.NO_PLAN, ""),
+        (True, BLOCKED, {"controller_patience": 1.0}, 1.0, NavigationOutcome.NO_CONTROL, ""),
+        (True, BLOCKED, {"controller_patience": 3.0}, 3.0, NavigationOutcome.NO_CONTROL, ""),
+        # the rest of the path is 4 m
+        (True, DRIVING, {"progress_timeout": 3.0}, 7.0, NavigationOutcome.NO_PROGRESS, "has not become shorter"),
+        (True, DRIVING, {"progress_timeout": 8.0}, 12.0, NavigationOutcome.NO_PROGRESS, "has not become shorter"),
+        (True, DRIVING, {"progress_timeout": 0.0}, None, None, ""),
+        (True, DRIVING, {"oscillation_timeout": 2.0}, 2.0, NavigationOutcome.OSCILLATING, "moved less than 0.5 m"),
+        (True, DRIVING, {"oscillation_timeout": 5.0}, 5.0, NavigationOutcome.OSCILLATING, "moved less than 0.5 m"),
     ],
 )
-def test_parameter_patience_limits_duration_of_a_goal(finds, follower, limits, least, outcome):
+def test_parameter_patience_limits_duration_of_a_goal(finds, follower, limits, least, outcome, words):
     """A goal ends this long (s) after its start."""
     planner = Counting(PlanOutcome.FOUND if finds else PlanOutcome.BLOCKED)
     end, result = run(planner, follower, 60, **limits)
     assert end is least is None or least < end < least + 0.5
     assert (result and result.outcome) is outcome
+    assert result is None or words in result.message
 
 
 @pytest.mark.parametrize("retries", [0, 3])

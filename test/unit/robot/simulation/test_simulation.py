@@ -9,9 +9,7 @@ from navigation_worlds import room, simulation
 
 from rosoclingo.robot.navigation import Pose2D
 from rosoclingo.robot.simulation import (
-    Box,
     DoorSpec,
-    LaserSpec,
     ObstacleSpec,
     RobotSpec,
     Simulation,
@@ -91,36 +89,13 @@ def test_simulation_robots_stop_and_see_each_other():
     assert 0.38 <= gap < 0.45
 
 
-def test_simulation_doors_and_obstacles_block_robots_and_beams():
-    grid = room(4.0, 2.0)
-    door = DoorSpec("door", (2.0, 0.1), (2.0, 1.9), open=False)
-    world = simulation(grid, Pose2D(1.0, 1.0, 0.0), doors=(door,), laser=LaserSpec(noise=0.0), **STRONG)
-    ahead = 135
-    assert abs(world.scan("robot_0")[ahead] - 0.95) < 0.01
-    drive(world, [(1.0, 0.0)] * 15)
-    assert world.robots["robot_0"].pose.x < 1.83
-    world.set_door("door", True)
-    assert world.scan("robot_0")[ahead] > 1.9
-    drive(world, [(0.5, 0.0)] * 2)
-    with pytest.raises(WorldError, match="robot"):
-        world.set_door("door", False)
-    assert world.doors["door"].open
-    world.put_obstacle(ObstacleSpec("crate", (3.0, 1.0), box=Box(0.4, 0.4, 0.2)))
-    assert world.scan("robot_0")[ahead] < 1.2
-    with pytest.raises(WorldError, match="would collide"):
-        world.put_obstacle(ObstacleSpec("bin", world.robots["robot_0"].pose[:2], radius=0.3))
-    assert list(world.obstacles) == ["crate"]
-    drive(world, [(1.0, 0.0)] * 15)
-    assert world.robots["robot_0"].pose.x < 2.7
-    world.remove_obstacle("crate")
-    drive(world, [(1.0, 0.0)] * 3)
-    assert world.robots["robot_0"].pose.x > 2.7
-
-
 def test_simulation_refuses_unknown_or_impossible_changes():
-    world = simulation(room(), Pose2D(1.0, 1.0), laser=None)
+    door = DoorSpec("door", (1.0, 0.5), (1.0, 1.5), open=True)
+    world = simulation(room(), Pose2D(1.0, 1.0), doors=(door,), laser=None)
     for call, words in (
         (lambda: world.set_door("gate", True), "gate"),
+        (lambda: world.set_door("door", False), "the door 'door' would collide with robot"),
+        (lambda: world.put_obstacle(ObstacleSpec("bin", (1.0, 1.0), radius=0.3)), "would collide"),
         (lambda: world.remove_obstacle("crate"), "crate"),
         (lambda: world.command("rover", 0.0, 0.0), "rover"),
         (lambda: world.scan("robot_0"), "no laser"),
@@ -130,6 +105,7 @@ def test_simulation_refuses_unknown_or_impossible_changes():
     ):
         with pytest.raises(WorldError, match=words):
             call()
+    assert (world.doors["door"].open, world.obstacles) == (True, {})
     with pytest.raises(WorldError, match="wall"):
         simulation(room(), Pose2D(0.1, 1.0))
 

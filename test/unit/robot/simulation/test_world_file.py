@@ -1,7 +1,5 @@
 """World files: read completely, or refused with the file, the key and the fault."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
@@ -19,8 +17,6 @@ from rosoclingo.robot.simulation import (
     load_simulation,
     load_world,
 )
-
-ROOT = Path(__file__).resolve().parents[4]
 
 
 @pytest.fixture
@@ -199,9 +195,3 @@ def test_world_file_refuses_other_text_and_missing_file(tmp_path):
 
 def test_world_file_map_can_be_replaced(world, tmp_path):
     assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40)
-
-
-def test_world_file_of_the_office_is_read():
-    spec = load_world(ROOT / "worlds" / "office_world.yaml")
-    assert len(spec.doors) == 7
-    Simulation(spec).step()
