@@ -208,12 +208,6 @@ def test_compaction_shows_atoms_of_ten_steps_once():
     assert "late(4)" not in atoms(result)
 
 
-def test_compaction_drops_facts_without_later_use():
-    snapshot = compact(EXTERNALS, "e(1).", "e(2). :- not c(1).", steps=12).snapshot
-    assert (snapshot.past.first, snapshot.past.facts, list(snapshot.statements)) == (11, frozenset(), [])
-    assert snapshot.size <= 4
-
-
 def test_compaction_drops_unused_facts_and_actions():
     solver = planner_of(
         "#external seen/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "

@@ -231,17 +231,6 @@ def test_history_returns_later_entries_and_last_update():
         assert (one.before_update, one.update) == (longer.before, THREE.update)
 
 
-def test_history_keeps_the_last_two_checkpoints():
-    first, second = (checkpoint_of(step=step, horizon=step) for step in (1, 2))
-    log = one = History().with_entries(ONE, first, TWO, second, THREE)
-    kept = []
-    while one is not None:
-        kept.append(one.entry)
-        one = one.before
-    assert kept == [THREE, second, TWO, first]
-    assert log.entries == [second, THREE]
-
-
 def test_history_key_does_not_depend_on_checkpoints():
     log, plan = History().with_entries(ONE, TWO, THREE), Plan(frozenset(), 1)
     first = History().with_entries(ONE).checkpoint(Snapshot()).with_entries(TWO)

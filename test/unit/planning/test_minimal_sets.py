@@ -175,13 +175,6 @@ def test_find_mus_asks_few_questions_among_many(number, conflict, tells, most):
     assert len(asked) <= most
 
 
-def test_find_diagnosis_finds_no_conflict_twice():
-    oracle, asked = noting(oracle_of([frozenset("bc"), frozenset("de"), frozenset("fg")]))
-    assert len(find_diagnosis(THINGS, remember(oracle, []))) == 3
-    wholes = [things for things in asked if things in ({"b", "c"}, {"d", "e"}, {"f", "g"})]
-    assert len(wholes) == 3
-
-
 @pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
 def test_empty_set_can_be_unsatisfiable(find):
     for things in (THINGS, ()):

@@ -239,26 +239,3 @@ def test_probe_regrounds_after_an_error(monkeypatch):
         with pytest.raises(SolverError, match="too large"):
             probe(solver, "#step 5 : 5. knock(d). ? knock(d)")
     assert probe(solver, "#step 5 : 5. knock(d). ? knock(d)") == Reply(False, core=atoms("knock(d)"))
-
-
-def test_probes_of_one_update_share_a_grounding():
-    pieces = []
-    solver = planner_of(BOLT, dropped=lambda: pieces.append(1))
-    play(solver, "#step 1 : 3.")
-    counts = []
-    for facts in ("bolt(a) bolt(b) knock(c)", "-bolt(a) bolt(b) knock(c)", "bolt(a) -bolt(b) -knock(c)", "bolt(b)"):
-        probe(solver, f"#step 2 : 3. bolt(a). bolt(b). knock(c). ? {facts}")
-        counts.append(len(pieces))
-    assert counts[0] == counts[1] == counts[2] < counts[3]
-
-
-def test_probe_doubles_the_steps_until_a_stop(searches):
-    assert not probe(planner_of(FAR), "#step 1 : 139. go. ? go").satisfiable
-    assert searches[-5:] == [(1, 1), (1, 33), (1, 66), (1, 132), (1, 140)]
-    stopped = probe(planner_of(FAR), "#step 1 : 139. go. ? go", lambda: searches[-1] == (1, 66))
-    assert (stopped.satisfiable, searches[-1]) == (None, (1, 66))
-
-
-def test_probe_grounds_no_useless_further_steps(searches):
-    assert not probe(planner_of(BOLT), "#step 1 : 300. bolt(a). bolt(b). ? bolt(a)").satisfiable
-    assert searches[-1] == (1, 1)
