@@ -3,7 +3,7 @@
 import pytest
 from core_driver import ERRANDS
 
-from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
@@ -81,9 +81,3 @@ def test_facts_of_steps_over_are_ignored(solver):
     assert result.outcome is SolveOutcome.SATISFIABLE
     (warning,) = result.warnings
     assert warning.startswith("Head _return(walk,1,3) comes too late")
-
-
-def test_incremental_solver_closes_cycles_too():
-    solver = ReactiveSolver(ReactiveProgram.from_text(ERRANDS))
-    update = "#step 3 : 9. #closed 1..2. #over 2. _request(do(walk,1),3). #endstep."
-    assert plan(solver.update(parse_update(update))) == ["_action_lib(walk,1,3)"]

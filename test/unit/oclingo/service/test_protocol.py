@@ -1,6 +1,7 @@
 """The wire protocol without sockets."""
 
 import clingo
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -8,30 +9,24 @@ from rosoclingo.oclingo import SolveOutcome, SolveResult, StreamUpdate
 from rosoclingo.oclingo.service import protocol
 
 
-def result(outcome, *answers, horizon=3, warnings=()):
+@pytest.mark.parametrize(
+    ("outcome", "answers", "warnings", "data"),
+    [
+        (SolveOutcome.SATISFIABLE, (["e(1)"], []), (), b"Step: 3\ne(1) \0Step: 3\n\0End of Step.\n\0"),
+        (SolveOutcome.SATISFIABLE, (['-q("a b")'],), (), b'Step: 3\n-q("a b") \0End of Step.\n\0'),
+        (SolveOutcome.UNSATISFIABLE, (), (), b"UNSAT at step 3\0"),
+        (SolveOutcome.INTERRUPTED, (), (), b"End of Step.\n\0"),
+        (
+            SolveOutcome.SATISFIABLE,
+            (["e"],),
+            ("one\n  two\n", "three"),
+            b"Warning: one; two\n\0Warning: three\n\0Step: 3\ne \0End of Step.\n\0",
+        ),
+    ],
+)
+def test_reply_has_warnings_answers_and_an_end(outcome, answers, warnings, data):
     symbols = tuple(frozenset(map(clingo.parse_term, answer)) for answer in answers)
-    return SolveResult(outcome, symbols, horizon, 1, warnings)
-
-
-def replied(*arguments, **options):
-    return b"".join(protocol.reply(result(*arguments, **options)))
-
-
-def test_reply_lists_answers_and_ends_the_step():
-    assert replied(SolveOutcome.SATISFIABLE, ["e(1)"], []) == b"Step: 3\ne(1) \0Step: 3\n\0End of Step.\n\0"
-    (item, end) = protocol.reply(result(SolveOutcome.SATISFIABLE, ["-p", 'q("a b")']))
-    assert item in (b'Step: 3\n-p q("a b") \0', b'Step: 3\nq("a b") -p \0')
-    assert end == b"End of Step.\n\0"
-
-
-def test_reply_without_answers_has_one_item():
-    assert replied(SolveOutcome.UNSATISFIABLE) == b"UNSAT at step 3\0"
-    assert replied(SolveOutcome.INTERRUPTED) == b"End of Step.\n\0"
-
-
-def test_reply_sends_one_line_warnings_before_answers():
-    data = replied(SolveOutcome.SATISFIABLE, ["e"], warnings=("one\n  two\n", "three"))
-    assert data == b"Warning: one; two\n\0Warning: three\n\0Step: 3\ne \0End of Step.\n\0"
+    assert b"".join(protocol.reply(SolveResult(outcome, symbols, 3, 1, warnings))) == data
 
 
 def test_error_is_one_line_followed_by_input():
@@ -57,20 +52,13 @@ def test_requests_report_bytes_that_are_not_utf8():
     assert str(fault) == "2:3: not UTF-8: byte 0xff, invalid start byte"
 
 
-def test_unterminated_long_message_is_dropped_once():
+def test_long_message_is_dropped_once_up_to_its_end():
     buffer = protocol.MessageBuffer()
     assert feed(buffer, b"x" * (protocol.MESSAGE_LIMIT - 1)) == []
     (fault,) = feed(buffer, b"x")
     assert "1:1: a message of 1000000 bytes or more" in str(fault)
     assert feed(buffer, b"x" * protocol.MESSAGE_LIMIT) == []
     assert feed(buffer, b"yz\0good\0") == ["good"]
-
-
-def test_long_message_is_dropped_up_to_its_end():
-    buffer = protocol.MessageBuffer()
-    fault, good = feed(buffer, b"x" * protocol.MESSAGE_LIMIT + b"\0good\0")
-    assert "a message of" in str(fault)
-    assert good == "good"
     assert feed(buffer, b"x" * (protocol.MESSAGE_LIMIT - 1) + b"\0") == ["x" * (protocol.MESSAGE_LIMIT - 1)]
 
 

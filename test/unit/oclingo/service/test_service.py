@@ -109,12 +109,6 @@ def test_invalid_update_is_an_error_without_disconnection(client, data, message)
     assert client.item() == "Input:\n"
 
 
-def test_unterminated_message_is_an_early_error(client):
-    client.socket.sendall(b"\xfe" * 1_000_000)
-    assert client.reply().end == "error"
-    client.socket.sendall(b"still the same\0")
-
-
 def test_service_answers_random_bytes_with_errors(client):
     data = random.Random(1).getrandbits(8 * 100_000).to_bytes(100_000, "big")
     client.socket.sendall(data + b"\0")
@@ -128,14 +122,6 @@ def test_refused_update_leaves_the_state_unchanged():
         assert client.ask("#step 10. e(2). #endstep.").text.startswith("step 10 is beyond the horizon limit 9")
         assert client.ask("#step 2. e(2). f(X). #endstep.").end == "error"
         assert client.ask("#step 2. #endstep.").sets == before
-
-
-def test_service_sends_warnings_of_parser_and_solver(client):
-    reply = client.ask("#step 1 : 0. #step 2. c(0). #endstep.")
-    assert reply.warnings == [
-        "New '#step 2.' without prior '#endstep.' encountered in line 1. Ignoring....",
-        "Head c(0) has not been declared external. The entire rule will be ignored.",
-    ]
 
 
 def test_client_killed_during_a_message_changes_nothing(echo, client):

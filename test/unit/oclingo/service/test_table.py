@@ -1,41 +1,41 @@
 """Answers as tables over time."""
 
 import clingo
+import pytest
 
 from rosoclingo.oclingo.service.table import format_answer
 
 
 def table(text, last=9, width=100):
-    return format_answer(clingo.parse_term(f"({text},)").arguments, last, width)
+    return format_answer(clingo.parse_term(f"({text},)" if text else "()").arguments, last, width)
 
 
-def test_table_has_atom_rows_and_time_columns():
-    assert table("move(a,b,1),move(b,c,2),at(a,0),at(a,1),at(b,2),-at(c,1),ready") == (
-        "ready\n"
-        "             0 1 2\n"
-        "at(a,t)      x x .\n"
-        "-at(c,t)     . x .\n"
-        "at(b,t)      . . x\n"
-        "move(a,b,t)  . x .\n"
-        "move(b,c,t)  . . x\n"
-    )
-
-
-def test_table_lists_predicates_without_times_first():
-    assert table("size(3),size(12),p(1)", last=10) == "size(12)  size(3)\n      1\np(t)  x\n"
-    assert table('p(1,a),q(1,-2),r("x",f(1)),s(())') == 'p(1,a)  q(1,-2)  r("x",f(1))  s(())\n'
-
-
-def test_table_accepts_terms_that_are_not_atoms():
-    assert table('1,"a b",(1,2),#inf') == '"a b"  #inf  (1,2)  1\n'
-
-
-def test_table_without_atoms_is_empty():
-    assert format_answer([], 5) == ""
-
-
-def test_table_aligns_times_of_several_digits():
-    assert table("p(9),p(11)", last=20) == "       9 10 11\np(t)   x  .  x\n"
+@pytest.mark.parametrize(
+    ("text", "last", "expected"),
+    [
+        (
+            "move(a,b,1),move(b,c,2),at(a,0),at(a,1),at(b,2),-at(c,1),ready",
+            9,
+            "ready\n"
+            "             0 1 2\n"
+            "at(a,t)      x x .\n"
+            "-at(c,t)     . x .\n"
+            "at(b,t)      . . x\n"
+            "move(a,b,t)  . x .\n"
+            "move(b,c,t)  . . x\n",
+        ),
+        # predicates without times come first
+        ("size(3),size(12),p(1)", 10, "size(12)  size(3)\n      1\np(t)  x\n"),
+        ('p(1,a),q(1,-2),r("x",f(1)),s(())', 9, 'p(1,a)  q(1,-2)  r("x",f(1))  s(())\n'),
+        # terms that are not atoms
+        ('1,"a b",(1,2),#inf', 9, '"a b"  #inf  (1,2)  1\n'),
+        # times of several digits
+        ("p(9),p(11)", 20, "       9 10 11\np(t)   x  .  x\n"),
+        ("", 5, ""),
+    ],
+)
+def test_table_has_atom_rows_and_time_columns(text, last, expected):
+    assert table(text, last) == expected
 
 
 def test_wide_table_is_split_into_blocks():
