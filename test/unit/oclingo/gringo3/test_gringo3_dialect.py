@@ -3,7 +3,7 @@
 import pytest
 
 from rosoclingo.oclingo.gringo3 import Dialect, included_files, translate, translate_program
-from rosoclingo.oclingo.gringo3.lexer import TokenKind, statements, tokens
+from rosoclingo.oclingo.gringo3.lexer import statements, tokens
 
 GRINGO3 = [
     "{ a, b }.",
@@ -203,18 +203,6 @@ def test_translation_with_ambiguous_text_names_its_dialect():
     once = translate("#cumulative t.\n{ a : b : c }.", "x.lp").text
     assert once == "#cumulative t.\n{ a : b, c }.\n% dialect: clingo 5\n"
     assert translate(once, "x.lp", Dialect.GRINGO3).text == once
-
-
-def test_tokens_have_line_and_column():
-    found = tokens('p("a\\"%") :- % c\n %* x %* y *% % *%\n z *% X\'_1, _.\n')
-    assert [(t.text, t.line, t.column) for t in found[:3]] == [("p", 1, 1), ("(", 1, 2), ('"a\\"%"', 1, 3)]
-    assert [(t.text, t.line) for t in found[5:]] == [("X'_1", 3), (",", 3), ("_", 3), (".", 3), ("", 4)]
-    assert found[-1].kind is TokenKind.END
-
-
-@pytest.mark.parametrize("text", ["%* open", 'p("open', "`", "p §."])
-def test_invalid_text_becomes_an_unknown_token(text):
-    assert TokenKind.UNKNOWN in {token.kind for token in tokens(text)}
 
 
 def test_included_files_lists_all_include_directives():

@@ -14,6 +14,10 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate, translate_program
         ("on(B) :- not m(B,L) : l(L) : L > 1 , b(B) , c.", "on(B) :- not m(B,L) : l(L), L > 1; b(B) , c."),
         ("{ a, b : c, }.", "{ a; b : c }."),
         ("a : b : c | d : e : f :- g.", "a : b, c | d : e, f :- g."),
+        # tokens: escaped quotes, nested comments, names with quotes, ends of lines
+        ('{ p("a\\"%, b"), q } :- % c, d\n %* x, y %* z *% *% f(X\'_1, _).',
+         '{ p("a\\"%, b"); q } :- % c, d\n %* x, y %* z *% *% f(X\'_1, _).'),
+        ("{ a, b }.\r\np :- q(1;2),\r\n r.\r", "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r"),
         # pools
         (":- on(B), b(B;C), not c(B;C,X).", ":- on(B), b(B), b(C), not c(B,X), not c(C,X)."),
         ("p(a;b). p(1;2,x;y) :- q.", "p(a;b). p((1;2),(x;y)) :- q."),
@@ -109,33 +113,9 @@ def test_translate_keeps_lines_and_comments():
     assert lines[-3:] == ["#show.", "end.", "% dialect: clingo 5"]
 
 
-CLINGO5 = """\
-#program base.
-{ p(X) : q(X), r(X) } = 1 :- s(X;Y); t.
-#show p/1. #show X : p(X), q(X).
-:~ p(X). [X@2, X]
-#script (python)
-#end.
-&diff { a - b } <= 3 :- c.
-"""
-
-
-def test_translate_leaves_clingo_5_files_unchanged():
-    assert translate(CLINGO5, "new.lp").text == CLINGO5
-    result = translate(CLINGO5, "new.lp", Dialect.GRINGO3)
-    assert (result.text, result.dialect) == (CLINGO5, Dialect.CLINGO5)
-
-
 @pytest.mark.parametrize("text", ["", "\n", "% only a comment", "p", "p.%", "\r\np.\r\n"])
 def test_translate_leaves_tiny_texts_unchanged(text):
     assert translate(text, "x.lp").text == text
-
-
-def test_translate_keeps_carriage_returns_of_lines():
-    assert (
-        translated("{ a, b }.\r\np :- q(1;2),\r\n r.\r\n")
-        == "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r\n% dialect: clingo 5\n"
-    )
 
 
 def test_translated_minimize_in_steps_counts_each_step():
@@ -145,21 +125,23 @@ def test_translated_minimize_in_steps_counts_each_step():
     assert '#minimize { 1@0,"x.lp:1",k,0 : a(k), b }.' in result.text
 
 
-def test_show_directives_replace_the_first_hide():
-    files = [
-        ("a.lp", "p. q(1).\n#hide p/0.\n#hide r/1."),
-        ("b.lp", "r(1). #external e/2. s :- t. { u : v } . #hide x/0."),
-    ]
-    first, second = translate_program(files)
-    assert first.text == "p. q(1).\n#show. #show q/1. #show e/2. #show s/0. #show u/0.\n% dialect: clingo 5\n"
-    assert second.text == "r(1). #external e/2. s :- t. { u : v } . \n% dialect: clingo 5\n"
+A, B = "p. q(1).\n#hide p/0.\n#hide r/1.", "r(1). #external e/2. s :- t. { u : v } . #hide x/0."
+CLINGO5 = "q(X;1) :- r(X); s. -t. { u; v : w }. #external x(1). y : z ; w. :- a; b. f(1..2,2;3)  :- b; c."
 
 
-def test_show_directives_include_heads_of_clingo_5_files():
-    files = [
-        ("a.lp", "#hide p/0."),
-        ("b.lp", "q(X;1) :- r(X); s. -t. { u; v : w }. #external x(1). y : z ; w. :- a; b. f(1..2,2;3)  :- b; c."),
-    ]
-    first, _ = translate_program(files)
-    shown = "#show. #show q/1. #show -t/0. #show u/0. #show v/0. #show x/1. #show y/0. #show w/0. #show f/2. #show f/1."
-    assert first.text.splitlines()[0] == shown
+@pytest.mark.parametrize(
+    ("files", "shown"),
+    [
+        ((A, B), "#show. #show q/1. #show e/2. #show s/0. #show u/0."),
+        (
+            ("#hide p/0.", CLINGO5),
+            "#show. #show q/1. #show -t/0. #show u/0. #show v/0. #show x/1. #show y/0. #show w/0. #show f/2. "
+            "#show f/1.",
+        ),
+    ],
+)
+def test_show_directives_of_all_heads_replace_the_first_hide(files, shown):
+    texts = [result.text for result in translate_program([("a.lp", files[0]), ("b.lp", files[1])])]
+    assert texts[0].endswith(shown + "\n% dialect: clingo 5\n")
+    assert "#hide" not in texts[1]
+    assert texts[1].startswith(files[1].replace("#hide x/0.", ""))
