@@ -9,7 +9,7 @@ from published_runs import GOAL, delivery
 from rosoclingo.runs import run_view
 from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
-from rosoclingo.runs.run_tables import POSES, Revision, Table, Track, simplify
+from rosoclingo.runs.run_tables import POSES, Track, simplify
 from rosoclingo.runs.run_view import RunView
 
 
@@ -95,29 +95,33 @@ def test_view_sends_only_changes():
     assert (number, goal["states"][-1]) == (1, [41.0, "active", "", ""])
 
 
-def test_view_keeps_the_reason_of_a_queued_goal():
+@pytest.mark.parametrize(
+    ("reported", "states"),
+    [
+        # a goal waits, for a reason, until the core begins with it
+        (
+            [(1.0, "a", 0, "much to do"), (2.0, "a", 0, "much to do"), (4.0, "a", 0, ""), (5.0, "a", 1, "")],
+            [(1.0, "waiting", "much to do"), (4.0, "pending", ""), (5.0, "active", "")],
+        ),
+        # the status of no goal, and after the end
+        (
+            [
+                (1.0, "a", 99, "odd"),
+                (1.0, "b", 3, "of another run"),
+                (2.0, "a", 5, "g(1) is refused"),
+                (3.0, "a", 1, ""),
+            ],
+            [(2.0, "rejected", "is refused")],
+        ),
+    ],
+)
+def test_view_goal_has_its_states(reported, states):
     view = RunView()
     view.goal(0.0, "a", "g(1)")
-    view.status(2.0, "a", 0, "there is too much to do")
-    view.status(3.0, "nobody", 0, "for ever")
+    for one in reported:
+        view.status(*one)
     (goal,) = records(view.changes(), "goals")
-    assert goal["states"] == [[0.0, "pending", "", ""], [2.0, "waiting", "there is too much to do", ""]]
-
-
-def test_view_pending_goal_waits_until_core_begins():
-    view = RunView()
-    view.goal(0.0, "a", "g(1)")
-    for time in (1.0, 2.0):
-        view.status(time, "a", 0, "there is too much to do")
-    view.status(4.0, "a", 0, "")
-    view.status(5.0, "a", 1, "")
-    (goal,) = records(view.changes(), "goals")
-    assert [state[:2] for state in goal["states"]] == [
-        [0.0, "pending"],
-        [1.0, "waiting"],
-        [4.0, "pending"],
-        [5.0, "active"],
-    ]
+    assert [tuple(state) for state in goal["states"]] == [(0.0, "pending", "", ""), *((*one, "") for one in states)]
 
 
 def test_view_reports_earlier_goals_at_once():
@@ -166,68 +170,41 @@ def test_view_does_not_bring_back_dropped_entries():
     assert [(goal["id"], goal["ended"]) for goal in records(fresh.changes(), "goals")] == [("b", 1.5)]
 
 
-def test_view_ignores_invalid_status_and_unsent_goal():
-    view = RunView()
-    view.goal(0.0, "a", "g(1)")
-    view.status(1.0, "a", 99, "odd")
-    view.status(1.0, "b", 3, "of another run")
-    view.status(2.0, "a", 5, "g(1) is refused")
-    view.status(3.0, "a", 1, "too late")
-    (goal,) = records(view.changes(), "goals")
-    assert goal["states"][1:] == [[2.0, "rejected", "is refused", ""]]
-
-
-def test_view_matches_returns_with_concurrent_actions():
-    view = RunView()
-    view.goal(0.0, "a", "g(1)")
-    view.dispatched(1.0, ["_action_lib(go,a,1)", "_action_lib(go,b,1)"])
-    view.returned(2.0, "go", ["_return(go,b,1)"])
-    view.returned(3.0, "go", ["_return(go,stuck,1)"])
-    first, second = records(view.changes(), "actions")
-    assert (second["ended"], second["failed"]) == (2.0, False)
-    assert (first["ended"], first["value"], first["failed"]) == (3.0, "stuck", True)
-
-
 @pytest.mark.parametrize(
-    ("published", "returns", "expected"),
+    ("messages", "ends"),
     [
-        (["_cancel(go,a,1)"], "preempted", (False, True)),
-        (["_cancel(go,a,1)"], "a", (False, False)),
-        (["_cancel(go,a,1)"], "blocked", (True, False)),
-        (["_cancel(go,b,1)"], "preempted", (True, False)),
-        (["_cancel(go,a,2)"], "preempted", (True, False)),
-        (["_cancel(go"], "preempted", (True, False)),
-        ([], "preempted", (True, False)),
+        # concurrent actions: their parameter, or else the first one
+        ([("go", "a"), ("go", "b"), "b", "stuck"], [("stuck", "failed"), ("b", "")]),
+        # a preempted action ended early, unless it was not cancelled
+        ([("go", "a"), ("cancel", "a"), "preempted"], [("preempted", "preempted")]),
+        ([("go", "a"), ("cancel", "a"), "a"], [("a", "")]),
+        ([("go", "a"), ("cancel", "a"), "blocked"], [("blocked", "failed")]),
+        ([("go", "a"), ("cancel", "b"), "preempted"], [("preempted", "failed")]),
+        ([("go", "a"), ("text", "_cancel(go,a,2)"), "preempted"], [("preempted", "failed")]),
+        ([("go", "a"), ("text", "_cancel(go"), "preempted"], [("preempted", "failed")]),
+        ([("go", "a"), "preempted"], [("preempted", "failed")]),
+        ([("go", "a"), ("go", "b"), ("cancel", "b"), "preempted"], [(None, ""), ("preempted", "preempted")]),
+        # a return before its action
+        (["a", ("text", "_return(go,late,0)"), ("go", "a"), ("text", "_action_lib(go,a,2)")], [("a", ""), (None, "")]),
     ],
 )
-def test_view_tells_preempted_actions_from_failures(published, returns, expected):
+def test_view_gives_each_return_to_its_action(messages, ends):
+    forms = {"go": "_action_lib(go,{},1)", "cancel": "_cancel(go,{},1)", "text": "{}"}
     view = RunView()
     view.goal(0.0, "a", "g(1)")
-    view.dispatched(1.0, ["_action_lib(go,a,1)"])
-    view.dispatched(2.0, published)
-    view.returned(3.0, "go", [f"_return(go,{returns},1)"])
-    (action,) = records(view.changes(), "actions")
-    assert (action["ended"], action["failed"], action["preempted"]) == (3.0, *expected)
-
-
-def test_view_gives_a_preempted_return_to_the_cancelled_action():
-    view = RunView()
-    view.goal(0.0, "a", "g(1)")
-    view.dispatched(1.0, ["_action_lib(go,a,1)", "_action_lib(go,b,1)", "_cancel(go,b,1)"])
-    view.returned(2.0, "go", ["_return(go,preempted,1)"])
-    first, second = records(view.changes(), "actions")
-    assert (first["ended"], second["ended"], second["preempted"]) == (None, 2.0, True)
-
-
-def test_view_accepts_a_return_before_its_action():
-    view = RunView()
-    view.goal(0.0, "a", "g(1)")
-    view.returned(1.0, "go", ["_return(go,a,1)", "_return(go,late,0)"])
-    view.dispatched(1.5, ["_action_lib(go,a,1)"])
-    view.dispatched(2.0, ["_action_lib(go,a,2)"])
-    first, second = records(view.changes(), "actions")
-    assert (first["begun"], first["ended"], first["failed"]) == (1.5, 1.5, False)
-    assert second["ended"] is None
+    for time, message in enumerate(messages, 1):
+        kind, word = message if isinstance(message, tuple) else ("text", f"_return(go,{message},1)")
+        text = forms[kind].format(word)
+        if text.startswith("_return"):
+            view.returned(float(time), "go", [text])
+        else:
+            view.dispatched(float(time), [text])
+    found = records(view.changes(), "actions")
+    outcomes = ("failed" * one["failed"] + "preempted" * one["preempted"] for one in found)
+    assert [(one["value"], outcome) for one, outcome in zip(found, outcomes)] == ends
+    for one in found:
+        assert (one["ended"] is None) == (one["value"] is None)
+        assert one["ended"] is None or one["begun"] <= one["ended"]
 
 
 def drawn(view):
@@ -440,19 +417,6 @@ def test_view_keeps_beliefs_when_they_change():
 
 
 # ---- tables ---------------------------------------------------------------------------------------------------------
-
-
-def test_table_lists_changes_since_a_version():
-    revision = Revision()
-    table = Table(revision)
-    for letter in "abc":
-        table.add(name=letter)
-    before = revision.number
-    assert table.changes_since(before) == []
-    table.change(0)["name"] = "A"
-    table.add(name="d")
-    assert table.changes_since(before) == [(0, {"name": "A"}), (3, {"name": "d"})]
-    assert len(table.changes_since(0)) == len(table) == 4
 
 
 def test_long_path_has_few_poses_and_its_length():
