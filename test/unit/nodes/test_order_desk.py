@@ -78,18 +78,28 @@ def test_desk_does_not_cancel_goals_of_others(counter):
     assert counter.canceled == []
 
 
+NO_ORDER, NO_KEY = "there is no such order", "the page sent no key"
+NO_COMMAND = "'pause' needs true or false, and 'stop' true"
+
+
 @pytest.mark.parametrize(
-    "message", [{"order": 9}, {"order": -1}, {"order": True}, {"order": "0"}, {"order": 0, "chosen": 3}, {"order": 0}]
+    ("message", "fault"),
+    [
+        ({}, "the message needs 'order', 'cancel', 'why', 'pause' or 'stop'"),
+        *(({"order": number}, NO_ORDER) for number in (9, -1, True, "0", 0)),
+        ({"order": 0, "chosen": 3}, NO_ORDER),
+        *(
+            ({"order": 0, "chosen": {"package": "1", "to": "office1"}, "key": key}, NO_KEY)
+            for key in (None, 3, "", "short", "x" * 101)
+        ),
+        *(({"pause": value}, NO_COMMAND) for value in (1, None)),
+        *(({"stop": value}, NO_COMMAND) for value in (False, "yes")),
+        ({"stop": True, "pause": True}, NO_COMMAND),
+    ],
 )
-def test_desk_refuses_malformed_orders(counter, message):
-    assert counter.take(key=KEY, **message) == {"fault": "there is no such order"}
-    assert counter.sent == []
-
-
-@pytest.mark.parametrize("key", [None, 3, "", "short", "x" * 101])
-def test_desk_refuses_orders_without_a_key(counter, key):
-    assert counter.order(key) == {"fault": "the page sent no key"}
-    assert counter.sent == []
+def test_desk_refuses_malformed_messages(counter, message, fault):
+    assert counter.take(**{"key": KEY, **message}) == {"fault": fault}
+    assert (counter.sent, counter.commands) == ([], [])
 
 
 @pytest.mark.parametrize("key", ["\ud800" + "a" * 9, "a" * 9 + "\udfff", "aaaa\udc00\ud800aaaa"])
@@ -106,10 +116,6 @@ def test_desk_answers_half_a_surrogate_pair_anywhere(counter, half):
     assert "fault" in counter.order(package=half)
     assert "fault" in counter.take(key=KEY, order=half)
     assert "ordered" in counter.take(key=KEY, order=0, chosen={"package": "1", "to": "office1", half: half})
-
-
-def test_desk_answers_a_message_without_order_or_cancel(counter):
-    assert counter.take(key=KEY) == {"fault": "the message needs 'order', 'cancel', 'why', 'pause' or 'stop'"}
 
 
 def test_desk_sends_no_goal_that_is_not_offered(counter):
@@ -186,13 +192,6 @@ def test_desk_command_waits_for_the_core(counter, message, value):
     assert counter.commands == []
     assert wait() == {"done": f"the core got {value}"}
     assert counter.commands == [value]
-
-
-@pytest.mark.parametrize(
-    "message", [{"pause": 1}, {"pause": None}, {"stop": False}, {"stop": "yes"}, {"stop": True, "pause": True}]
-)
-def test_desk_refuses_malformed_commands(counter, message):
-    assert counter.take(key=KEY, **message) == {"fault": "'pause' needs true or false, and 'stop' true"}
 
 
 @pytest.mark.parametrize("message", [{"pause": True}, {"stop": True}])

@@ -45,8 +45,7 @@ def test_server_refuses_a_request_that_is_too_long(served):
     assert served.get()[0] == 200
 
 
-# ---- access
-# ---------------------------------------------------------------------------------------------------------
+# ---- access ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -72,17 +71,19 @@ def test_server_refuses_the_page_of_another_site(served):
 
 
 @pytest.mark.parametrize(
-    "origin",
-    ["http://[::1", "http://[::1]:x", "http://\u2100.x", "[", "http://\u00ff"],
+    ("headers", "status", "body"),
+    [
+        *(
+            ({"Origin": one}, 403, b"")
+            for one in ("http://[::1", "http://[::1]:x", "http://\u2100.x", "[", "http://\u00ff")
+        ),
+        ({"Sec-WebSocket-Key": ""}, 400, b"Missing/Invalid WebSocket headers"),
+    ],
 )
-def test_server_refuses_an_origin_that_is_no_url(served, origin):
-    status, body = served.shake_hands(Origin=origin)
-    assert (status, b"<html" in body, len(body) > 4) == (403, False, True)
-
-
-def test_server_refuses_a_malformed_handshake(served):
-    status, body = served.shake_hands(**{"Sec-WebSocket-Key": ""})
-    assert (status, body) == (400, b"Missing/Invalid WebSocket headers")
+def test_server_refuses_a_malformed_handshake(served, headers, status, body):
+    found, text = served.shake_hands(**headers)
+    assert (found, b"<html" in text, len(text) > 4) == (status, False, True)
+    assert text.startswith(body)
 
 
 @pytest.mark.parametrize("value", ["", "permessage-deflate; server_max_window_bits=abc", "x; y=z"])
@@ -163,42 +164,21 @@ def test_server_reports_its_end_and_leaves_nothing_open(served, capfd):
     assert "destroyed" not in capfd.readouterr().err
 
 
-# ---- messages
-# -------------------------------------------------------------------------------------------------------
+# ---- messages -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-def test_server_sends_whole_view_and_then_changes(served):
+def test_server_sends_whole_view_then_changes_then_another_view(served):
     async def scene():
         client = await served.connect()
         first = await next_message(client)
         assert (first["whole"], first["core"], first["goals"][0][1]["request"]) == (True, True, GOAL)
-        served.do(lambda view: view.goal(140.0, "b", "goal(office1,office2,2)"))
+        served.do(lambda view: view.goal(140.0, "b", "g(b)"))
         more = await next_message(client)
         assert (more["whole"], more["about"], more["poses"]) == (False, None, [])
         assert [number for number, _ in more["goals"]] == [1]
-
-    play(scene())
-
-
-@pytest.mark.slow
-def test_server_reports_that_the_core_is_gone(served):
-    async def scene():
-        client = await served.connect()
-        await next_message(client)
         served.extra = {"core": False}
         assert (await next_message(client))["core"] is False
-
-    play(scene())
-
-
-@pytest.mark.slow
-def test_server_sends_another_view_as_a_whole(served):
-    async def scene():
-        client = await served.connect()
-        await next_message(client)
-        served.do(lambda view: view.goal(140.0, "b", "g(b)"))
-        await next_message(client)
         served.view = served.view.successor()
         found = await next_message(client)
         assert found["whole"]
@@ -209,19 +189,7 @@ def test_server_sends_another_view_as_a_whole(served):
     play(scene())
 
 
-# ---- questions
-# ------------------------------------------------------------------------------------------------------
-
-
-def test_server_answers_a_question():
-    with serving(take=lambda message: {"heard": message}) as served:
-
-        async def scene():
-            client = await served.connect()
-            await client.write_message(json.dumps({"number": 7, "order": 0}))
-            assert await answered(client) == {"number": 7, "heard": {"number": 7, "order": 0}}
-
-        play(scene())
+# ---- questions ------------------------------------------------------------------------------------------------------
 
 
 def test_server_answers_others_while_a_question_waits():
@@ -243,28 +211,27 @@ def test_server_answers_others_while_a_question_waits():
         play(scene())
 
 
-@pytest.mark.parametrize("text", ["", "nonsense", "[1]", "3", "null", "[" * 4000])
-def test_server_disconnects_after_a_malformed_question(text):
-    with serving(take=lambda message: {}) as served:
+NO_INTEGER = {"number": None, "fault": "'number' is not an integer"}
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ('{"number": 7, "order": 0}', {"number": 7, "heard": {"number": 7, "order": 0}}),
+        *((f'{{"number": {one}}}', NO_INTEGER) for one in ('"7"', "1.5", "NaN", "[" * 100 + "]" * 100, "true")),
+        *((one, None) for one in ("", "nonsense", "[1]", "3", "null", "[" * 4000)),
+    ],
+)
+def test_server_answers_questions_and_disconnects_after_others(text, answer):
+    with serving(take=lambda message: {"heard": message}) as served:
 
         async def scene():
             client = await served.connect()
             await client.write_message(text)
-            assert await answered(client) is None
-
-        play(scene())
-
-
-@pytest.mark.parametrize("number", ['"7"', "1.5", "NaN", "[" * 100 + "]" * 100, "true"])
-def test_server_answers_a_number_that_is_invalid(number):
-    with serving(take=lambda message: {"heard": 1}) as served:
-
-        async def scene():
-            client = await served.connect()
-            await client.write_message(f'{{"number": {number}}}')
-            assert await answered(client) == {"number": None, "fault": "'number' is not an integer"}
-            await client.write_message('{"number": 3}')
-            assert await answered(client) == {"number": 3, "heard": 1}
+            assert await answered(client) == answer
+            if answer is not None:
+                await client.write_message('{"number": 3}')
+                assert await answered(client) == {"number": 3, "heard": {"number": 3}}
 
         play(scene())
 
