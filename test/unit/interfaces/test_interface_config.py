@@ -129,17 +129,31 @@ def test_interface_config_faults_name_their_place(entry, fault):
         read_specs({"arm": entry})
 
 
-def test_interface_config_names_are_terms():
-    with pytest.raises(ConfigError, match="Left Arm: the name must be the ASP term"):
-        read_specs({"Left Arm": TYPE})
-
-
 FLEET = {
     "server": "/{R}/arm",
     "goal": {"goal": "{R}"},
     "done": {"topic": "{R}/state", "type": "std_msgs/Int32", "when": {"data": "$1"}},
     **TYPE,
 }
+
+
+@pytest.mark.parametrize(
+    ("data", "values", "fault"),
+    [
+        (None, {}, "is missing: give a mapping of interface names"),
+        ([1], {}, "must be a mapping"),
+        ({}, {}, "has no entries; write one"),
+        ({"Left Arm": TYPE}, {}, "Left Arm: the name must be the ASP term"),
+        ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
+        ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
+        ({"arm": FLEET}, {}, r"arm.server: {R} is not a variable of the entry's name \(write a name such as"),
+        ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is not a variable .* \(its variables are S\)"),
+        ({"Arm(R)": FLEET}, {"R": ["r1"]}, r"Arm\(R\): the name must be the ASP term"),
+    ],
+)
+def test_interface_config_has_entries_whose_variables_have_values(data, values, fault):
+    with pytest.raises(ConfigError, match=fault):
+        read_specs(data, values)
 
 
 def test_interface_config_name_with_variables_stands_for_several_entries():
@@ -157,21 +171,6 @@ def test_interface_config_without_values_knows_the_instances():
     assert spec.instance("arm(r7)").name == "arm(r7)"
     assert spec.instance("arm(r7)").key == "arm(R)"
     assert spec.instance("leg(r7)") is spec.instance("arm(r7,left)") is spec.instance("arm") is None
-
-
-@pytest.mark.parametrize(
-    ("data", "values", "fault"),
-    [
-        ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
-        ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
-        ({"arm": FLEET}, {}, r"arm.server: {R} is not a variable of the entry's name \(write a name such as"),
-        ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is not a variable .* \(its variables are S\)"),
-        ({"Arm(R)": FLEET}, {"R": ["r1"]}, r"Arm\(R\): the name must be the ASP term"),
-    ],
-)
-def test_interface_config_variables_have_values(data, values, fault):
-    with pytest.raises(ConfigError, match=fault):
-        read_specs(data, values)
 
 
 @pytest.mark.parametrize(
@@ -195,19 +194,6 @@ def test_interface_config_reports_all_faults_at_once():
     with pytest.raises(ConfigError) as caught:
         read_specs({"arm": {"timeout": -1}, "leg": 3})
     assert [line.split(":")[0] for line in str(caught.value).splitlines()] == ["arm.type", "arm.timeout", "leg"]
-
-
-@pytest.mark.parametrize(
-    ("data", "fault"),
-    [
-        (None, "is missing: give a mapping of interface names"),
-        ([1], "must be a mapping"),
-        ({}, "has no entries; write one"),
-    ],
-)
-def test_interface_config_can_be_empty(data, fault):
-    with pytest.raises(ConfigError, match=fault):
-        read_specs(data)
 
 
 def test_interface_config_faulty_entry_is_checked_further():

@@ -59,14 +59,9 @@ def check_files(folder, files, capsys, *options):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
 def test_robot_files_of_correct_systems_have_no_finding(name, tmp_path, capsys):
-    assert check_files(tmp_path, texts(name), capsys) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["mailbot", "house", "paper", "garden", "template"])
-def test_robot_files_labels_alone_have_no_finding(name, tmp_path, capsys):
     files = texts(name)
-    assert check_files(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == []
+    assert check_files(tmp_path, files, capsys) == []
+    assert check_files(tmp_path, files, capsys, "--labels", str(tmp_path / "labels.yaml")) == [], "labels alone"
 
 
 @pytest.mark.slow
