@@ -72,15 +72,11 @@ def write(messages, tmp_path, driver):
 
 
 @pytest.mark.slow
-def test_replay_accepts_a_recorded_run(replay, write):
+def test_replay_accepts_a_recorded_run(replay, write, driver):
     code, text = replay(write())
     assert code == 0
     assert text.endswith("no unexplained difference")
     assert "UNEXPLAINED" not in text
-
-
-@pytest.mark.slow
-def test_replay_prints_a_line_per_cycle_on_request(replay, write, driver):
     _, text = replay(write(), "--all")
     cycles = len(driver.journal.of(UpdateSent))
     assert sum(line.startswith("cycle ") for line in text.splitlines()) == cycles >= 10
@@ -96,12 +92,6 @@ def test_replay_prints_answer_of_a_cycle_as_table(replay, write):
     assert "_action_lib(deliver,1,t)" in text
     with pytest.raises(SystemExit):
         replay(write(), "--to", "0")
-
-
-@pytest.mark.slow
-def test_replay_refuses_a_cycle_beyond_the_run(replay, write, capsys):
-    assert replay(write(), "--to", 999)[0] == 2
-    assert "--to 999 is after the last cycle" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -149,27 +139,41 @@ def test_replay_accepts_another_program(replay, write, tmp_path):
     assert "this is not the program of the run" in text
 
 
+def begun_late(topic, message):
+    """Turn the update of the first cycle into one of the second cycle."""
+    if topic == "rosoclingo/updates" and message.data.startswith("#step 1 "):
+        message.data = message.data.replace("#step 1 ", "#step 2 ", 1)
+    return message
+
+
 @pytest.mark.parametrize(
-    ("left_out", "spaces", "why"),
+    ("options", "words", "why"),
     [
-        (["rosoclingo/updates"], ("/",), "the bag has no stream updates of a core"),
-        (["rosoclingo/task_plan"], ("/",), "lacks the decisions"),
-        ([], ("/a/", "/b/"), "the bag has runs of 2 cores: choose one of /a/rosoclingo, /b/rosoclingo with --core"),
-        ([], (), "the bag is empty"),
+        ({"left_out": ["rosoclingo/updates"]}, [], "the bag has no stream updates of a core"),
+        ({"left_out": ["rosoclingo/task_plan"]}, [], "lacks the decisions"),
+        (
+            {"spaces": ("/a/", "/b/")},
+            [],
+            "the bag has runs of 2 cores: choose one of /a/rosoclingo, /b/rosoclingo with --core",
+        ),
+        (
+            {"spaces": ("/a/", "/b/")},
+            ["--core", "c"],
+            "the bag has no core c; its cores: /a/rosoclingo, /b/rosoclingo",
+        ),
+        ({"spaces": ()}, [], "the bag is empty"),
+        ({"change": begun_late}, [], "the updates of cycle 1 are missing"),
+        ({}, ["--to", "999"], "--to 999 is after the last cycle"),
     ],
 )
-def test_replay_reports_topics_missing_in_a_bag(replay, write, capsys, left_out, spaces, why):
-    path = write(left_out, spaces)
-    assert replay(path)[0] == 2
+def test_replay_refuses_bags_without_the_run(replay, write, capsys, options, words, why):
+    assert replay(write(**options), *words)[0] == 2
     assert why in capsys.readouterr().err
 
 
 @pytest.mark.slow
-def test_replay_selects_one_of_several_cores(replay, write, capsys):
-    path = write(spaces=("/a/", "/b/"))
-    assert replay(path, "--core", "b/rosoclingo")[0] == 0
-    assert replay(path, "--core", "c")[0] == 2
-    assert "the bag has no core c; its cores: /a/rosoclingo, /b/rosoclingo" in capsys.readouterr().err
+def test_replay_selects_one_of_several_cores(replay, write):
+    assert replay(write(spaces=("/a/", "/b/")), "--core", "b/rosoclingo")[0] == 0
 
 
 @pytest.mark.slow
@@ -182,16 +186,6 @@ def test_replay_handles_a_core_that_was_restarted(replay, write, capsys):
     assert replay(path, *files, "--to", 2)[0] == 2
     assert "has 2 runs of the core: choose one with --run N" in capsys.readouterr().err
     assert replay(path, *files, "--run", 3)[0] == 2
-
-
-def test_replay_refuses_a_run_that_begins_too_late(replay, write, capsys):
-    def change(topic, message):
-        if topic == "rosoclingo/updates" and message.data.startswith("#step 1 "):
-            message.data = message.data.replace("#step 1 ", "#step 2 ", 1)
-        return message
-
-    assert replay(write(change=change))[0] == 2
-    assert "the updates of cycle 1 are missing" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("size", [0, 5, 5000, -1])
