@@ -12,7 +12,7 @@ from rosoclingo.planning.question import Question, Reply, Strategy
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 PIECE = 32
-"""Least number of steps added before the next question."""
+"""Least number of steps added before the next question. Fewer are added if clingo grounds fewer in one call."""
 
 
 def probe(
@@ -38,4 +38,5 @@ def probe(
         core = set(reply.core) if idles else core | reply.core
         if last == end or reply.hopeless:
             return reply._replace(core=frozenset(core))
-        last = min(end, last + (max(last - runner.min_horizon + 1, PIECE) if idles else 1))
+        piece = min(PIECE, runner.grounding.piece())
+        last = min(end, last + (max(last - runner.min_horizon + 1, piece) if idles else 1))
