@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import browser
 from core_helpers import Client, ManualInterfaces
-from interface_helpers import Process, executable, init_node, process_of, wait_until
+from interface_helpers import Process, executable, init_node, process_of, wait_for_server, wait_until
 
 TOPICS = [
     "/in_rosoclingo",
@@ -92,6 +92,7 @@ class WebPage(unittest.TestCase):
         self.connected()
         self.hands.at_once = True
         self.hands.wait_for("/rosoclingo")
+        wait_for_server(self.client.raw)
         self.client.send("goal(office3,office4,2)").ends_as(GoalStatus.SUCCEEDED)
         self.goals("done,rejected,lost,done")
         self.assertEqual(self.page.faults, [])
