@@ -19,6 +19,7 @@ HOSTILE = [
     "\u2028]]><!-- script -->",
     '" onclick="window.broken = 1',
     "{{constructor}}",
+    "${1}",
 ]
 pytestmark = [pytest.mark.slow, pytest.mark.once]
 
@@ -322,16 +323,6 @@ def test_report_page_shows_an_empty_run(opened):
     assert "No goals yet." in page.text("#goals")
 
 
-@pytest.mark.parametrize("width", [360, 1280])
-def test_report_page_is_no_wider_than_the_window(opened, page, width):
-    view = delivery()
-    view.goal(140.0, "b", f"goal({'x' * 300},1)")
-    page.size(width, 740)
-    opened(view)
-    assert page.run("document.documentElement.scrollWidth") <= width
-    page.size(1280, 900)
-
-
 def test_report_page_of_many_goals_is_small_and_fast(opened, tmp_path):
     view = long_run()
     assert write(tmp_path, view).stat().st_size < 5_000_000
@@ -471,17 +462,20 @@ def test_report_page_plan_says_what_it_folds_away(opened):
     assert "picks up 1\n" in page.text("#plan")
 
 
-@pytest.mark.parametrize("width", [390, 1280])
-def test_report_page_targets_fit_fingers_on_a_phone(opened, page, width):
+@pytest.mark.parametrize("width", [360, 390, 1280])
+def test_report_page_fits_phones_and_fingers(opened, page, width):
+    view = delivery(worded())
+    view.goal(140.0, "b", f"goal({'x' * 300},1)")
     page.size(width, 740)
     try:
-        opened(delivery(worded()))
+        opened(view)
+        assert page.run("document.documentElement.scrollWidth") <= width
         move(page, 10.5)
         sizes = (
             "[...document.querySelectorAll('button, select, summary, input[type=range]')]"
             ".map((one) => one.getBoundingClientRect()).filter((box) => box.width).map((box) => box.height)"
         )
-        assert min(page.run(sizes)) >= (44 if width == 390 else 14)
+        assert min(page.run(sizes)) >= (14 if width == 1280 else 44)
         bar = page.run("document.getElementById('controls').getBoundingClientRect().height")
         assert bar <= 60
         assert page.run("document.documentElement.scrollWidth") <= width
@@ -503,20 +497,9 @@ def test_report_page_cut_labels_have_titles(opened):
         assert "" not in found
 
 
-HOSTILE_WORDS = [
-    "<script>window.broken = 1</script>",
-    "<img src=x onerror='window.broken = 1'>",
-    '" onclick="window.broken = 1',
-    "x" * 3000,
-    "\u202eright to left\u202c",
-    "\u0627\u0644\u0645\u0637\u0628\u062e",
-    "two\nlines",
-    "{{constructor}}",
-    "${1}",
-]
-
-
-@pytest.mark.parametrize("text", HOSTILE_WORDS)
+@pytest.mark.parametrize(
+    "text", [*HOSTILE, "x" * 3000, "\u202eright to left\u202c", "\u0627\u0644\u0645\u0637\u0628\u062e", "two\nlines"]
+)
 def test_report_page_sentences_and_titles_are_only_text(opened, page, text):
     quoted = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     says = f'_says(move_base,"{quoted} {{}}"). _says("goal(F,T,I)","{quoted} {{I}} {{F}}"). _says(pickup,"{quoted}").'
