@@ -13,46 +13,33 @@ def inquiry(*says):
     return Inquiry(lambda: next(words) if says else None, LIMIT, 10.0) if says else Inquiry(None, LIMIT, 10.0)
 
 
-def test_inquiry_goal_known_to_server_is_under_way():
-    assert inquiry(True).look(ServerReport.HELD, 10.0) is InquiryResult.HELD
+HELD, ENDED, ABSENT = ServerReport.HELD, ServerReport.ENDED, ServerReport.ABSENT
 
 
-def test_inquiry_waits_for_the_server():
-    one = inquiry(True)
-    assert one.look(None, 14.9) is InquiryResult.OPEN
-    assert one.look(ServerReport.ABSENT, 14.95) is InquiryResult.DONE
-    assert inquiry().look(None, 15.0) is InquiryResult.UNKNOWN
-
-
-def test_inquiry_asks_world_if_server_is_absent():
-    assert inquiry(True).look(None, 15.0) is InquiryResult.DONE
-    assert inquiry(False).look(None, 15.0) is InquiryResult.UNKNOWN, "an unreachable server can still execute it"
-    assert inquiry(None).look(None, 15.0) is InquiryResult.UNKNOWN
-
-
-@pytest.mark.parametrize(("says", "finding"), [(True, InquiryResult.DONE), (False, InquiryResult.NOT_DONE)])
-def test_inquiry_waits_for_the_world(says, finding):
-    one = inquiry(None, None, says)
-    assert one.look(ServerReport.ABSENT, 10.0) is InquiryResult.OPEN
-    assert one.look(ServerReport.ABSENT, 14.0) is InquiryResult.OPEN
-    assert one.look(ServerReport.ABSENT, 16.0) is finding
-
-
-def test_inquiry_waits_limited_time_for_silent_world():
-    one = inquiry(None, None)
-    assert one.look(ServerReport.ABSENT, 14.0) is InquiryResult.OPEN
-    assert one.look(ServerReport.ABSENT, 15.0) is InquiryResult.UNKNOWN
-
-
-def test_inquiry_without_any_source_does_not_wait():
-    assert inquiry().look(ServerReport.ABSENT, 10.0) is InquiryResult.UNKNOWN
-
-
-def test_inquiry_accepts_late_result_of_ended_goal():
-    one = inquiry()
-    assert one.look(ServerReport.ENDED, 11.0) is InquiryResult.OPEN
-    assert one.look(ServerReport.HELD, 11.1) is InquiryResult.HELD
-    assert one.look(ServerReport.ENDED, 11.0 + RESULT_GRACE) is InquiryResult.UNKNOWN
+@pytest.mark.parametrize(
+    ("says", "looks"),
+    [
+        # the server is asked first
+        ([True], [(HELD, 10.0, "HELD")]),
+        ([True], [(None, 14.9, "OPEN"), (ABSENT, 14.95, "DONE")]),
+        ([], [(None, 15.0, "UNKNOWN")]),
+        # then the world; an unreachable server can still execute the action
+        ([True], [(None, 15.0, "DONE")]),
+        ([False], [(None, 15.0, "UNKNOWN")]),
+        ([None], [(None, 15.0, "UNKNOWN")]),
+        # the world can take some time
+        ([None, None, True], [(ABSENT, 10.0, "OPEN"), (ABSENT, 14.0, "OPEN"), (ABSENT, 16.0, "DONE")]),
+        ([None, None, False], [(ABSENT, 10.0, "OPEN"), (ABSENT, 14.0, "OPEN"), (ABSENT, 16.0, "NOT_DONE")]),
+        ([None, None], [(ABSENT, 14.0, "OPEN"), (ABSENT, 15.0, "UNKNOWN")]),
+        ([], [(ABSENT, 10.0, "UNKNOWN")]),
+        # the result of a goal that has ended can be late
+        ([], [(ENDED, 11.0, "OPEN"), (HELD, 11.1, "HELD"), (ENDED, 11.0 + RESULT_GRACE, "UNKNOWN")]),
+    ],
+)
+def test_inquiry_asks_the_server_and_then_the_world(says, looks):
+    one = inquiry(*says)
+    for report, time, result in looks:
+        assert one.look(report, time) is InquiryResult[result]
 
 
 def test_inquiry_does_not_reuse_id_of_ended_goal():

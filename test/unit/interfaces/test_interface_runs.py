@@ -137,8 +137,9 @@ def test_goal_run_server_that_never_starts_is_lost():
     assert run.verdict == "server_lost"
 
 
-def test_goal_run_slow_goal_that_goes_on_is_aborted():
-    run = run_in(Phase.RUNNING)
+def test_goal_run_timeout_counts_from_sending_and_ends_run():
+    run = run_in(Phase.SENT)
+    run.handle(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
     assert not run.cancel_ignored
     assert run.tick(later(14.9, 6.1)) is Effect.NOTHING
@@ -146,12 +147,6 @@ def test_goal_run_slow_goal_that_goes_on_is_aborted():
     assert run.verdict == "server_lost"
     assert run.cancel_ignored
     assert run.done
-
-
-def test_goal_run_timeout_counts_from_sending():
-    run = run_in(Phase.SENT)
-    run.handle(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
-    assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
 
 
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
