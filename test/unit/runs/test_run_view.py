@@ -277,8 +277,10 @@ def test_view_goals_of_vanished_core_are_lost_unless_reported():
     view.begin("two")
     first, second = records(view.changes(), "goals")
     assert first["states"][-1] == second["states"][-1] == [1.0, "lost", "the core was restarted", ""]
+    known = view.revision
     view.status(8.0, "a", 1, "")
     assert (first["ended"], second["ended"]) == (None, 1.0)
+    assert view.changes(known)["goals"] == [(0, first)], "also of an earlier record"
 
 
 def test_view_that_continues_has_only_open_goals():
