@@ -11,7 +11,7 @@ from typing import Optional, Sequence, Set
 
 from clingo.ast import parse_string
 
-from rosoclingo.oclingo.gringo3.lexer import SourceToken, comments, statements, tokens
+from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, comments, statements, tokens
 
 GRINGO3_WORDS = frozenset(
     ["#hide", "#domain", "#compute", "#avg", "#even", "#odd", "#mod", "#div", "#pow", "#abs", ":=", ";;"]
@@ -111,8 +111,11 @@ class SourceFile:
 
 def is_signature(statement: Sequence[SourceToken]) -> bool:
     """Return whether a statement is ``#external p/n.``"""
-    words = [one.text for one in statement]
-    return words[0] == "#external" and len(words) in (5, 6) and words[-3] == "/" and words[-1] == "."
+    if statement[0].text != "#external" or len(statement) not in (5, 6):
+        return False
+    name, slash, arity, dot = statement[-4:]
+    parts = name.kind is TokenKind.IDENTIFIER and arity.kind is TokenKind.NUMBER
+    return parts and (slash.text, dot.text) == ("/", ".") and statement[-5].text in ("#external", "-")
 
 
 def accepted_by_clingo(text: str) -> bool:

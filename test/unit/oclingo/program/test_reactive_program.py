@@ -120,6 +120,8 @@ def test_program_reports_all_faults_at_once():
     ("text", "line", "words"),
     [
         ("a :- b(.\n" + STEPS, 1, "syntax error"),
+        ("#external p/q.\n" + STEPS, 1, "syntax error"),
+        ("#external P/1.\n" + STEPS, 1, "syntax error"),
         ("#program foo(t).\n", 1, "unknown program part foo(t)"),
         ("#cumulative T.\n", 1, "write #cumulative t."),
         ("#volatile t : w.\n", 1, "'w' is not a number"),
