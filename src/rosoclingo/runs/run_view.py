@@ -192,7 +192,7 @@ class RunView(RunEvents):
                 if key in self._history:
                     continue
                 self._goal(came if 0.0 < came < time else time, key, text, time, after)
-            self._status(time, key, number, reason, after)
+            self.status(time, key, number, reason, after)
         self._met = True
 
     def cancel(self, time: float, key: str) -> None:
@@ -200,21 +200,21 @@ class RunView(RunEvents):
         goal = self.tables["goals"][self._goals[key]] if key in self._goals else {"words": "every goal", "request": ""}
         self._log.add(self._now(time, begins=True), "cancel", goal["words"], details=goal["request"])
 
-    def status(self, time: float, key: str, number: int, reason: str) -> None:
-        """Record a goal's status, also if it is repeated; a pending goal with a reason is queued."""
-        self._status(time, key, number, reason)
+    def status(self, time: float, key: str, number: int, reason: str, after: Iterable[str] = ()) -> None:
+        """Record a goal's status, also if it is repeated; a pending goal with a reason is queued.
 
-    def _status(self, time: float, key: str, number: int, message: str, after: Iterable[str] = ()) -> None:
+        ``after``: what the line of the log has to follow.
+        """
         if not 0 <= number < len(STATUS_WORDS):
             return
         word, before = STATUS_WORDS[number], self.last_state(key)
-        word = WAITING if word == PENDING and message else word
+        word = WAITING if word == PENDING and reason else word
         is_news = before is not None and before[0] != word and word not in (PENDING, WAITING)
-        if self._state(time, key, word, message) and is_news:
+        if self._state(time, key, word, reason) and is_news:
             goal = self.tables["goals"][self._goals[key]]
-            _, _, reason, details = goal["states"][-1]
-            text = f"{goal['words']}: {SAID[word]}{reason_suffix(word, reason)}"
-            plain = f"{goal['request']}: {word}{reason_suffix(word, details or reason)}"
+            _, _, said, details = goal["states"][-1]
+            text = f"{goal['words']}: {SAID[word]}{reason_suffix(word, said)}"
+            plain = f"{goal['request']}: {word}{reason_suffix(word, details or said)}"
             self._log.add(self._now(time), "goal", text, after, details=plain)
 
     def update(self, time: float, text: str) -> None:

@@ -59,8 +59,8 @@ def run_scenario(
         player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
-        # the account learns of an end from the status topic, which can be later than the result
-        player.wait_until(lambda: account.summary.has_ended(player.sent), timeout, lambda: "no status of every goal")
+        # the account learns of an end from ~goals, which can be later than the result
+        player.wait_until(lambda: account.summary.has_ended(player.sent), timeout, lambda: "not all ends are on ~goals")
         wait_for_news(player, lambda: account.summary, scenario.expect)
     except PlayError as error:
         faults.append(str(error))

@@ -60,7 +60,7 @@ class BodyState:
         self._scale = 1.0 / costmap.resolution
         self._discs = body.discs(costmap.resolution)
         self._cells = np.array([*costmap.to_cells(pose.x, pose.y), pose.yaw])
-        self._near = (costmap.clearance, costmap.occupied)
+        self._obstacles = (costmap.clearance, costmap.occupied)
 
     def bearing(self, point: Point) -> float:
         """Return the angle (rad) between the robot's heading and the direction to a point."""
@@ -86,7 +86,7 @@ class BodyState:
         """
         if not self.body.footprint:
             return True
-        return bool(can_turn(*self._near, self._discs, self._cells, angle, TURN_CLEARANCE * self._scale))
+        return bool(can_turn(*self._obstacles, self._discs, self._cells, angle, TURN_CLEARANCE * self._scale))
 
     def best_command(
         self,
@@ -104,7 +104,7 @@ class BodyState:
         """  # fmt: skip
         scale, cells = self._scale, np.array(self.costmap.to_cells(*carrot))
         i, j = best_command(
-            *self._near, self._discs, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale,
+            *self._obstacles, self._discs, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale,
             horizon, self.costmap.resolution,
         )  # fmt: skip
         return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
@@ -118,7 +118,7 @@ class BodyState:
         for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
             for floor in ARC_CLEARANCES:
                 i, length = best_arc(
-                    *self._near, self._discs, self._cells, curvatures / scale, ARC_LIMIT * scale,
+                    *self._obstacles, self._discs, self._cells, curvatures / scale, ARC_LIMIT * scale,
                     (self.body.outer + spare) * scale, floor * scale,
                 )  # fmt: skip
                 if length != 0.0:
