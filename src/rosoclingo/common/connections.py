@@ -64,7 +64,8 @@ def readers(node: str) -> Optional[Dict[str, Set[str]]]:
 def connected_nodes(topic: Any) -> Set[str]:
     """Return the nodes that a subscriber's ``impl`` is connected to at this end; none if it is closed.
 
-    rospy also lists connections that it tries to open again: for ever if the node is alive, but its topic is gone.
+    rospy also lists connections that it tries to open: again and again if a node refuses them because it is ending,
+    and for ever if the node is alive, but its topic is gone.
     """
     return {one.callerid_pub for one in topic.connections if _is_open(one)} if topic is not None else set()
 
@@ -74,7 +75,8 @@ def _is_open(connection: Any) -> bool:
         connection.socket.getpeername()
     except (AttributeError, OSError):
         return False
-    return True
+    answer = connection.header  # the publisher's, None before it
+    return answer is not None and "error" not in answer
 
 
 def is_connected(subscriber: rospy.Subscriber, header: Any) -> bool:

@@ -4,13 +4,17 @@
 import os
 import re
 import signal
+import socketserver
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 from pathlib import Path
+from xmlrpc.server import SimpleXMLRPCServer
 
 import rosbag
+import rosgraph.network
 import rosnode
 import rospy
 import rostest
@@ -103,6 +107,39 @@ class Recorder(unittest.TestCase):
             record.signal(signal.SIGINT)
             self.assertEqual(record.wait()[0], 0)
         self.assertEqual(self.holds(), (["hello"], ["begins", "ends, later messages are missing on /last_words"]))
+
+    def test_publisher_that_refuses_the_connection_is_not_waited_for(self):
+        """As a node does that is ending when the recorder connects."""
+        refused = self.register_refusing_node("/last_words")
+        with recorder(self.bag) as record:
+            self.assertTrue(refused.wait(PATIENCE), "the recorder has not connected")
+            record.signal(signal.SIGINT)
+            self.assertEqual(record.wait()[0], 0)
+        self.assertEqual(self.holds(), ([], ["begins", "ends, with the run: complete"]))
+
+    def register_refusing_node(self, topic):
+        """Register a publisher that refuses all connections; return an event that is set by the first one."""
+        host, refused = rosgraph.network.get_host_name(), threading.Event()
+
+        class Refusal(socketserver.BaseRequestHandler):
+            def handle(self):
+                refused.set()
+                rosgraph.network.write_ros_handshake_header(self.request, {"error": "node shutting down"})
+
+        topics = socketserver.ThreadingTCPServer((host, 0), Refusal)
+        topics.daemon_threads = True
+        node = SimpleXMLRPCServer((host, 0), logRequests=False)
+        node.register_function(lambda *_: (1, "", ["TCPROS", host, topics.server_address[1]]), "requestTopic")
+        node.register_function(lambda *_: (1, "", []), "getPublications")  # so rospy gives up, but keeps the connection
+        for server in (topics, node):
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            self.addCleanup(server.server_close)
+            self.addCleanup(server.shutdown)
+        uri = f"http://{host}:{node.server_address[1]}/"
+        master = rosgraph.Master("/refusing")
+        master.registerPublisher(topic, String._type, uri)
+        self.addCleanup(master.unregisterPublisher, topic, uri)
+        return refused
 
     def test_rosnode_kill_completes_the_bag(self):
         with recorder(self.bag) as record, speaker():

@@ -15,7 +15,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Float64
 
-from rosoclingo.common.connections import is_delivered_to, readers
+from rosoclingo.common.connections import connected_nodes, is_delivered_to, readers
 from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.nodes.recording.bag_file import BagError, BagFile, repair, unfinished_path
@@ -177,7 +177,7 @@ class RecorderNode:
     def _open_topics(self) -> List[str]:
         """Return the topics with a running publisher; all messages of other topics have been received."""
         me, own = rospy.get_name(), (one for one in self._subscribers if one.resolved_name not in OF_ALL)
-        return [one.resolved_name for one in own if any(other.callerid_pub != me for other in one.impl.connections)]
+        return [one.resolved_name for one in own if connected_nodes(one.impl) - {me}]
 
     def _close(self) -> None:
         going_on = self._open_topics()
